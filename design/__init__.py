@@ -1,0 +1,1 @@
+"""Shaper design: plants, actuators, shapers and their proof. No file, socket, clock or web."""

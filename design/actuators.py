@@ -1,0 +1,244 @@
+"""What drives the plant: actuators whose acceleration and deceleration may differ."""
+
+import math
+from dataclasses import dataclass
+from typing import Literal, overload
+
+from design.errors import InvalidInputError
+from design.types import ComplexArray, require_between, require_positive
+
+Model = Literal["superposed", "switched"]
+"""How the two sets share the actuator; docs/theory.md says what each means."""
+
+SMALLEST_DAMPING_RATIO = 0.1
+LARGEST_DAMPING_RATIO = 5.0
+
+CRITICAL_PHASE = 1e-6
+"""Below it, sin(x)/x and cos(x) are 1 to double precision: the lag is critically damped [rad]."""
+
+SETTLED_SHARE = 0.8
+"""Share of a step after which a step counts as settled (Kim 2011, eq. 3.40) [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lag:
+    """Unit-gain lag of order two or less, ``G(p) = 1 / (1 + first p + second p^2)``.
+
+    Attributes
+    ----------
+    first_s
+        Coefficient of p, >= 0 [s].
+    second_s2
+        Coefficient of p^2, >= 0 [s^2]; 0 makes it first order, both 0 ideal.
+    """
+
+    first_s: float = 0.0
+    second_s2: float = 0.0
+
+    @overload
+    def denominator(self, pole_rad_s: complex) -> complex: ...
+    @overload
+    def denominator(self, pole_rad_s: ComplexArray) -> ComplexArray: ...
+    def denominator(self, pole_rad_s: complex | ComplexArray) -> complex | ComplexArray:
+        """Return ``1 / G`` at one pole or at many [-]."""
+        return 1 + pole_rad_s * (self.first_s + pole_rad_s * self.second_s2)
+
+    def settling_time_s(self, share: float = SETTLED_SHARE) -> float:
+        """Return the last time at which the step response is outside ``1 ± (1 - share)`` [s].
+
+        Exact: by the exponential for a first-order lag, by bisection between the last extremum
+        outside the band and the next for an oscillating one, by bisection for a slow one.
+        """
+        band = 1 - share
+        if self.second_s2 == 0.0:
+            return -self.first_s * math.log(band)
+        frequency = 1 / math.sqrt(self.second_s2)
+        damping = self.first_s * frequency / 2
+        if damping < 1:
+            # Extrema of the error are at k half periods, exp(-z w t) high.
+            half_period = math.pi / (frequency * math.sqrt(1 - damping**2))
+            extrema = math.ceil(-math.log(band) / (damping * frequency * half_period)) - 1
+            low, high = extrema * half_period, (extrema + 1) * half_period
+        else:
+            low, high = 0.0, 1 / frequency
+            while abs(self.step_error(high)) > band:
+                low, high = high, 2 * high
+        while high - low > 1e-12 * high:
+            middle = (low + high) / 2
+            if abs(self.step_error(middle)) > band:
+                low = middle
+            else:
+                high = middle
+        return high
+
+    def step_error(self, time_s: float) -> float:
+        """Return ``1 - v(t)`` of the unit step response at ``time_s >= 0`` [-]."""
+        if self.second_s2 == 0.0:
+            return math.exp(-time_s / self.first_s) if self.first_s > 0 else 0.0
+        frequency = 1 / math.sqrt(self.second_s2)
+        damping = self.first_s * frequency / 2
+        phase = frequency * time_s
+        root = math.sqrt(abs(damping**2 - 1))
+        if root * phase < CRITICAL_PHASE:
+            return math.exp(-damping * phase) * (1 + damping * phase)
+        if damping < 1:
+            wave = math.cos(root * phase) + damping / root * math.sin(root * phase)
+            return math.exp(-damping * phase) * wave
+        slow, fast = 1 / (damping + root), damping + root
+        return (fast * math.exp(-slow * phase) - slow * math.exp(-fast * phase)) / (fast - slow)
+
+
+IDEAL_LAG = Lag()
+
+
+def _require_served(model: Model) -> None:
+    if model != "superposed":
+        raise InvalidInputError(
+            "model", model, "'superposed'; the switched model is not served yet"
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ideal:
+    """An actuator that follows its command at once."""
+
+    @property
+    def kind(self) -> str:
+        """Its ``kind`` on the wire."""
+        return "ideal"
+
+    @property
+    def accel_lag(self) -> Lag:
+        """Response to a step that increases the magnitude of the command."""
+        return IDEAL_LAG
+
+    @property
+    def decel_lag(self) -> Lag:
+        """Response to a step that decreases the magnitude of the command."""
+        return IDEAL_LAG
+
+    @property
+    def corner_frequencies_rad_s(self) -> dict[str, float]:
+        """Corner frequency of each set that has one [rad/s]."""
+        return {}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FirstOrder:
+    """First-order lag with a time constant for either direction (Kim 2011, 3.5-3.13).
+
+    Attributes
+    ----------
+    accel_time_constant_s, decel_time_constant_s
+        Time constants, >= 0 [s]; 0 is a set that follows at once.
+    model
+        ``superposed``; ``switched`` is refused.
+    """
+
+    accel_time_constant_s: float
+    decel_time_constant_s: float
+    model: Model = "superposed"
+
+    def __post_init__(self) -> None:
+        for name in ("accel_time_constant_s", "decel_time_constant_s"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0):
+                raise InvalidInputError(name, value, "finite and >= 0")
+        _require_served(self.model)
+
+    @property
+    def kind(self) -> str:
+        """Its ``kind`` on the wire."""
+        return "first_order"
+
+    @property
+    def accel_lag(self) -> Lag:
+        """Response to a step that increases the magnitude of the command."""
+        return Lag(first_s=self.accel_time_constant_s)
+
+    @property
+    def decel_lag(self) -> Lag:
+        """Response to a step that decreases the magnitude of the command."""
+        return Lag(first_s=self.decel_time_constant_s)
+
+    @property
+    def corner_frequencies_rad_s(self) -> dict[str, float]:
+        """Corner frequency of each set that has one [rad/s]."""
+        constants = {"accel": self.accel_time_constant_s, "decel": self.decel_time_constant_s}
+        return {name: 1 / value for name, value in constants.items() if value > 0}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SecondOrderSet:
+    """One direction of a second-order actuator.
+
+    Attributes
+    ----------
+    natural_frequency_rad_s
+        Undamped natural frequency, > 0 [rad/s].
+    damping_ratio
+        Share of critical damping, 0.1 to 5 [-].
+    """
+
+    natural_frequency_rad_s: float
+    damping_ratio: float
+
+    def __post_init__(self) -> None:
+        require_positive("natural_frequency_rad_s", self.natural_frequency_rad_s)
+        require_between(
+            "damping_ratio", self.damping_ratio, SMALLEST_DAMPING_RATIO, LARGEST_DAMPING_RATIO
+        )
+
+    @property
+    def lag(self) -> Lag:
+        """The set as a lag."""
+        return Lag(
+            first_s=2 * self.damping_ratio / self.natural_frequency_rad_s,
+            second_s2=self.natural_frequency_rad_s**-2,
+        )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SecondOrder:
+    """Second-order actuator with a set of parameters for either direction (Kim 2011, 3.14-3.26).
+
+    Attributes
+    ----------
+    accel, decel
+        Parameters for steps that increase and decrease the magnitude of the command.
+    model
+        ``superposed``; ``switched`` is refused.
+    """
+
+    accel: SecondOrderSet
+    decel: SecondOrderSet
+    model: Model = "superposed"
+
+    def __post_init__(self) -> None:
+        _require_served(self.model)
+
+    @property
+    def kind(self) -> str:
+        """Its ``kind`` on the wire."""
+        return "second_order"
+
+    @property
+    def accel_lag(self) -> Lag:
+        """Response to a step that increases the magnitude of the command."""
+        return self.accel.lag
+
+    @property
+    def decel_lag(self) -> Lag:
+        """Response to a step that decreases the magnitude of the command."""
+        return self.decel.lag
+
+    @property
+    def corner_frequencies_rad_s(self) -> dict[str, float]:
+        """Corner frequency of each set that has one [rad/s]."""
+        return {
+            "accel": self.accel.natural_frequency_rad_s,
+            "decel": self.decel.natural_frequency_rad_s,
+        }
+
+
+Actuator = Ideal | FirstOrder | SecondOrder

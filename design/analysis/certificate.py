@@ -1,0 +1,91 @@
+"""A second opinion on what a shaper claims, by simulation and apart from what the solver saw."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.actuators import Actuator
+from design.impulses import Impulses
+from design.plants import Mode
+from design.responses import ringing_after
+from design.shapers.kind import Quantity
+
+LIMITS: dict[Quantity, float] = {"residual": 1e-9, "slope": 1e-7}
+"""Largest value that counts as zero: far below anything measurable, above rounding [-]."""
+
+FREQUENCY_STEP = 1e-5
+"""Relative step of the slope's central difference: truncation and rounding stay below 1e-8."""
+
+METHOD = (
+    "state of actuator and mode carried from step to step by matrix exponential; "
+    "slope by differencing that in frequency"
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Claim:
+    """One promise of a shaper, with the value found for it.
+
+    Attributes
+    ----------
+    quantity
+        ``residual`` [-], or ``slope``: its vector's change per relative change of frequency [-].
+    value
+        As recomputed [-].
+    limit
+        The claim holds if ``value <= limit`` [-].
+    """
+
+    quantity: Quantity
+    value: float
+    limit: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the value is within the limit (not a number is not)."""
+        return self.value <= self.limit
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Certificate:
+    """Every claim of a shaper, recomputed."""
+
+    claims: tuple[Claim, ...]
+    method: str = METHOD
+
+    @property
+    def verified(self) -> bool:
+        """Whether every claim holds."""
+        return all(claim.holds for claim in self.claims)
+
+
+def certify(
+    impulses: Impulses, mode: Mode, actuator: Actuator, quantities: tuple[Quantity, ...]
+) -> Certificate:
+    """Recompute the claims of a shaper for the actuator that it was designed for.
+
+    Parameters
+    ----------
+    impulses
+        The shaper.
+    mode, actuator
+        What it was designed for.
+    quantities
+        What it claims to be zero.
+    """
+    offsets = np.array([0.0, -1.0, 1.0]) if "slope" in quantities else np.zeros(1)
+    ratios = 1 + FREQUENCY_STEP * offsets
+    frequencies = mode.natural_frequency_rad_s * ratios
+    ringing, unit = ringing_after(impulses, actuator, frequencies, mode.damping_ratio)
+    unshaped = abs(unit[0])
+    values = {"residual": abs(ringing[0]) / unshaped}
+    if "slope" in quantities:
+        # From the modal coordinate at the last step back to V(w), whose origin is the first step.
+        vectors = ringing[1:] * np.exp(-(mode.pole_rad_s * (ratios[1:] - 1)) * impulses.duration_s)
+        values["slope"] = abs(vectors[1] - vectors[0]) / (2 * FREQUENCY_STEP) / unshaped
+    return Certificate(
+        claims=tuple(
+            Claim(quantity=name, value=float(values[name]), limit=LIMITS[name])
+            for name in quantities
+        )
+    )

@@ -1,0 +1,255 @@
+"""How the residual vibration grows with an error in the plant's frequency."""
+
+import cmath
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.actuators import Actuator
+from design.analysis.residual import evenly_spaced_vectors, residual_vectors
+from design.errors import InvalidInputError
+from design.impulses import Impulses
+from design.plants import Mode
+from design.types import FloatArray, require_between, require_positive
+
+MOST_POINTS = 20_001
+"""Longest curve, a bound on the work of one request."""
+
+EDGE_MARGIN = 1e-9
+"""Relative margin of the tolerance: a shaper designed to touch it at the nominal must not fail."""
+
+SCAN_STEP_PHASE = 2 * math.pi / 48
+"""How far the last impulse's phase may turn between two points of the search for an edge [rad]."""
+
+LONGEST_SCAN_STEP = 0.05
+"""The same for commands so short that the actuator alone shapes the curve [-]."""
+
+MOST_ROOT_STEPS = 100
+ROOT_TOLERANCE = 1e-13
+"""Change of an edge at which it is found [-]."""
+
+WIDEST_RATIOS = (1e-3, 100.0)
+"""How far an edge is looked for; an interval that reaches further is cut there [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SensitivityRange:
+    """What part of the curve is wanted.
+
+    Attributes
+    ----------
+    from_ratio, to_ratio
+        First and last frequency ratio, ``0 < from < to`` [-].
+    points
+        Number of points, 2 to 20,001.
+    tolerance
+        Residual at which the insensitivity is told, 0 to 1, both excluded [-].
+    """
+
+    from_ratio: float = 0.5
+    to_ratio: float = 1.5
+    points: int = 201
+    tolerance: float = 0.05
+
+    def __post_init__(self) -> None:
+        require_positive("from_ratio", self.from_ratio)
+        require_positive("to_ratio", self.to_ratio)
+        if self.to_ratio <= self.from_ratio:
+            raise InvalidInputError(
+                "to_ratio", self.to_ratio, f"greater than from_ratio, {self.from_ratio!r}"
+            )
+        require_between("points", self.points, 2, MOST_POINTS)
+        if not 0 < self.tolerance < 1:
+            raise InvalidInputError("tolerance", self.tolerance, "between 0 and 1, both excluded")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Insensitivity:
+    """The interval of frequency ratios around 1 on which the residual is within a tolerance.
+
+    Attributes
+    ----------
+    tolerance
+        The tolerance [-].
+    lower_ratio, upper_ratio
+        Edges of the connected interval that contains 1 [-].
+    """
+
+    tolerance: float
+    lower_ratio: float
+    upper_ratio: float
+
+    @property
+    def width(self) -> float:
+        """Upper less lower edge [-]."""
+        return self.upper_ratio - self.lower_ratio
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Sensitivity:
+    """A sensitivity curve.
+
+    Attributes
+    ----------
+    frequency_ratios
+        True over nominal frequency, shape (m,) [-].
+    residuals
+        Residual vibration there, shape (m,) [-].
+    insensitivity
+        None where the nominal itself is above the tolerance.
+    """
+
+    frequency_ratios: FloatArray
+    residuals: FloatArray
+    insensitivity: Insensitivity | None
+
+
+def sensitivity(
+    impulses: Impulses, mode: Mode, actuator: Actuator, wanted: SensitivityRange
+) -> Sensitivity:
+    """Return the sensitivity curve of any impulses, with their insensitivity.
+
+    Parameters
+    ----------
+    impulses
+        A shaper or a whole command.
+    mode, actuator
+        The nominal mode and its actuator.
+    wanted
+        Range, points and tolerance.
+    """
+    pole = mode.pole_rad_s
+    vectors = evenly_spaced_vectors(
+        impulses, pole * wanted.from_ratio, pole * wanted.to_ratio, wanted.points, actuator
+    )
+    return Sensitivity(
+        frequency_ratios=np.linspace(wanted.from_ratio, wanted.to_ratio, wanted.points),
+        residuals=np.abs(vectors),
+        insensitivity=insensitivity(impulses, mode, actuator, wanted.tolerance),
+    )
+
+
+def insensitivity(
+    impulses: Impulses, mode: Mode, actuator: Actuator, tolerance: float
+) -> Insensitivity | None:
+    """Return the connected interval around 1 on which the residual is within the tolerance.
+
+    Either edge is bracketed by a scan outward from 1, fine against the turn of the last impulse
+    and with its near-misses looked at again, and then root-found. The scan does not depend on any
+    plotted grid and ends at `WIDEST_RATIOS`.
+
+    Returns
+    -------
+    Insensitivity or None
+        None where the residual at 1 is above the tolerance.
+    """
+    excess = _Excess(impulses, mode, actuator, tolerance * (1 + EDGE_MARGIN))
+    if excess.at(1.0) > 0:
+        return None
+    turn = mode.natural_frequency_rad_s * impulses.duration_s
+    step = min(LONGEST_SCAN_STEP, SCAN_STEP_PHASE / turn) if turn > 0 else LONGEST_SCAN_STEP
+    lowest, highest = WIDEST_RATIOS
+    return Insensitivity(
+        tolerance=tolerance,
+        lower_ratio=_edge(excess, -step, lowest),
+        upper_ratio=_edge(excess, step, highest),
+    )
+
+
+class _Excess:
+    """Residual less the limit, by frequency ratio: many ratios at once, or one at a time."""
+
+    def __init__(self, impulses: Impulses, mode: Mode, actuator: Actuator, limit: float) -> None:
+        self.limit = limit
+        self._impulses = impulses
+        self._actuator = actuator
+        self._pole = mode.pole_rad_s
+        self._accel, self._decel = actuator.accel_lag, actuator.decel_lag
+        last = float(impulses.times_s[-1])
+        self._steps = [
+            (amplitude, last - time, accelerates)
+            for amplitude, time, accelerates in zip(
+                impulses.amplitudes.tolist(),
+                impulses.times_s.tolist(),
+                impulses.accelerates.tolist(),
+                strict=True,
+            )
+        ]
+
+    def over(self, ratios: FloatArray) -> FloatArray:
+        return (
+            np.abs(residual_vectors(self._impulses, self._pole * ratios, self._actuator))
+            - self.limit
+        )
+
+    def at(self, ratio: float) -> float:
+        pole = self._pole * ratio
+        slower = self._accel.denominator(pole) / self._decel.denominator(pole)
+        vector = sum(
+            (1 if accelerates else slower) * amplitude * cmath.exp(pole * until_last)
+            for amplitude, until_last, accelerates in self._steps
+        )
+        return float(abs(vector)) - self.limit
+
+
+def _edge(excess: _Excess, step: float, end: float) -> float:
+    """Return the last ratio within the limit, going from 1 by ``step`` towards ``end``."""
+    block = 16
+    start = 1.0
+    while (end - start) / step > 0:
+        # One point of overlap on either side, so that a peak at a seam has both its neighbours.
+        ratios = start + step * np.arange(-1, block + 1)
+        ratios = np.maximum(ratios, end) if step < 0 else np.minimum(ratios, end)
+        values = excess.over(ratios)
+        above = np.flatnonzero(values[1:] > 0)
+        stop = int(above[0]) + 1 if above.size else block + 1
+        for top in _near_misses(values[: stop + 1], excess.limit):
+            ratio = _peak(excess, float(ratios[top - 1]), float(ratios[top + 1]))
+            if (ratio - 1) / step > 0 and excess.at(ratio) > 0:
+                return _root(excess, float(ratios[top - 1]), ratio)
+        if above.size:
+            return _root(excess, float(ratios[stop - 1]), float(ratios[stop]))
+        start += step * block
+    return end
+
+
+def _near_misses(values: FloatArray, limit: float) -> list[int]:
+    """Find the local maxima within the limit that a finer look might find above it."""
+    inner = values[1:-1]
+    top = (inner >= values[:-2]) & (inner >= values[2:]) & (inner > -0.05 * limit) & (inner <= 0)
+    return [int(index) + 1 for index in np.flatnonzero(top)]
+
+
+def _peak(excess: _Excess, left: float, right: float) -> float:
+    """Return the place of the maximum between two ratios, by repeated subdivision."""
+    for _ in range(12):
+        ratios = np.linspace(left, right, 9)
+        best = min(max(int(np.argmax(excess.over(ratios))), 1), 7)
+        left, right = float(ratios[best - 1]), float(ratios[best + 1])
+    return (left + right) / 2
+
+
+def _root(excess: _Excess, inside: float, outside: float) -> float:
+    """Return the edge between a ratio within the limit and one beyond it.
+
+    False position with the Illinois correction (Dowell and Jarratt, BIT 11 (1971)):
+    `scipy.optimize` has better, and takes longer to import than a whole design takes.
+    """
+    low, high = excess.at(inside), excess.at(outside)
+    last_side = 0
+    for _ in range(MOST_ROOT_STEPS):
+        ratio = (inside * high - outside * low) / (high - low)
+        moved = min(abs(ratio - inside), abs(ratio - outside))
+        value = excess.at(ratio)
+        if moved <= ROOT_TOLERANCE * ratio or value == 0:
+            return ratio
+        side = 1 if value > 0 else -1
+        if side > 0:
+            outside, high = ratio, value
+            low = low / 2 if side == last_side else low
+        else:
+            inside, low = ratio, value
+            high = high / 2 if side == last_side else high
+        last_side = side
+    return inside

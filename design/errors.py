@@ -1,0 +1,48 @@
+"""Errors raised by ``design``.
+
+DesignError
+├── InvalidInputError      the caller gave a value outside its rule
+├── InfeasibleDesignError  no shaper that meets the request was found
+├── SolverFailedError      a solver stopped without an answer, or its answer did not verify
+└── TimeLimitError         a solver ran past the time it was given
+"""
+
+
+class DesignError(Exception):
+    """Base of every error raised on purpose by ``design``."""
+
+
+class InvalidInputError(DesignError):
+    """A value breaks its rule.
+
+    Parameters
+    ----------
+    name
+        Dotted path of the field from the record that found the fault, as ``accel.damping_ratio``.
+    value
+        The value got.
+    rule
+        What the value must be, to be read after "must be".
+    """
+
+    def __init__(self, name: str, value: object, rule: str) -> None:
+        super().__init__(f"{name} must be {rule}, got {value!r}")
+        self.name = name
+        self.value = value
+        self.rule = rule
+
+    def within(self, outer: str) -> "InvalidInputError":
+        """Return the same error, its field named from the record ``outer`` on."""
+        return InvalidInputError(f"{outer}.{self.name}", self.value, self.rule)
+
+
+class InfeasibleDesignError(DesignError):
+    """No shaper that meets the request was found; the message says how far was searched."""
+
+
+class SolverFailedError(DesignError):
+    """A solver stopped without an answer, or its answer did not pass the certificate."""
+
+
+class TimeLimitError(DesignError):
+    """A solver ran past the time it was given."""

@@ -1,0 +1,73 @@
+"""Matrix exponential of a stack of small matrices.
+
+`scipy.linalg.expm` goes through a stack one matrix at a time, about 40 µs each; a certificate
+needs twelve. This one does every step of the algorithm on the whole stack at once.
+"""
+
+import math
+
+import numpy as np
+
+from design.types import FloatArray
+
+THETA_13 = 5.371920351148152
+"""Largest 1-norm for which the 13th-order Padé approximant is exact to double precision [1]_."""
+
+PADE_13 = (
+    64764752532480000.0,
+    32382376266240000.0,
+    7771770303897600.0,
+    1187353796428800.0,
+    129060195264000.0,
+    10559470521600.0,
+    670442572800.0,
+    33522128640.0,
+    1323241920.0,
+    40840800.0,
+    960960.0,
+    16380.0,
+    182.0,
+    1.0,
+)
+"""Coefficients of the 13th-order Padé approximant [1]_."""
+
+
+def exponentials(matrices: FloatArray) -> FloatArray:
+    """Return the exponential of each matrix of a stack.
+
+    Parameters
+    ----------
+    matrices
+        Square matrices, shape (..., n, n).
+
+    Returns
+    -------
+    FloatArray
+        Their exponentials, same shape.
+
+    References
+    ----------
+    .. [1] N. J. Higham, "The Scaling and Squaring Method for the Matrix Exponential Revisited",
+       SIAM J. Matrix Anal. Appl. 26 (2005), algorithm 2.3. One scaling serves the whole stack.
+    """
+    largest = float(np.abs(matrices).sum(axis=-2).max(initial=0.0))
+    squarings = max(0, math.ceil(math.log2(largest / THETA_13))) if largest > 0 else 0
+    a = matrices * 0.5**squarings
+    b = PADE_13
+    identity = np.eye(matrices.shape[-1])
+    a2 = a @ a
+    a4 = a2 @ a2
+    a6 = a4 @ a2
+    odd = a @ (
+        a6 @ (b[13] * a6 + b[11] * a4 + b[9] * a2)
+        + (b[7] * a6 + b[5] * a4 + b[3] * a2 + b[1] * identity)
+    )
+    even = a6 @ (b[12] * a6 + b[10] * a4 + b[8] * a2) + (
+        b[6] * a6 + b[4] * a4 + b[2] * a2 + b[0] * identity
+    )
+    # Squared as E - I: the slow mode of a stiff system keeps its digits, which E itself loses to
+    # the 1 on the diagonal, twice as many at each squaring.
+    less_identity: FloatArray = np.linalg.solve(even - odd, 2 * odd)
+    for _ in range(squarings):
+        less_identity = 2 * less_identity + less_identity @ less_identity
+    return less_identity + identity

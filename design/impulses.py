@@ -1,0 +1,66 @@
+"""The impulses of a shaper, or of a whole command."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.errors import InvalidInputError
+from design.types import BoolArray, FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Impulses:
+    """Steps of a velocity command, in order of time.
+
+    Attributes
+    ----------
+    times_s
+        Times of the steps, shape (n,), finite and not decreasing [s].
+    amplitudes
+        Heights of the steps as shares of full speed, shape (n,), finite [-].
+    """
+
+    times_s: FloatArray
+    amplitudes: FloatArray
+
+    def __post_init__(self) -> None:
+        if self.times_s.ndim != 1 or self.times_s.size == 0:
+            raise InvalidInputError(
+                "times_s", list(self.times_s.shape), "a list of one or more times"
+            )
+        if self.amplitudes.shape != self.times_s.shape:
+            raise InvalidInputError(
+                "amplitudes",
+                f"{self.amplitudes.size} numbers",
+                f"as many as times_s, which has {self.times_s.size}",
+            )
+        for name, values in (("times_s", self.times_s), ("amplitudes", self.amplitudes)):
+            if not np.isfinite(values).all():
+                raise InvalidInputError(name, values.tolist(), "finite numbers")
+        backward = np.flatnonzero(np.diff(self.times_s) < 0)
+        if backward.size:
+            index = int(backward[0]) + 1
+            raise InvalidInputError(
+                f"times_s.{index}",
+                float(self.times_s[index]),
+                f"not before the time ahead of it, {float(self.times_s[index - 1])!r}",
+            )
+        if not np.any(self.amplitudes):
+            raise InvalidInputError("amplitudes", self.amplitudes.tolist(), "not all zero")
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first step to the last [s]."""
+        return float(self.times_s[-1] - self.times_s[0])
+
+    @property
+    def accelerates(self) -> BoolArray:
+        """Which steps increase the magnitude of the command, shape (n,).
+
+        They drive the actuator by its acceleration set, the others by its deceleration set.
+        The sums are compared with a margin of rounding, so that a step from 0.3 to -0.3 does not
+        fall on either side by chance: it decreases.
+        """
+        levels = np.abs(np.concatenate(([0.0], np.cumsum(self.amplitudes))))
+        margin = 1e-12 * float(np.abs(self.amplitudes).sum())
+        return np.diff(levels) > margin

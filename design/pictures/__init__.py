@@ -1,0 +1,1 @@
+"""Values into figures: every function returns a matplotlib Figure, or its bytes."""

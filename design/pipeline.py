@@ -1,0 +1,194 @@
+"""One design from request to proof.
+
+plant + actuator -> formulation -> seeds -> solver -> impulses -> certificate -> residual, warnings
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from design.actuators import SETTLED_SHARE, Actuator
+from design.analysis.certificate import Certificate, certify
+from design.analysis.residual import residual_vibration
+from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
+from design.impulses import Impulses
+from design.plants import Mode, Plant
+from design.shapers.kind import ShaperKind
+from design.shapers.problem import ClosedForm, Formulation, Problem
+from design.solvers.search import candidates
+from design.types import FloatArray
+
+SLOW_ACTUATOR = 2.0
+"""Corner frequency over the plant's below which the thesis advises against (eq. 3.41) [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SolverReport:
+    """How the impulses were found.
+
+    Attributes
+    ----------
+    name
+        ``ipopt`` or ``closed_form``.
+    status
+        How the run ended.
+    iterations
+        Iterations of the run that led to the design.
+    seed
+        Name of its start.
+    starts
+        Starts tried until then.
+    """
+
+    name: str
+    status: str
+    iterations: int
+    seed: str
+    starts: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DesignWarning:
+    """Something a user should know of a design that is right all the same."""
+
+    code: str
+    detail: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Design:
+    """A verified shaper.
+
+    Attributes
+    ----------
+    impulses
+        The shaper.
+    residual
+        What it leaves with the actuator given, whatever it was designed for [-].
+    certificate
+        Its claims, recomputed for the actuator that it was designed for.
+    solver
+        How it was found.
+    warnings
+        What to know besides.
+    """
+
+    impulses: Impulses
+    residual: float
+    certificate: Certificate
+    solver: SolverReport
+    warnings: tuple[DesignWarning, ...]
+
+
+def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = None) -> Design:  # noqa: ANN401
+    """Design a shaper and prove it.
+
+    Parameters
+    ----------
+    plant
+        What moves.
+    actuator
+        What drives it.
+    kind
+        Entry of the registry.
+    options
+        Its parameters, an instance of ``kind.options``; its defaults if not given.
+
+    Returns
+    -------
+    Design
+        The first candidate that the certificate verifies.
+
+    Raises
+    ------
+    InvalidInputError
+        If the shaper does not serve the actuator, or a value breaks its rule.
+    InfeasibleDesignError
+        If no such shaper was found; says how far was searched.
+    SolverFailedError
+        If the certificate verified none of the solutions found.
+
+    Examples
+    --------
+    >>> from design.actuators import Ideal
+    >>> from design.plants import Pendulum
+    >>> from design.shapers.registry import SHAPERS
+    >>> crane = Pendulum(cable_length_m=0.8)
+    >>> design(crane, Ideal(), SHAPERS["umzvd"]).certificate.verified
+    True
+    """
+    if actuator.kind not in kind.actuators:
+        raise InvalidInputError(
+            "actuator.kind",
+            actuator.kind,
+            f"one that {kind.name} serves: {', '.join(kind.actuators)}",
+        )
+    mode = plant.mode
+    formulation = kind.formulate(mode, actuator, kind.options() if options is None else options)
+    unverified: Certificate | None = None
+    try:
+        for impulses, report in _solutions(formulation):
+            certificate = certify(impulses, mode, formulation.designed_for, kind.claims)
+            if certificate.verified:
+                return Design(
+                    impulses=impulses,
+                    residual=residual_vibration(impulses, mode, actuator),
+                    certificate=certificate,
+                    solver=report,
+                    warnings=tuple(_warnings(impulses, mode, actuator)),
+                )
+            unverified = certificate
+    except InfeasibleDesignError:
+        if unverified is None:
+            raise
+    raise SolverFailedError(f"no solution of {kind.name} was verified; the last one: {unverified}")
+
+
+def _solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport]]:
+    if isinstance(formulation, ClosedForm):
+        yield (
+            formulation.impulses,
+            SolverReport(
+                name="closed_form", status="solve_succeeded", iterations=0, seed="none", starts=0
+            ),
+        )
+        return
+    for candidate in candidates(formulation):
+        yield (
+            _impulses(formulation, candidate.gaps_rad),
+            SolverReport(
+                name="ipopt",
+                status="solve_succeeded",
+                iterations=candidate.iterations,
+                seed=candidate.seed,
+                starts=candidate.starts,
+            ),
+        )
+
+
+def _impulses(problem: Problem, gaps_rad: FloatArray) -> Impulses:
+    phases = np.concatenate(([0.0], np.cumsum(gaps_rad)))
+    return Impulses(times_s=phases / problem.natural_frequency_rad_s, amplitudes=problem.amplitudes)
+
+
+def _warnings(impulses: Impulses, mode: Mode, actuator: Actuator) -> Iterator[DesignWarning]:
+    gaps = impulses.times_s[1:] - impulses.times_s[:-1]
+    steps = zip(gaps.tolist(), impulses.accelerates.tolist(), strict=False)
+    for number, (gap, rising) in enumerate(steps, start=1):
+        name, lag = ("accel", actuator.accel_lag) if rising else ("decel", actuator.decel_lag)
+        error = lag.step_error(gap)
+        if abs(error) > 1 - SETTLED_SHARE:
+            yield DesignWarning(
+                code="actuator_not_settled",
+                detail=f"the {name} set has made {100 * (1 - error):.3g} % of switch {number} "
+                f"when the next comes, {gap:.4g} s after it",
+            )
+    for name, corner in actuator.corner_frequencies_rad_s.items():
+        if corner < SLOW_ACTUATOR * mode.natural_frequency_rad_s:
+            yield DesignWarning(
+                code="actuator_slow",
+                detail=f"the {name} set's corner frequency, {corner:.4g} rad/s, is below twice the "
+                f"plant's natural frequency, {mode.natural_frequency_rad_s:.4g} rad/s",
+            )

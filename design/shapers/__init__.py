@@ -1,0 +1,1 @@
+"""Shapers: one file a family, each entry listed in `design.shapers.registry`."""

@@ -1,0 +1,76 @@
+"""What a shaper says of itself: its entry in the registry."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from design.actuators import Actuator
+from design.plants import Mode
+from design.shapers.problem import Formulation
+
+Quantity = Literal["residual", "slope"]
+"""What a shaper may claim to be zero: its residual vibration; its vector's slope in frequency."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SettleOptions:
+    """Parameters of the shapers whose steps may have to settle.
+
+    Attributes
+    ----------
+    settle
+        Whether the actuator must reach 80 % of each step before the next.
+    max_duration_periods
+        Longest shaper searched, in undamped periods of the plant [-].
+    """
+
+    settle: bool = field(
+        default=False,
+        metadata={
+            "description": "Let the actuator reach 80 % of each step before the next switch."
+        },
+    )
+    max_duration_periods: float = field(
+        default=3.0,
+        metadata={
+            "description": "Longest shaper searched, in undamped periods of the plant.",
+            "ge": 0.1,
+            "le": 100.0,
+        },
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NoOptions:
+    """A shaper without parameters."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ShaperKind:
+    """One kind of shaper.
+
+    Attributes
+    ----------
+    name
+        Its ``kind`` on the wire.
+    summary
+        One sentence for the catalogue.
+    source
+        Where it was published.
+    claims
+        What its impulses make zero.
+    options
+        Record of its parameters; field metadata hold description and bounds.
+    actuators
+        Names of the actuator kinds that it serves.
+    formulate
+        From mode, actuator and options to a closed form or a problem.
+    """
+
+    name: str
+    summary: str
+    source: str
+    claims: tuple[Quantity, ...]
+    options: type[Any]
+    actuators: tuple[str, ...]
+    formulate: Callable[[Mode, Actuator, Any], Formulation]

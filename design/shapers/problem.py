@@ -1,0 +1,109 @@
+"""A shaper design as data: what formulations say and solvers read."""
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from design.actuators import Actuator
+from design.impulses import Impulses
+from design.types import FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Expressions:
+    """CasADi expressions of a problem, all dimensionless.
+
+    Attributes
+    ----------
+    unknowns
+        Gaps between the impulses times the plant's natural frequency, shape (n - 1,) [rad].
+    parameters
+        What differs from one design to the next, shape (p,).
+    objective
+        To be minimised: the duration [rad].
+    equations
+        To be zero, as many as unknowns.
+    """
+
+    unknowns: Any
+    parameters: Any
+    objective: Any
+    equations: Any
+
+
+class Model(Protocol):
+    """A family of problems that differ in parameters only. Hashable: solvers build each once."""
+
+    def __hash__(self) -> int:
+        """Models are keys of the solvers' caches."""
+
+    def expressions(self) -> Expressions:
+        """Build the expressions."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Seed:
+    """Where to start.
+
+    Attributes
+    ----------
+    name
+        As reported with the answer.
+    gaps_rad
+        Unknowns, shape (n - 1,) [rad].
+    """
+
+    name: str
+    gaps_rad: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Problem:
+    """A minimum-time problem over the gaps between impulses.
+
+    Attributes
+    ----------
+    model
+        The family.
+    parameters
+        Its parameters, shape (p,).
+    amplitudes
+        Amplitudes of the impulses, shape (n,) [-].
+    natural_frequency_rad_s
+        Turns the gaps into times [rad/s].
+    shortest_gaps_rad
+        Lower bounds of the gaps, shape (n - 1,), > 0: the impulses keep their order [rad].
+    horizon_rad
+        Longest duration [rad].
+    seeds
+        Starts in order of preference.
+    designed_for
+        The actuator of the claims: an ideal one for shapers that know no actuator.
+    """
+
+    model: Model
+    parameters: FloatArray
+    amplitudes: FloatArray
+    natural_frequency_rad_s: float
+    shortest_gaps_rad: FloatArray
+    horizon_rad: float
+    seeds: tuple[Seed, ...]
+    designed_for: Actuator
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ClosedForm:
+    """A shaper that needs no solver.
+
+    Attributes
+    ----------
+    impulses
+        The shaper.
+    designed_for
+        The actuator of the claims.
+    """
+
+    impulses: Impulses
+    designed_for: Actuator
+
+
+Formulation = ClosedForm | Problem

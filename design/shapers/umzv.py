@@ -1,0 +1,69 @@
+"""UMZV and UMZVD: unity magnitude for an actuator that follows its command."""
+
+import numpy as np
+
+from design.actuators import Actuator, Ideal
+from design.impulses import Impulses
+from design.plants import Mode
+from design.shapers.kind import NoOptions, ShaperKind
+from design.shapers.problem import ClosedForm, Formulation
+from design.shapers.unity_magnitude import (
+    ZERO_VIBRATION,
+    ZERO_VIBRATION_DERIVATIVE,
+    alternating,
+    unity_magnitude_problem,
+)
+
+SOURCE = (
+    'W. Singhose, W. Seering, N. Singer, "Time-optimal negative input shapers", '
+    "J. Dyn. Sys., Meas., Control 119 (1997)"
+)
+
+LONGEST_PERIODS = 1.5
+"""Both shapers take less than one period up to a damping ratio of 0.5 [-]."""
+
+EVERY_ACTUATOR = ("ideal", "first_order", "second_order")
+
+
+def umzv(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+    """Formulate the unity-magnitude zero-vibration shaper of one mode.
+
+    Undamped: steps +1, -1, +1 at 0, T/6, T/3. Damped: the same two equations, solved.
+    The actuator is not known to it; what it leaves behind one is told beside the design.
+    """
+    if mode.damping_ratio == 0:
+        times = mode.period_s * np.array([0.0, 1 / 6, 1 / 3])
+        return ClosedForm(
+            impulses=Impulses(times_s=times, amplitudes=alternating(3)), designed_for=Ideal()
+        )
+    return unity_magnitude_problem(
+        ZERO_VIBRATION, mode, Ideal(), settle=False, max_duration_periods=LONGEST_PERIODS
+    )
+
+
+def umzvd(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+    """Formulate the unity-magnitude shaper with zero slope: `umzv`, robust in frequency."""
+    return unity_magnitude_problem(
+        ZERO_VIBRATION_DERIVATIVE, mode, Ideal(), settle=False, max_duration_periods=LONGEST_PERIODS
+    )
+
+
+UMZV = ShaperKind(
+    name="umzv",
+    summary="Unity magnitude, zero vibration, for an actuator that follows its command.",
+    source=SOURCE,
+    claims=("residual",),
+    options=NoOptions,
+    actuators=EVERY_ACTUATOR,
+    formulate=umzv,
+)
+
+UMZVD = ShaperKind(
+    name="umzvd",
+    summary="Unity magnitude, zero vibration and slope, for an actuator that follows its command.",
+    source=SOURCE,
+    claims=("residual", "slope"),
+    options=NoOptions,
+    actuators=EVERY_ACTUATOR,
+    formulate=umzvd,
+)

@@ -1,0 +1,252 @@
+"""Unity-magnitude shapers, amplitudes [1, -1, 1, ...]: the equations, seeds and closed forms.
+
+All is dimensionless: phases are times the plant's natural frequency, lags are scaled alike.
+"""
+
+import cmath
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.actuators import Actuator
+from design.errors import InfeasibleDesignError, InvalidInputError
+from design.plants import Mode
+from design.shapers.problem import Expressions, Problem, Seed
+from design.types import FloatArray
+
+PERIOD_RAD = 2 * math.pi
+
+LARGEST_ALPHA = 2
+"""Two unit vectors reach no further [-]."""
+
+SHORTEST_GAP_RAD = 1e-6
+"""Keeps the impulses in order; a thousandth of a degree of swing [rad]."""
+
+SMALLEST_RESONANCE = 1e-6
+"""Below this ``|1/G|`` at the plant's pole, a set rings with the plant itself [-]."""
+
+ZV_POLYNOMIALS = (
+    (0.16724, 0.27242, 0.20345, 0.0),
+    (0.33323, 0.00533, 0.17914, 0.20125),
+)
+"""UMZV times over T, rows t2 and t3, ascending powers of the damping ratio [1]_."""
+
+ZVD_POLYNOMIALS = (
+    (0.08945, 0.28411, 0.23013, 0.16401),
+    (0.36613, -0.08833, 0.24048, 0.17001),
+    (0.64277, 0.29103, 0.23262, 0.43784),
+    (0.73228, 0.00992, 0.49385, 0.38633),
+)
+"""UMZVD times over T, rows t2 to t5, ascending powers of the damping ratio [1]_.
+
+References
+----------
+.. [1] W. Singhose, W. Seering, N. Singer, "Time-optimal negative input shapers", J. Dyn. Sys.,
+   Meas., Control 119 (1997); Kim 2011, table 3-1.
+"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnityMagnitude:
+    """Zero vibration of one mode by alternating unit steps, with its derivatives zero too.
+
+    Attributes
+    ----------
+    impulses
+        Number of impulses, odd.
+    derivatives
+        How many derivatives of the vibration in the plant's frequency vanish too; the impulses
+        must be ``2 * derivatives + 3``, so that equations match unknowns.
+    """
+
+    impulses: int
+    derivatives: int
+
+    def expressions(self) -> Expressions:
+        """Build V = 0, and dV/dw = 0 with the actuator's own slope, at the plant's pole.
+
+        ``V(w) = sum A_i G_i(s)/G_accel(s) exp(s (t_n - t_i))``, ``s = w (-z + j sqrt(1 - z^2))``:
+        the vibration in units of the unshaped step, referred to the last impulse. Where V is zero
+        its zeros and those of dV/dw do not depend on either reference. Parameters are z and the
+        coefficients ``first, second`` of both sets' ``1/G``, at w = 1 (Kim 2011, eqs. 3.44-3.46;
+        3.47-3.48 replaced by the exact derivative).
+        """
+        import casadi as ca  # noqa: PLC0415 - a third of a second that --help must not pay
+
+        gaps = ca.SX.sym("gaps", self.impulses - 1)
+        parameters = ca.SX.sym("parameters", 5)
+        z, first_a, second_a, first_d, second_d = ca.vertsplit(parameters)
+        w = ca.SX.sym("w")
+        real, imag = -z * w, w * ca.sqrt(1 - z * z)
+
+        def denominator(first: ca.SX, second: ca.SX) -> tuple[ca.SX, ca.SX]:
+            return (
+                1 + first * real + second * (real * real - imag * imag),
+                imag * (first + 2 * second * real),
+            )
+
+        ar, ai = denominator(first_a, second_a)
+        dr, di = denominator(first_d, second_d)
+        size = dr * dr + di * di
+        decel_over_accel = ((ar * dr + ai * di) / size, (ai * dr - ar * di) / size)
+
+        until_last = ca.SX(0)
+        sum_real, sum_imag = ca.SX(1), ca.SX(0)  # the last impulse
+        for index in reversed(range(self.impulses - 1)):
+            until_last = until_last + gaps[index]
+            size = ca.exp(real * until_last)
+            x, y = size * ca.cos(imag * until_last), size * ca.sin(imag * until_last)
+            if index % 2:
+                gr, gi = decel_over_accel
+                x, y = -(gr * x - gi * y), -(gr * y + gi * x)
+            sum_real, sum_imag = sum_real + x, sum_imag + y
+        equations = [ca.vertcat(sum_real, sum_imag)]
+        for _ in range(self.derivatives):
+            equations.append(ca.jacobian(equations[-1], w))
+        return Expressions(
+            unknowns=gaps,
+            parameters=parameters,
+            objective=ca.sum1(gaps),
+            equations=ca.substitute(ca.vertcat(*equations), w, 1),
+        )
+
+
+ZERO_VIBRATION = UnityMagnitude(impulses=3, derivatives=0)
+ZERO_VIBRATION_DERIVATIVE = UnityMagnitude(impulses=5, derivatives=1)
+
+
+def alternating(impulses: int) -> FloatArray:
+    """Return the amplitudes +1, -1, +1 ..., shape (impulses,)."""
+    return np.where(np.arange(impulses) % 2 == 0, 1.0, -1.0)
+
+
+def decel_over_accel(mode: Mode, actuator: Actuator) -> complex:
+    """Return G_decel / G_accel at the plant's pole: ``alpha exp(-j beta)`` of Kim 2011, eq. 3.50.
+
+    Raises
+    ------
+    InvalidInputError
+        If a set of the actuator has its own pole there: it would ring with the plant for ever.
+    """
+    pole = mode.pole_rad_s
+    denominators = [lag.denominator(pole) for lag in (actuator.accel_lag, actuator.decel_lag)]
+    for name, value in zip(("accel", "decel"), denominators, strict=True):
+        if abs(value) < SMALLEST_RESONANCE:
+            raise InvalidInputError(
+                f"actuator.{name}",
+                f"a pole within {abs(value):.1e} of the plant's",
+                "apart from the plant",
+            )
+    return complex(denominators[0] / denominators[1])
+
+
+def settling_gaps_rad(mode: Mode, actuator: Actuator, impulses: int, *, settle: bool) -> FloatArray:
+    """Return the shortest gaps, shape (impulses - 1,): just ordered, or settled to 80 % [rad].
+
+    After a step up the acceleration set has to settle before the next, after a step down the
+    deceleration set (Kim 2011, eq. 3.40).
+    """
+    gaps = np.full(impulses - 1, SHORTEST_GAP_RAD)
+    if settle:
+        w = mode.natural_frequency_rad_s
+        gaps[0::2] = np.maximum(gaps[0::2], w * actuator.accel_lag.settling_time_s())
+        gaps[1::2] = np.maximum(gaps[1::2], w * actuator.decel_lag.settling_time_s())
+    return gaps
+
+
+def unity_magnitude_problem(
+    model: UnityMagnitude,
+    mode: Mode,
+    actuator: Actuator,
+    *,
+    settle: bool,
+    max_duration_periods: float,
+) -> Problem:
+    """Formulate a unity-magnitude shaper for one mode behind one actuator."""
+    w = mode.natural_frequency_rad_s
+    scaled = [
+        part
+        for lag in (actuator.accel_lag, actuator.decel_lag)
+        for part in (lag.first_s * w, lag.second_s2 * w * w)
+    ]
+    shortest = settling_gaps_rad(mode, actuator, model.impulses, settle=settle)
+    horizon = max_duration_periods * PERIOD_RAD
+    if shortest.sum() > horizon:
+        raise InfeasibleDesignError(
+            f"settling before each switch takes {shortest.sum() / PERIOD_RAD:.4g} periods in all, "
+            f"more than max_duration_periods = {max_duration_periods:g}"
+        )
+    return Problem(
+        model=model,
+        parameters=np.array([mode.damping_ratio, *scaled]),
+        amplitudes=alternating(model.impulses),
+        natural_frequency_rad_s=w,
+        shortest_gaps_rad=shortest,
+        horizon_rad=horizon,
+        seeds=_seeds(model, mode.damping_ratio, decel_over_accel(mode, actuator), shortest),
+        designed_for=actuator,
+    )
+
+
+def _seeds(
+    model: UnityMagnitude, damping_ratio: float, ratio: complex, shortest: FloatArray
+) -> tuple[Seed, ...]:
+    """Polynomials of the literature, shifted by the actuators' phase, then as published.
+
+    A step through the deceleration set acts as if it came later by the phase of the ratio, so its
+    time in the seed moves by that; gaps that are too short to settle grow by whole periods.
+    """
+    table = ZV_POLYNOMIALS if model is ZERO_VIBRATION else ZVD_POLYNOMIALS
+    powers = damping_ratio ** np.arange(4)
+    published = PERIOD_RAD * (np.array(table) @ powers)
+    shifted = published.copy()
+    shifted[0::2] += cmath.phase(ratio) / math.sqrt(1 - damping_ratio**2)
+    seeds = []
+    for name, times in (("shifted", shifted), ("as_published", published)):
+        gaps = np.diff(times, prepend=0.0)
+        gaps += PERIOD_RAD * np.ceil(np.maximum(0.0, (shortest - gaps) / PERIOD_RAD))
+        label = "umzv_polynomials" if model is ZERO_VIBRATION else "umzvd_polynomials"
+        seeds.append(Seed(name=label if name == "shifted" else f"{label}_{name}", gaps_rad=gaps))
+    return tuple(seeds)
+
+
+def undamped_times_rad(ratio: complex, shortest: FloatArray, horizon_rad: float) -> FloatArray:
+    """Return the fastest three-impulse times of an undamped mode, shape (3,) [rad].
+
+    The three vectors ``1, -alpha exp(-j (t2 + beta)), exp(-j t3)`` close when::
+
+        t2 = ±acos(alpha / 2) - beta + 2 pi n,    t3 = ±2 acos(alpha / 2) + 2 pi m
+
+    (Kim 2011, eqs. 3.34-3.35, whose ± is +). Of both signs and all whole n and m, the fastest
+    whose gaps are at least ``shortest``.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If alpha > 2: no triangle closes; or if the fastest is longer than ``horizon_rad``.
+    """
+    alpha, beta = abs(ratio), -cmath.phase(ratio)
+    if alpha > LARGEST_ALPHA:
+        raise InfeasibleDesignError(
+            f"alpha = |G_decel/G_accel| at the plant's frequency is {alpha:.10g}, and the vector "
+            "diagram of three unit impulses closes only for alpha <= 2"
+        )
+    candidates = []
+    for sign in (1, -1):
+        half_angle = sign * math.acos(alpha / 2)
+        t2 = _not_before(half_angle - beta, float(shortest[0]))
+        t3 = _not_before(2 * half_angle, t2 + float(shortest[1]))
+        candidates.append((t3, t2))
+    t3, t2 = min(candidates)
+    if t3 > horizon_rad:
+        raise InfeasibleDesignError(
+            f"the fastest ordered solution takes {t3 / PERIOD_RAD:.6g} periods, more than "
+            f"max_duration_periods = {horizon_rad / PERIOD_RAD:g}"
+        )
+    return np.array([0.0, t2, t3])
+
+
+def _not_before(angle: float, earliest: float) -> float:
+    """Return the angle plus the smallest whole number of turns, at or after ``earliest`` [rad]."""
+    return angle + PERIOD_RAD * math.ceil((earliest - angle) / PERIOD_RAD)

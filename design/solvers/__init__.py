@@ -1,0 +1,1 @@
+"""One vendor, one file: each takes a problem and returns an outcome. No solver knows a shaper."""

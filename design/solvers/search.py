@@ -1,0 +1,129 @@
+"""From a problem to candidates: seeds by IPOPT, then every branch within the horizon."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.errors import InfeasibleDesignError, TimeLimitError
+from design.shapers.problem import Problem
+from design.solvers import ipopt, newton
+from design.solvers.outcome import Status
+from design.types import FloatArray
+
+BRANCH_STARTS = 1024
+"""Starts of the search over all branches."""
+
+SAME_ROOT_RAD = 1e-6
+"""Roots closer than this are one [rad]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Candidate:
+    """An ordered solution by the solver's word, not yet verified.
+
+    Attributes
+    ----------
+    gaps_rad
+        Gaps between impulses, shape (n - 1,) [rad].
+    seed
+        Name of the start that led to it.
+    iterations
+        The solver's iterations from there.
+    starts
+        Starts tried so far, this one included.
+    """
+
+    gaps_rad: FloatArray
+    seed: str
+    iterations: int
+    starts: int
+
+
+def candidates(problem: Problem) -> Iterator[Candidate]:
+    """Yield ordered solutions, the likeliest minimum first.
+
+    Each solution comes from IPOPT. It starts at the problem's own seeds, sharpened by Newton's
+    method, which halves its iterations; then, where those fail, at every root that Newton's method
+    finds from `BRANCH_STARTS` starts spread over the horizon, fastest first; then at the seeds as
+    they are.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        When all candidates, if any, are used up: says how far was searched.
+    TimeLimitError
+        If the solver ran past its time.
+    """
+    tried = 0
+    for seed in problem.seeds:
+        tried += 1
+        sharpened = newton.root(problem.model, seed.gaps_rad, problem.parameters)
+        if (
+            sharpened >= problem.shortest_gaps_rad
+        ).all() and sharpened.sum() <= problem.horizon_rad:
+            yield from _solved(problem, sharpened, seed.name, tried)
+    spread = newton.roots(problem.model, spread_starts(problem), problem.parameters)
+    tried += BRANCH_STARTS
+    for gaps in _ordered_fastest_first(problem, spread):
+        yield from _solved(problem, gaps, "branch_search", tried)
+    for seed in problem.seeds:
+        yield from _solved(problem, seed.gaps_rad, seed.name, tried)
+    raise InfeasibleDesignError(_searched(problem, spread, tried))
+
+
+def spread_starts(problem: Problem) -> FloatArray:
+    """Return `BRANCH_STARTS` ordered starts spread evenly over the horizon, shape (m, n - 1) [rad].
+
+    A Kronecker sequence on the generalised golden ratio, sorted into times: the same for every
+    run and machine.
+    """
+    count = problem.shortest_gaps_rad.size
+    golden = 2.0  # the root of g^(n+1) = g + 1
+    for _ in range(60):
+        golden = (1 + golden) ** (1 / (count + 1))
+    steps = golden ** -np.arange(1.0, count + 1)
+    unit = np.sort((0.5 + np.arange(1, BRANCH_STARTS + 1)[:, None] * steps) % 1.0, axis=1)
+    free = problem.horizon_rad - problem.shortest_gaps_rad.sum()
+    starts: FloatArray = problem.shortest_gaps_rad + free * np.diff(unit, axis=1, prepend=0.0)
+    return starts
+
+
+def _solved(problem: Problem, start: FloatArray, seed: str, tried: int) -> Iterator[Candidate]:
+    outcome = ipopt.solve(problem, start)
+    if outcome.status is Status.TIME_LIMIT:
+        raise TimeLimitError(f"ipopt ran past its time from seed {seed!r}")
+    gaps = outcome.unknowns
+    if outcome.status is Status.SOLVE_SUCCEEDED and gaps.sum() <= problem.horizon_rad:
+        yield Candidate(gaps_rad=gaps, seed=seed, iterations=outcome.iterations, starts=tried)
+
+
+def _ordered_fastest_first(problem: Problem, ends: newton.Roots) -> Iterator[FloatArray]:
+    """Distinct roots within the problem's bounds, by duration."""
+    durations = ends.unknowns.sum(axis=1)
+    ordered = (ends.unknowns >= problem.shortest_gaps_rad).all(axis=1)
+    usable = np.flatnonzero(ends.converged & ordered & (durations <= problem.horizon_rad))
+    last = -np.inf
+    for index in usable[np.argsort(durations[usable])]:
+        if durations[index] - last > SAME_ROOT_RAD:
+            last = durations[index]
+            yield ends.unknowns[index]
+
+
+def _searched(problem: Problem, ends: newton.Roots, starts: int) -> str:
+    """Say how far was searched, and what came nearest."""
+    period = 2 * np.pi
+    roots = ends.unknowns[ends.converged]
+    report = (
+        f"no ordered solution with duration <= {problem.horizon_rad / period:g} periods "
+        f"in {starts} starts"
+    )
+    if roots.size == 0:
+        best = np.nanargmin(ends.misses)
+        return f"{report}; nearest miss leaves {ends.misses[best]:.3g} of an unshaped step"
+    # How far out of its bounds a root is: the worst gap, or what it takes beyond the horizon.
+    short = (problem.shortest_gaps_rad - roots).max(axis=1)
+    late = roots.sum(axis=1) - problem.horizon_rad
+    nearest = roots[np.argmin(np.maximum(short, late))]
+    times = ", ".join(f"{phase / period:.6g}" for phase in np.cumsum(nearest))
+    return f"{report}; nearest miss: the solution with switches at 0, {times} periods"
