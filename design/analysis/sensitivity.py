@@ -29,6 +29,9 @@ MOST_ROOT_STEPS = 100
 ROOT_TOLERANCE = 1e-13
 """Change of an edge at which it is found [-]."""
 
+SCAN_BLOCK = 16
+"""Points of the search on either side of 1 that are evaluated at a time."""
+
 WIDEST_RATIOS = (1e-3, 100.0)
 """How far an edge is looked for; an interval that reaches further is cut there [-]."""
 
@@ -149,11 +152,13 @@ def insensitivity(
         return None
     turn = mode.natural_frequency_rad_s * impulses.duration_s
     step = min(LONGEST_SCAN_STEP, SCAN_STEP_PHASE / turn) if turn > 0 else LONGEST_SCAN_STEP
-    lowest, highest = WIDEST_RATIOS
+    # The first stretch on both sides at once: it nearly always holds both edges.
+    near = 1 + step * np.arange(-SCAN_BLOCK, SCAN_BLOCK + 1)
+    values = excess.over(np.maximum(near, WIDEST_RATIOS[0]))
     return Insensitivity(
         tolerance=tolerance,
-        lower_ratio=_edge(excess, -step, lowest),
-        upper_ratio=_edge(excess, step, highest),
+        lower_ratio=_edge(excess, near[::-1], values[::-1], -step, WIDEST_RATIOS[0]),
+        upper_ratio=_edge(excess, near, values, step, WIDEST_RATIOS[1]),
     )
 
 
@@ -193,25 +198,27 @@ class _Excess:
         return float(abs(vector)) - self.limit
 
 
-def _edge(excess: _Excess, step: float, end: float) -> float:
-    """Return the last ratio within the limit, going from 1 by ``step`` towards ``end``."""
-    block = 16
-    start = 1.0
-    while (end - start) / step > 0:
-        # One point of overlap on either side, so that a peak at a seam has both its neighbours.
-        ratios = start + step * np.arange(-1, block + 1)
-        ratios = np.maximum(ratios, end) if step < 0 else np.minimum(ratios, end)
-        values = excess.over(ratios)
+def _edge(excess: _Excess, near: FloatArray, values: FloatArray, step: float, end: float) -> float:
+    """Return the last ratio within the limit, going from 1 by ``step`` towards ``end``.
+
+    ``near`` are ratios around 1 in steps of ``step``, 1 in the middle, ``values`` what the residual
+    there has over the limit. Each further stretch overlaps by a point on either side, so that a
+    peak at a seam has both its neighbours.
+    """
+    ratios, values = near[SCAN_BLOCK - 1 :], values[SCAN_BLOCK - 1 :]
+    while True:
         above = np.flatnonzero(values[1:] > 0)
-        stop = int(above[0]) + 1 if above.size else block + 1
+        stop = int(above[0]) + 1 if above.size else ratios.size - 1
         for top in _near_misses(values[: stop + 1], excess.limit):
             ratio = _peak(excess, float(ratios[top - 1]), float(ratios[top + 1]))
             if (ratio - 1) / step > 0 and excess.at(ratio) > 0:
                 return _root(excess, float(ratios[top - 1]), ratio)
+        if (ratios[stop] - end) / step >= 0:
+            return end
         if above.size:
             return _root(excess, float(ratios[stop - 1]), float(ratios[stop]))
-        start += step * block
-    return end
+        ratios = ratios[-2] + step * np.arange(SCAN_BLOCK + 2)
+        values = excess.over(np.maximum(ratios, WIDEST_RATIOS[0]))
 
 
 def _near_misses(values: FloatArray, limit: float) -> list[int]:

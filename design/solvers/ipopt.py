@@ -36,24 +36,56 @@ OPTIONS: dict[str, Any] = {
 _one_at_a_time = threading.Lock()
 """One CasADi function used by two threads crashes the process."""
 
+INPUTS = ("x0", "p", "lbx", "ubx", "lbg", "ubg")
+
+
+class _Program:
+    """The solver of one problem family, called through buffers: a tenth of a call's time less."""
+
+    def __init__(self, model: Model) -> None:
+        import casadi as ca  # noqa: PLC0415
+
+        parts = model.expressions()
+        program = {
+            "x": parts.unknowns,
+            "p": parts.parameters,
+            "f": parts.objective,
+            "g": parts.equations,
+        }
+        self._solver = ca.nlpsol(
+            "shaper", "ipopt", program, OPTIONS
+        )  # the buffer only points to it
+        self._buffer, self._run = self._solver.buffer()
+        self._inputs = {name: np.zeros(self._solver.size1_in(name)) for name in INPUTS}
+        for name, values in self._inputs.items():
+            self._buffer.set_arg(self._solver.index_in(name), values.data)
+        self._answer = np.zeros(self._solver.size1_out("x"))
+        self._buffer.set_res(self._solver.index_out("x"), self._answer.data)
+
+    def __call__(self, problem: Problem, start: FloatArray) -> Outcome:
+        """Solve one problem of the family from one start."""
+        self._inputs["x0"][:] = start
+        self._inputs["p"][:] = problem.parameters
+        self._inputs["lbx"][:] = problem.shortest_gaps_rad
+        self._inputs["ubx"][:] = problem.horizon_rad
+        self._run()
+        stats = self._buffer.stats()
+        return Outcome(
+            status=STATUS.get(stats["return_status"], Status.FAILED),
+            unknowns=self._answer.copy(),
+            iterations=int(stats["iter_count"]),
+        )
+
 
 @functools.cache
-def compiled(model: Model) -> Any:  # noqa: ANN401 - casadi ships no types
-    """Return the solver of a problem family, built at its first use in this process."""
-    import casadi as ca  # noqa: PLC0415
-
-    parts = model.expressions()
-    program = {
-        "x": parts.unknowns,
-        "p": parts.parameters,
-        "f": parts.objective,
-        "g": parts.equations,
-    }
-    return ca.nlpsol("shaper", "ipopt", program, OPTIONS)
+def _program(model: Model) -> _Program:
+    return _Program(model)
 
 
 def solve(problem: Problem, start: FloatArray) -> Outcome:
     """Minimise the duration from one start.
+
+    The solver of the problem's family is built at its first use in this process.
 
     Parameters
     ----------
@@ -68,18 +100,4 @@ def solve(problem: Problem, start: FloatArray) -> Outcome:
         Gaps and status; a claim of success is still to be verified.
     """
     with _one_at_a_time:
-        solver = compiled(problem.model)
-        answer = solver(
-            x0=start,
-            p=problem.parameters,
-            lbx=problem.shortest_gaps_rad,
-            ubx=problem.horizon_rad,
-            lbg=0.0,
-            ubg=0.0,
-        )
-        stats = solver.stats()
-    return Outcome(
-        status=STATUS.get(stats["return_status"], Status.FAILED),
-        unknowns=np.asarray(answer["x"], dtype=np.float64).ravel(),
-        iterations=int(stats["iter_count"]),
-    )
+        return _program(problem.model)(problem, start)
