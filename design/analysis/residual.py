@@ -35,6 +35,32 @@ def residual_vectors(
     return _joined(swings @ _amplitudes_by_set(impulses), poles_rad_s, actuator)
 
 
+def residuals_of_many(
+    times_s: FloatArray, amplitudes: FloatArray, poles_rad_s: ComplexArray, actuator: Actuator
+) -> FloatArray:
+    """Return the residual vibration of many commands, each at a pole of its own.
+
+    Parameters
+    ----------
+    times_s
+        Times of the steps, shape (m, n) [s].
+    amplitudes
+        Their heights, the same for all, shape (n,) [-].
+    poles_rad_s
+        A pole for each command, shape (m,) [rad/s].
+    actuator
+        The actuator.
+
+    Returns
+    -------
+    FloatArray
+        Residual vibration, shape (m,) [-].
+    """
+    by_set = _amplitudes_by_set(Impulses(times_s=np.zeros(amplitudes.size), amplitudes=amplitudes))
+    swings = np.exp(poles_rad_s[:, None] * (times_s[:, -1:] - times_s))
+    return np.abs(_joined(swings @ by_set, poles_rad_s, actuator))
+
+
 def evenly_spaced_vectors(
     impulses: Impulses, first_rad_s: complex, last_rad_s: complex, points: int, actuator: Actuator
 ) -> ComplexArray:
