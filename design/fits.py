@@ -35,6 +35,8 @@ HIGHEST_DEGREE = 20
 CHECKED_POINTS = 1001
 """Points of the grid, ends included, on which a fit is judged."""
 
+TIMES_TIME = " * time_s"
+
 STARTING_DEGREE = 8
 """Of the fit that the exact curve is found from, by Newton's method."""
 
@@ -193,12 +195,19 @@ class _Axis:
     variable: Variable
     plant_at: Callable[[float], Plant]
     value: str
-    divisor: str
     in_phases: bool
 
     def scale_at(self, x: float) -> float:
         """Return what turns a time into the fitted value [rad/s], or 1."""
         return self.plant_at(x).mode.natural_frequency_rad_s if self.in_phases else 1.0
+
+    def formula(self, degree: int) -> str:
+        """Return how to get times from the coefficients, in words."""
+        powers = ["", " x", *(f" x^{k}" for k in range(2, degree + 1))]
+        terms = " + ".join(f"c_i{k}{powers[k]}" for k in range(degree + 1))
+        if not self.in_phases:
+            return terms
+        return f"({terms}) / {self.value.removesuffix(TIMES_TIME)}"
 
     def nodes(self, degree: int) -> FloatArray:
         """Where a polynomial of this degree is fitted."""
@@ -231,13 +240,10 @@ def _axis(plant: Plant, actuator: Actuator, wanted: FitRange) -> _Axis:
             variable=Variable(name="x", meaning=frequency, start=first, stop=last),
             plant_at=plant_with,
             value="time_s",
-            divisor="",
             in_phases=False,
         )
-    variable, plant_at = (
-        Variable(name="x", meaning="damping_ratio", start=wanted.start, stop=wanted.stop),
-        plant_with,
-    )
+    plant_at: Callable[[float], Plant] = plant_with
+    variable = Variable(name="x", meaning="damping_ratio", start=wanted.start, stop=wanted.stop)
     if wanted.over != "damping_ratio":
         unit, in_words = _unit_of_frequency(actuator, last)
         variable = Variable(
@@ -253,8 +259,7 @@ def _axis(plant: Plant, actuator: Actuator, wanted: FitRange) -> _Axis:
     return _Axis(
         variable=variable,
         plant_at=plant_at,
-        value=f"{frequency} * time_s",
-        divisor=f" / {frequency}",
+        value=f"{frequency}{TIMES_TIME}",
         in_phases=True,
     )
 
@@ -321,7 +326,7 @@ class _Curve:
             worst_timing_error_s=float(np.abs(times - self.exact_times_s).max()),
             worst_residual=float(residuals.max()),
             checked_points=CHECKED_POINTS,
-            formula=f"t_i = ({_terms(degree)}){self.axis.divisor}",
+            formula=f"t_i = {self.axis.formula(degree)}",
         )
 
     def _power_basis(self, nodes: FloatArray, values: FloatArray, degree: int) -> FloatArray:
@@ -365,8 +370,3 @@ class _Curve:
             else:
                 times[index] = self.designed(float(self.checked[index])).times_s
         return times
-
-
-def _terms(degree: int) -> str:
-    powers = ["", " x", *(f" x^{k}" for k in range(2, degree + 1))]
-    return " + ".join(f"c_i{k}{powers[k]}" for k in range(degree + 1))

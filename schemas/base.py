@@ -1,0 +1,32 @@
+"""What all wire models share."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from design.errors import InvalidInputError
+from design.plants import LARGEST_DAMPING_RATIO
+
+
+class Wire(BaseModel):
+    """A JSON object: unknown fields, NaN, infinity, and numbers in strings or booleans refused."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+Positive = Annotated[float, Field(gt=0)]
+PlantDamping = Annotated[
+    float,
+    Field(ge=0, le=LARGEST_DAMPING_RATIO, description="Share of critical damping [-]."),
+]
+
+
+@contextmanager
+def named(field: str) -> Iterator[None]:
+    """Name the field in which a design record finds a fault, seen from the request."""
+    try:
+        yield
+    except InvalidInputError as error:
+        raise error.within(field) from None

@@ -1,0 +1,130 @@
+"""Wire form of a design, in and out."""
+
+from typing import Annotated, Self
+
+from pydantic import Field
+
+from design.analysis.certificate import Certificate
+from design.pipeline import Design
+from schemas.actuators import ActuatorIn
+from schemas.base import Wire
+from schemas.fits import FitIn, FitOut
+from schemas.impulses import ImpulsesWire
+from schemas.plants import PlantIn
+from schemas.sensitivity import SensitivityIn, SensitivityOut
+from schemas.shapers import ShaperIn
+
+
+class DesignRequest(Wire):
+    """Body of `POST /v1/designs`."""
+
+    plant: PlantIn
+    actuator: ActuatorIn
+    shaper: ShaperIn
+    sensitivity: Annotated[
+        SensitivityIn | None, Field(description="Range of the curve; null for no curve.")
+    ] = SensitivityIn()
+    fit: Annotated[FitIn | None, Field(description="Curve coefficients with the design.")] = None
+
+
+class ShaperOut(Wire):
+    """The shaper."""
+
+    kind: str
+    impulses: ImpulsesWire
+    duration_s: Annotated[float, Field(description="Time that it adds to a move [s].")]
+
+
+class ClaimOut(Wire):
+    """One promise of the shaper, recomputed."""
+
+    quantity: str
+    value: float
+    limit: float
+
+
+class CertificateOut(Wire):
+    """What the shaper claims, recomputed by a route without its solver."""
+
+    verified: bool
+    method: str
+    claims: list[ClaimOut]
+
+    @classmethod
+    def from_design(cls, certificate: Certificate) -> Self:
+        """Wrap the design record."""
+        return cls(
+            verified=certificate.verified,
+            method=certificate.method,
+            claims=[
+                ClaimOut(quantity=claim.quantity, value=claim.value, limit=claim.limit)
+                for claim in certificate.claims
+            ],
+        )
+
+
+class SolverOut(Wire):
+    """How the impulses were found."""
+
+    name: str
+    status: str
+    iterations: int
+    seed: str
+    starts: int
+
+
+class WarningOut(Wire):
+    """Something to know of a design that is right all the same."""
+
+    code: str
+    detail: str
+
+
+class DesignResponse(Wire):
+    """Answer of `POST /v1/designs`."""
+
+    shaper: ShaperOut
+    residual: Annotated[
+        float,
+        Field(description="Left with the plant and actuator given, share of an unshaped step [-]."),
+    ]
+    certificate: CertificateOut
+    sensitivity: SensitivityOut | None
+    fit: FitOut | None
+    solver: SolverOut
+    warnings: list[WarningOut]
+    version: str
+
+    @classmethod
+    def from_design(
+        cls,
+        kind: str,
+        design: Design,
+        sensitivity: SensitivityOut | None,
+        fit: FitOut | None,
+        version: str,
+    ) -> Self:
+        """Wrap the design records."""
+        solver = design.solver
+        return cls(
+            shaper=ShaperOut(
+                kind=kind,
+                impulses=ImpulsesWire.from_design(design.impulses),
+                duration_s=design.impulses.duration_s,
+            ),
+            residual=design.residual,
+            certificate=CertificateOut.from_design(design.certificate),
+            sensitivity=sensitivity,
+            fit=fit,
+            solver=SolverOut(
+                name=solver.name,
+                status=solver.status,
+                iterations=solver.iterations,
+                seed=solver.seed,
+                starts=solver.starts,
+            ),
+            warnings=[
+                WarningOut(code=warning.code, detail=warning.detail) for warning in design.warnings
+            ],
+            version=version,
+        )

@@ -1,0 +1,115 @@
+"""Wire form of curve coefficients."""
+
+from typing import Annotated, Self
+
+from pydantic import Field
+
+from design.errors import InvalidInputError
+from design.fits import HIGHEST_DEGREE, Fit, FitRange, Form
+from design.fits import Field as PlantField
+from schemas.actuators import ActuatorIn
+from schemas.base import Wire
+from schemas.plants import PlantIn
+from schemas.shapers import ShaperIn
+
+FIELDS: dict[str, PlantField] = {
+    "/plant/natural_frequency_rad_s": "natural_frequency_rad_s",
+    "/plant/modes/0/natural_frequency_rad_s": "natural_frequency_rad_s",
+    "/plant/cable_length_m": "cable_length_m",
+    "/plant/damping_ratio": "damping_ratio",
+    "/plant/modes/0/damping_ratio": "damping_ratio",
+}
+"""Fields that can be fitted over, as JSON pointers into the request."""
+
+
+class FitIn(Wire):
+    """Over which field to fit, and how well."""
+
+    over: Annotated[str, Field(description=f"JSON pointer, one of {', '.join(FIELDS)}.")]
+    from_: Annotated[float, Field(alias="from", ge=0, description="Start, in the field's unit.")]
+    to: Annotated[float, Field(gt=0, description="End, in the field's unit.")]
+    degree: Annotated[
+        int | None, Field(ge=0, le=HIGHEST_DEGREE, description="Degree of the polynomials.")
+    ] = None
+    max_residual: Annotated[
+        float | None,
+        Field(gt=0, lt=1, description="In place of degree: what the times may leave [-]."),
+    ] = None
+    form: Annotated[
+        Form, Field(description="time_in_frequency is the thesis's, for comparison.")
+    ] = "dimensionless"
+
+    def to_design(self, plant_kind: str) -> FitRange:
+        """Build the design record, for a plant of a kind."""
+        in_list = self.over.startswith("/plant/modes/")
+        if self.over not in FIELDS or in_list != (plant_kind == "modes"):
+            raise InvalidInputError(
+                "over", self.over, f"the pointer of a number in a plant of kind {plant_kind!r}"
+            )
+        return FitRange(
+            over=FIELDS[self.over],
+            start=self.from_,
+            stop=self.to,
+            degree=self.degree,
+            max_residual=self.max_residual,
+            form=self.form,
+        )
+
+
+class FitDesign(Wire):
+    """What was fitted."""
+
+    plant: PlantIn
+    actuator: ActuatorIn
+    shaper: ShaperIn
+
+
+class FitRequest(FitDesign):
+    """Body of `POST /v1/fits`."""
+
+    fit: FitIn
+
+
+class VariableOut(Wire):
+    """The variable of the polynomials."""
+
+    name: str
+    is_: Annotated[str, Field(alias="is")]
+    from_: Annotated[float, Field(alias="from")]
+    to: float
+
+
+class FitOut(Wire):
+    """Curve coefficients, and what they cost."""
+
+    variable: VariableOut
+    value: str
+    coefficients: Annotated[
+        list[list[float]], Field(description="A row for each impulse, ascending powers of x.")
+    ]
+    degree: int
+    worst_timing_error_s: float
+    worst_residual: float
+    checked_points: int
+    formula: str
+    design: FitDesign
+
+    @classmethod
+    def from_design(cls, fit: Fit, design: FitDesign) -> Self:
+        """Wrap the design record."""
+        return cls(
+            variable=VariableOut.model_validate({
+                "name": fit.variable.name,
+                "is": fit.variable.meaning,
+                "from": fit.variable.start,
+                "to": fit.variable.stop,
+            }),
+            value=fit.value,
+            coefficients=fit.coefficients.tolist(),
+            degree=fit.degree,
+            worst_timing_error_s=fit.worst_timing_error_s,
+            worst_residual=fit.worst_residual,
+            checked_points=fit.checked_points,
+            formula=fit.formula,
+            design=design,
+        )

@@ -1,0 +1,33 @@
+"""Wire form of impulses, in and out."""
+
+from typing import Annotated, Self
+
+import numpy as np
+from pydantic import Field
+
+from design.impulses import Impulses
+from schemas.base import Wire
+
+MOST_IMPULSES = 1000
+
+
+class ImpulsesWire(Wire):
+    """Steps of a velocity command."""
+
+    times_s: Annotated[
+        list[float],
+        Field(min_length=1, max_length=MOST_IMPULSES, description="Times, not decreasing [s]."),
+    ]
+    amplitudes: Annotated[
+        list[float],
+        Field(min_length=1, max_length=MOST_IMPULSES, description="Shares of full speed [-]."),
+    ]
+
+    def to_design(self) -> Impulses:
+        """Build the design record."""
+        return Impulses(times_s=np.array(self.times_s), amplitudes=np.array(self.amplitudes))
+
+    @classmethod
+    def from_design(cls, impulses: Impulses) -> Self:
+        """Wrap the design record."""
+        return cls(times_s=impulses.times_s.tolist(), amplitudes=impulses.amplitudes.tolist())

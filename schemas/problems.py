@@ -1,0 +1,25 @@
+"""Wire form of errors: problem documents (RFC 9457)."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from schemas.base import Wire
+
+
+class FieldFault(Wire):
+    """One field that breaks its rule."""
+
+    pointer: Annotated[str, Field(description="JSON pointer into the request.")]
+    detail: str
+
+
+class ProblemDocument(Wire):
+    """An error, as `application/problem+json`."""
+
+    type: Annotated[str, Field(description="urn:shapersmith: and the name of the problem.")]
+    title: str
+    status: int
+    detail: str
+    errors: tuple[FieldFault, ...] = ()
+    request_id: str | None = None
