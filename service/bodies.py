@@ -1,0 +1,67 @@
+"""Bodies in, answers out: what all routes share."""
+
+from starlette.requests import Request
+from starlette.responses import Response
+
+from service.answers import Answer
+from service.problems import OVERLOADED, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, Problem
+
+RETRY_AFTER_S = 1
+"""What a refused client is told to wait [s]."""
+
+
+class BodyError(Exception):
+    """A body that cannot be read."""
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(problem.detail)
+        self.problem = problem
+
+
+async def read_body(request: Request, *, limit_bytes: int, media_types: tuple[str, ...]) -> bytes:
+    """Return the body, read no further than its limit.
+
+    Raises
+    ------
+    BodyError
+        If it is longer, or says that it is something else than JSON.
+    """
+    media_type = request.headers.get("content-type", media_types[0]).split(";")[0].strip().lower()
+    if media_type not in media_types:
+        accepted = " or ".join(media_types)
+        raise BodyError(
+            Problem(UNSUPPORTED_MEDIA_TYPE, f"content-type must be {accepted}, got {media_type!r}")
+        )
+    body = bytearray()
+    async for part in request.stream():
+        body += part
+        if len(body) > limit_bytes:
+            raise BodyError(Problem(TOO_LARGE, f"the body must be at most {limit_bytes} bytes"))
+    return bytes(body)
+
+
+def problem_response(problem: Problem, request_id: str | None) -> Response:
+    """Return a problem as the response."""
+    return Response(
+        problem.document(request_id).model_dump_json(),
+        status_code=problem.kind.http.value,
+        media_type="application/problem+json",
+        headers={"retry-after": str(RETRY_AFTER_S)} if problem.kind is OVERLOADED else None,
+    )
+
+
+def answer_response(answer: Answer, request_id: str | None) -> Response:
+    """Return an answer as the response, its time in the `Server-Timing` header."""
+    if isinstance(answer.outcome, Problem):
+        response = problem_response(answer.outcome, request_id)
+    else:
+        response = Response(answer.outcome, media_type="application/json")
+    response.headers["server-timing"] = f"work;dur={1e3 * answer.seconds:.3f}"
+    return response
+
+
+def answer_line(answer: Answer, request_id: str | None) -> bytes:
+    """Return an answer as one line of a batch."""
+    if isinstance(answer.outcome, Problem):
+        return answer.outcome.document(request_id).model_dump_json().encode()
+    return answer.outcome

@@ -1,0 +1,174 @@
+"""The command line: one command a route, the same JSON.
+
+Exit status: 0 done, 2 invalid input or usage, 3 infeasible, 4 solver failed or time limit,
+1 anything else.
+"""
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from service.problems import Problem
+    from service.texts import Response
+
+OK = 0
+FAILED = 1
+USAGE = 2
+
+COMMANDS = {
+    "design": ("design", "design one shaper, prove it (POST /v1/designs)"),
+    "sensitivity": ("sensitivity", "sensitivity curve of any impulses (POST /v1/sensitivity)"),
+    "fit": ("fit", "curve coefficients over a field of the plant (POST /v1/fits)"),
+}
+PICTURES = {".png": "png", ".svg": "svg"}
+
+
+class UsageError(Exception):
+    """The command line asks for what cannot be."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit status."""
+    options = _parser().parse_args(arguments)
+    try:
+        if options.command == "serve":
+            return _serve(options)
+        if options.command == "shapers":
+            return _shapers(options)
+        return _answer(options)
+    except UsageError as error:
+        print(f"shapersmith: {error}", file=sys.stderr)  # noqa: T201 - this is the command line
+        return USAGE
+    except BrokenPipeError:
+        # The reader has seen enough. Python would complain once more when it flushes at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="shapersmith",
+        description="Input shapers for flexible machines whose actuators are not ideal.",
+        epilog=__doc__.partition("\n\n")[2] if __doc__ else None,
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, (_, summary) in COMMANDS.items():
+        command = commands.add_parser(name, help=summary, description=summary)
+        command.add_argument("request", metavar="REQUEST.json", help="the request; - reads stdin")
+        _add_format(command)
+        if name == "design":
+            command.add_argument(
+                "--plot", metavar="FILE", type=Path, help="draw the design: FILE.png or FILE.svg"
+            )
+    _add_format(commands.add_parser("shapers", help="every kind of shaper (GET /v1/shapers)"))
+    serve = commands.add_parser("serve", help="serve over HTTP")
+    serve.add_argument("--host", default="127.0.0.1", help="address to bind (%(default)s)")
+    serve.add_argument("--port", default=8000, type=int, help="port to bind (%(default)s)")
+    return parser
+
+
+def _add_format(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--format",
+        choices=("json", "table", "csv"),
+        help="of the answer: json if not given; given, json also holds for errors",
+    )
+
+
+def _answer(options: argparse.Namespace) -> int:
+    plot: Path | None = getattr(options, "plot", None)
+    if plot is not None:
+        _require_writable(plot)
+    body = _read(options.request)
+
+    from service.answers import OPERATIONS, respond  # noqa: PLC0415 - --help must not wait for it
+    from service.problems import Problem  # noqa: PLC0415
+
+    operation = COMMANDS[options.command][0]
+    response = respond(operation, body)
+    if isinstance(response, Problem):
+        return _tell(response, as_json=options.format == "json")
+    if plot is not None:
+        from service.files import write_whole  # noqa: PLC0415
+        from service.operations import design_picture  # noqa: PLC0415
+
+        request = OPERATIONS[operation].request.model_validate_json(body)
+        write_whole(plot, design_picture(request, PICTURES[plot.suffix]))  # type: ignore[arg-type]
+    _print(response, options.format)  # type: ignore[arg-type]
+    return OK
+
+
+def _shapers(options: argparse.Namespace) -> int:
+    from service.operations import shaper_catalogue  # noqa: PLC0415
+
+    _print(shaper_catalogue(), options.format)
+    return OK
+
+
+def _serve(options: argparse.Namespace) -> int:
+    from pydantic import ValidationError  # noqa: PLC0415
+
+    from service.server import PortTakenError, serve  # noqa: PLC0415
+    from service.settings import PREFIX, Settings  # noqa: PLC0415
+
+    if not 0 <= options.port <= 65535:  # noqa: PLR2004 - the range of a port
+        raise UsageError(f"--port must be between 0 and 65535, got {options.port}")
+    try:
+        settings = Settings.from_environment(os.environ)
+    except ValidationError as error:
+        fault = error.errors()[0]
+        name = f"{PREFIX}{'_'.join(map(str, fault['loc'])).upper()}"
+        raise UsageError(f"{name}: {fault['msg']}, got {fault['input']!r}") from None
+    try:
+        serve(settings, host=options.host, port=options.port)
+    except PortTakenError as error:
+        print(f"shapersmith: {error}", file=sys.stderr)  # noqa: T201
+        return FAILED
+    return OK
+
+
+def _read(name: str) -> bytes:
+    if name == "-":
+        return sys.stdin.buffer.read()
+    try:
+        return Path(name).read_bytes()
+    except OSError as error:
+        raise UsageError(f"cannot read {name}: {error.strerror}") from None
+
+
+def _require_writable(path: Path) -> None:
+    """Refuse a picture that could not be written, before the work is done."""
+    if path.suffix not in PICTURES:
+        raise UsageError(f"--plot takes a name ending in .png or .svg, got {str(path)!r}")
+    if not path.parent.is_dir():
+        raise UsageError(f"cannot write {path}: there is no folder {path.parent}")
+    if not os.access(path.parent, os.W_OK):
+        raise UsageError(f"cannot write {path}: the folder {path.parent} is read-only")
+
+
+def _print(response: "Response", text_format: str | None) -> None:
+    from service.texts import as_csv, as_table  # noqa: PLC0415
+
+    if text_format == "table":
+        sys.stdout.write(as_table(response))
+    elif text_format == "csv":
+        sys.stdout.write(as_csv(response))
+    else:
+        sys.stdout.write(response.model_dump_json(by_alias=True) + "\n")
+    sys.stdout.flush()
+
+
+def _tell(problem: "Problem", *, as_json: bool) -> int:
+    line = f"shapersmith: {problem.kind.name}: {problem.detail}"
+    if as_json:
+        line = problem.document().model_dump_json(exclude_none=True)
+    print(line, file=sys.stderr)  # noqa: T201
+    return problem.kind.exit_status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

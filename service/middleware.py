@@ -1,0 +1,96 @@
+"""Around every request: an id, one log line, and errors as problem documents."""
+
+import json
+import logging
+import re
+import time
+import uuid
+
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from service.problems import INTERNAL, Problem
+
+REQUEST_ID = re.compile(rb"[A-Za-z0-9._-]{1,64}\Z")
+"""Ids of clients that are taken over; others are replaced."""
+
+ACCESS = logging.getLogger("shapersmith.access")
+ERRORS = logging.getLogger("shapersmith.error")
+
+
+class JsonFormatter(logging.Formatter):
+    """One JSON object a line."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return the record's time, level and message, with the fields given beside it."""
+        line = {
+            "time": self.formatTime(record, "%Y-%m-%dT%H:%M:%S%z"),
+            "level": record.levelname.lower(),
+            "logger": record.name,
+            "message": record.getMessage(),
+            **getattr(record, "fields", {}),
+        }
+        if record.exc_info:
+            line["traceback"] = self.formatException(record.exc_info)
+        return json.dumps(line)
+
+
+class RequestMiddleware:
+    """Gives each request an id, logs it in one line, and turns a crash into a problem document."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        started = time.perf_counter()
+        given = dict(scope["headers"]).get(b"x-request-id", b"")
+        request_id = given.decode() if REQUEST_ID.match(given) else uuid.uuid4().hex
+        scope.setdefault("state", {})["request_id"] = request_id
+        status = 0
+
+        async def send_with_id(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                message["headers"] = [*message["headers"], (b"x-request-id", request_id.encode())]
+            await send(message)
+
+        try:
+            await self._app(scope, receive, send_with_id)
+        except Exception:  # noqa: BLE001 - the last resort, logged with its traceback
+            ERRORS.exception("request failed", extra={"fields": {"request_id": request_id}})
+            if status == 0:
+                await _send_problem(
+                    Problem(INTERNAL, "the service failed; its log has the reason"),
+                    request_id,
+                    send_with_id,
+                )
+        finally:
+            ACCESS.info(
+                "request",
+                extra={
+                    "fields": {
+                        "request_id": request_id,
+                        "method": scope["method"],
+                        "path": scope["path"],
+                        "status": status,
+                        "duration_ms": round(1e3 * (time.perf_counter() - started), 3),
+                    }
+                },
+            )
+
+
+async def _send_problem(problem: Problem, request_id: str, send: Send) -> None:
+    body = problem.document(request_id).model_dump_json().encode()
+    await send({
+        "type": "http.response.start",
+        "status": problem.kind.http.value,
+        "headers": [
+            (b"content-type", b"application/problem+json"),
+            (b"content-length", str(len(body)).encode()),
+        ],
+    })
+    await send({"type": "http.response.body", "body": body})

@@ -1,0 +1,158 @@
+"""The use cases: one function each, request in, response out. Routes and commands hold no logic."""
+
+import functools
+import importlib.metadata
+from typing import Literal
+
+from design.analysis.residual import residual_vibration
+from design.analysis.sensitivity import Sensitivity, SensitivityRange, sensitivity
+from design.fits import fit
+from design.pipeline import Design, design
+from design.plants import Mode
+from design.shapers.registry import SHAPERS
+from schemas.base import named
+from schemas.catalogue import Catalogue, CatalogueEntry
+from schemas.designs import DesignRequest, DesignResponse
+from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
+from schemas.sensitivity import SensitivityOut, SensitivityRequest, SensitivityResponse
+from schemas.shapers import MODELS
+
+THESIS_CRANE = {
+    "plant": {"kind": "pendulum", "cable_length_m": 0.8, "gravity_m_s2": 9.81},
+    "actuator": {
+        "kind": "second_order",
+        "accel": {"natural_frequency_rad_s": 20, "damping_ratio": 0.8},
+        "decel": {"natural_frequency_rad_s": 50, "damping_ratio": 1.5},
+    },
+}
+"""The crane of Kim 2011: the example of the catalogue and of the demo."""
+
+EXAMPLE_ACTUATORS = {
+    "ideal": {"kind": "ideal"},
+    "first_order": {
+        "kind": "first_order",
+        "accel_time_constant_s": 0.1,
+        "decel_time_constant_s": 0.05,
+    },
+    "second_order": THESIS_CRANE["actuator"],
+}
+
+PLANTS = ["mode", "modes", "pendulum"]
+
+
+@functools.cache
+def version() -> str:
+    """Return the version of the installed product."""
+    return importlib.metadata.version("shapersmith")
+
+
+def design_shaper(request: DesignRequest) -> DesignResponse:
+    """Design one shaper, prove it, and add its curve and its coefficients where asked."""
+    _, found, curve = _designed(request)
+    fitted = None
+    if request.fit is not None:
+        subject = FitDesign(plant=request.plant, actuator=request.actuator, shaper=request.shaper)
+        fitted = _fitted(subject, request.fit)
+    return DesignResponse.from_design(
+        request.shaper.kind,
+        found,
+        None if curve is None else SensitivityOut.from_design(curve),
+        fitted,
+        version(),
+    )
+
+
+def design_picture(request: DesignRequest, image_format: Literal["png", "svg"]) -> bytes:
+    """Draw one design: impulses, command, response and sensitivity."""
+    from design.pictures.design_sheet import (  # noqa: PLC0415 - matplotlib takes a second
+        design_sheet,
+        figure_bytes,
+    )
+
+    mode, found, curve = _designed(request)
+    actuator = request.actuator.to_design()
+    if curve is None:
+        curve = sensitivity(found.impulses, mode, actuator, SensitivityRange())
+    return figure_bytes(
+        design_sheet(request.shaper.kind, mode, actuator, found, curve), image_format
+    )
+
+
+def _designed(request: DesignRequest) -> tuple[Mode, Design, Sensitivity | None]:
+    with named("plant"):
+        plant = request.plant.to_design()
+    with named("actuator"):
+        actuator = request.actuator.to_design()
+    with named("shaper"):
+        options = request.shaper.options()
+    curve_range = None
+    # Every fault of the request is found before the first computation.
+    if request.sensitivity is not None:
+        with named("sensitivity"):
+            curve_range = request.sensitivity.to_design()
+    if request.fit is not None:
+        with named("fit"):
+            request.fit.to_design(request.plant.kind)
+    found = design(plant, actuator, request.shaper.registered(), options)
+    curve = None
+    if curve_range is not None:
+        curve = sensitivity(found.impulses, plant.mode, actuator, curve_range)
+    return plant.mode, found, curve
+
+
+def sensitivity_curve(request: SensitivityRequest) -> SensitivityResponse:
+    """Return the sensitivity curve of any impulses."""
+    with named("plant"):
+        mode = request.plant.to_design().mode
+    with named("actuator"):
+        actuator = request.actuator.to_design()
+    with named("impulses"):
+        impulses = request.impulses.to_design()
+    curve = sensitivity(impulses, mode, actuator, request.to_design())
+    return SensitivityResponse(
+        sensitivity=SensitivityOut.from_design(curve),
+        residual=residual_vibration(impulses, mode, actuator),
+    )
+
+
+def fit_curves(request: FitRequest) -> FitOut:
+    """Return curve coefficients of a shaper over one field of the plant."""
+    subject = FitDesign(plant=request.plant, actuator=request.actuator, shaper=request.shaper)
+    return _fitted(subject, request.fit)
+
+
+def _fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
+    with named("plant"):
+        plant = subject.plant.to_design()
+    with named("actuator"):
+        actuator = subject.actuator.to_design()
+    with named("shaper"):
+        options = subject.shaper.options()
+    with named("fit"):
+        wanted = fit_in.to_design(subject.plant.kind)
+        found = fit(plant, actuator, subject.shaper.registered(), wanted, options)
+    return FitOut.from_design(found, subject)
+
+
+def shaper_catalogue() -> Catalogue:
+    """Return every kind of shaper, with parameters, example and source."""
+    return Catalogue(
+        shapers=[
+            CatalogueEntry(
+                kind=kind.name,
+                summary=kind.summary,
+                source=kind.source,
+                claims=list(kind.claims),
+                plants=PLANTS,
+                actuators=list(kind.actuators),
+                parameters=MODELS[kind.name].model_json_schema(),
+                example={
+                    "plant": THESIS_CRANE["plant"],
+                    "actuator": EXAMPLE_ACTUATORS[kind.actuators[-1]],
+                    "shaper": {"kind": kind.name},
+                },
+            )
+            for kind in SHAPERS.values()
+        ],
+        version=version(),
+    )

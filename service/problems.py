@@ -1,0 +1,150 @@
+"""The one table from errors to problem documents, for HTTP and the command line alike."""
+
+import json
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from design.errors import (
+    DesignError,
+    InfeasibleDesignError,
+    InvalidInputError,
+    SolverFailedError,
+    TimeLimitError,
+)
+from schemas.problems import FieldFault, ProblemDocument
+
+
+@dataclass(frozen=True, slots=True)
+class ProblemKind:
+    """A kind of problem: its name on the wire, HTTP status, exit status and title."""
+
+    name: str
+    http: HTTPStatus
+    exit_status: int
+    title: str
+
+
+NOT_JSON = ProblemKind("not-json", HTTPStatus.BAD_REQUEST, 2, "The body is not JSON")
+INVALID = ProblemKind(
+    "invalid-input", HTTPStatus.UNPROCESSABLE_ENTITY, 2, "A field breaks its rule"
+)
+INFEASIBLE = ProblemKind(
+    "infeasible", HTTPStatus.UNPROCESSABLE_ENTITY, 3, "No such shaper was found"
+)
+SOLVER_FAILED = ProblemKind(
+    "solver-failed", HTTPStatus.INTERNAL_SERVER_ERROR, 4, "The solver gave up"
+)
+TIME_LIMIT = ProblemKind(
+    "time-limit", HTTPStatus.GATEWAY_TIMEOUT, 4, "The work ran past its time limit"
+)
+INTERNAL = ProblemKind(
+    "internal", HTTPStatus.INTERNAL_SERVER_ERROR, 1, "A fault of the service itself"
+)
+OVERLOADED = ProblemKind(
+    "overloaded", HTTPStatus.SERVICE_UNAVAILABLE, 1, "Too much work is waiting"
+)
+TOO_LARGE = ProblemKind(
+    "too-large", HTTPStatus.REQUEST_ENTITY_TOO_LARGE, 2, "The body is too large"
+)
+NOT_FOUND = ProblemKind("not-found", HTTPStatus.NOT_FOUND, 1, "No such route")
+METHOD_NOT_ALLOWED = ProblemKind(
+    "method-not-allowed", HTTPStatus.METHOD_NOT_ALLOWED, 1, "The route has no such method"
+)
+UNSUPPORTED_MEDIA_TYPE = ProblemKind(
+    "unsupported-media-type", HTTPStatus.UNSUPPORTED_MEDIA_TYPE, 1, "The body must be JSON"
+)
+
+KIND_OF: dict[type[DesignError], ProblemKind] = {
+    InvalidInputError: INVALID,
+    InfeasibleDesignError: INFEASIBLE,
+    SolverFailedError: SOLVER_FAILED,
+    TimeLimitError: TIME_LIMIT,
+}
+"""Every error of the mathematics and its problem; a test proves the table whole."""
+
+LONGEST_ECHO = 80
+"""Characters of a refused value that a message repeats."""
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One error, ready to be told."""
+
+    kind: ProblemKind
+    detail: str
+    errors: tuple[FieldFault, ...] = ()
+
+    def document(self, request_id: str | None = None) -> ProblemDocument:
+        """Return the problem document."""
+        return ProblemDocument(
+            type=f"urn:shapersmith:{self.kind.name}",
+            title=self.kind.title,
+            status=self.kind.http.value,
+            detail=self.detail,
+            errors=self.errors,
+            request_id=request_id,
+        )
+
+
+def problem_of_design(error: DesignError) -> Problem:
+    """Translate an error of the mathematics."""
+    if isinstance(error, InvalidInputError):
+        fault = FieldFault(
+            pointer="/" + error.name.replace(".", "/"),
+            detail=f"must be {error.rule}, got {_echo(error.value)}",
+        )
+        return Problem(INVALID, _sentence(fault), (fault,))
+    return Problem(KIND_OF[type(error)], str(error))
+
+
+def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
+    """Translate what the wire models refused."""
+    faults = error.errors(include_url=False)
+    if faults[0]["type"] == "json_invalid":
+        return Problem(NOT_JSON, faults[0]["msg"])
+    parsed = json.loads(body)
+    named = tuple(
+        FieldFault(pointer=pointer(fault["loc"], parsed), detail=_refusal(fault))
+        for fault in faults
+    )
+    return Problem(INVALID, "; ".join(map(_sentence, named)), named)
+
+
+def pointer(location: tuple[int | str, ...], body: Any) -> str:  # noqa: ANN401 - any JSON
+    """Return the JSON pointer of a fault.
+
+    Pydantic's location also holds the tags of unions, as ``("plant", "mode", "damping_ratio")``;
+    a tag is known by the ``kind`` of the object it stands in.
+    """
+    parts: list[str] = []
+    here = body
+    for step in location:
+        if isinstance(here, dict) and step not in here and here.get("kind") == step:
+            continue
+        parts.append(str(step).replace("~", "~0").replace("/", "~1"))
+        if isinstance(here, dict):
+            here = here.get(step)
+        elif isinstance(here, list) and isinstance(step, int) and step < len(here):
+            here = here[step]
+        else:
+            here = None
+    return "".join(f"/{part}" for part in parts)
+
+
+def _refusal(fault: ErrorDetails) -> str:
+    if fault["type"] in {"missing", "extra_forbidden"}:
+        return str(fault["msg"])
+    return f"{fault['msg']}, got {_echo(fault['input'])}"
+
+
+def _sentence(fault: FieldFault) -> str:
+    return f"{fault.pointer or 'the body'}: {fault.detail}"
+
+
+def _echo(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= LONGEST_ECHO else f"{text[: LONGEST_ECHO - 3]}..."

@@ -1,0 +1,192 @@
+"""HTTP routes: each parses, calls one operation, returns."""
+
+import asyncio
+from typing import Any
+
+from fastapi import APIRouter, Request
+from starlette.responses import JSONResponse, Response
+
+from schemas.catalogue import Catalogue
+from schemas.designs import DesignResponse
+from schemas.fits import FitOut
+from schemas.problems import ProblemDocument
+from schemas.sensitivity import SensitivityResponse
+from service import operations
+from service.answers import OPERATIONS, Answer, answer, answer_lines
+from service.bodies import BodyError, answer_line, answer_response, problem_response, read_body
+from service.pool import TaskError, WorkerPool
+from service.problems import TOO_LARGE, Problem
+from service.settings import Settings
+
+JSON = ("application/json",)
+JSON_LINES = (
+    "application/jsonl",
+    "application/x-ndjson",
+    "application/x-jsonlines",
+    "application/json",
+)
+
+LINES_A_TASK = 20
+"""Lines of a batch that a worker answers at a time: near 50 ms, so that batches share workers."""
+
+PROBLEMS: dict[int | str, dict[str, Any]] = {
+    code: {
+        "description": text,
+        "content": {
+            "application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDocument"}}
+        },
+    }
+    for code, text in {
+        400: "Not JSON",
+        413: "Too large",
+        415: "Not declared as JSON",
+        422: "A field breaks its rule, or no such shaper was found",
+        500: "Nothing verified was found, or the service failed",
+        503: "Overloaded",
+        504: "Time limit",
+    }.items()
+}
+
+router = APIRouter()
+PROBLEM_MODEL = ProblemDocument
+
+
+def _documented(operation: str, media_type: str = JSON[0]) -> dict[str, Any]:
+    name = OPERATIONS[operation].request.__name__
+    schema = {"$ref": f"#/components/schemas/{name}"}
+    return {"requestBody": {"required": True, "content": {media_type: {"schema": schema}}}}
+
+
+def _settings(request: Request) -> Settings:
+    settings: Settings = request.app.state.settings
+    return settings
+
+
+def _pool(request: Request) -> WorkerPool:
+    pool: WorkerPool = request.app.state.pool
+    return pool
+
+
+async def _answered(request: Request, operation: str) -> Response:
+    request_id: str = request.state.request_id
+    try:
+        body = await read_body(
+            request, limit_bytes=_settings(request).max_body_bytes, media_types=JSON
+        )
+        done: Answer = await _pool(request).run(answer, operation, body)
+    except (BodyError, TaskError) as error:
+        return problem_response(error.problem, request_id)
+    return answer_response(done, request_id)
+
+
+@router.post(
+    "/v1/designs",
+    response_model=DesignResponse,
+    responses=PROBLEMS,
+    openapi_extra=_documented("design"),
+    summary="Design one shaper and prove it",
+)
+async def designs(request: Request) -> Response:
+    """Design one shaper, prove it, and add its sensitivity curve and curve coefficients."""
+    return await _answered(request, "design")
+
+
+@router.post(
+    "/v1/designs/batch",
+    response_class=Response,
+    responses={
+        **PROBLEMS,
+        200: {
+            "description": "An answer or a problem a line, in order",
+            "content": {"application/jsonl": {}},
+        },
+    },
+    openapi_extra=_documented("design", JSON_LINES[0]),
+    summary="Design up to 1,000 shapers, JSON Lines in and out",
+)
+async def designs_batch(request: Request) -> Response:
+    """Answer each line as `POST /v1/designs` would."""
+    request_id: str = request.state.request_id
+    settings, pool = _settings(request), _pool(request)
+    try:
+        body = await read_body(
+            request, limit_bytes=settings.max_batch_bytes, media_types=JSON_LINES
+        )
+    except BodyError as error:
+        return problem_response(error.problem, request_id)
+    lines = body.removesuffix(b"\n").split(b"\n")
+    if len(lines) > settings.max_batch_lines:
+        detail = f"a batch must be at most {settings.max_batch_lines} lines, got {len(lines)}"
+        return problem_response(Problem(TOO_LARGE, detail), request_id)
+    parts = [lines[start : start + LINES_A_TASK] for start in range(0, len(lines), LINES_A_TASK)]
+    limit = asyncio.Semaphore(2 * settings.workers)  # a batch must not fill the queue of others
+
+    async def answered(part: list[bytes]) -> list[Answer]:
+        async with limit:
+            return await _part_answered(pool, part)
+
+    answers = await asyncio.gather(*map(answered, parts))
+    told = [answer_line(done, request_id) for part in answers for done in part]
+    return Response(b"\n".join(told) + b"\n", media_type=JSON_LINES[0])
+
+
+async def _part_answered(pool: WorkerPool, lines: list[bytes]) -> list[Answer]:
+    """Answer some lines in one task; if it fails, each in its own, so that one spoils no other."""
+    try:
+        done: list[Answer] = await pool.run(answer_lines, "design", lines)
+    except TaskError as error:
+        if len(lines) == 1:
+            return [Answer(error.problem, 0.0)]
+        alone = [await _part_answered(pool, [line]) for line in lines]
+        return [one for part in alone for one in part]
+    return done
+
+
+@router.post(
+    "/v1/sensitivity",
+    response_model=SensitivityResponse,
+    responses=PROBLEMS,
+    openapi_extra=_documented("sensitivity"),
+    summary="Sensitivity curve of any impulses",
+)
+async def sensitivity(request: Request) -> Response:
+    """Return the residual over frequency ratios, and the insensitivity."""
+    return await _answered(request, "sensitivity")
+
+
+@router.post(
+    "/v1/fits",
+    response_model=FitOut,
+    responses=PROBLEMS,
+    openapi_extra=_documented("fit"),
+    summary="Curve coefficients of a shaper over one field of the plant",
+)
+async def fits(request: Request) -> Response:
+    """Fit impulse times, and tell the residual that the fitted times leave."""
+    return await _answered(request, "fit")
+
+
+@router.get("/v1/shapers", summary="Every kind of shaper")
+async def shapers() -> Catalogue:
+    """Return the catalogue: parameters, example and source of each kind."""
+    return operations.shaper_catalogue()
+
+
+@router.get("/health/live", summary="Whether the process serves")
+async def live() -> dict[str, str]:
+    """Answer as long as the process does."""
+    return {"status": "live"}
+
+
+@router.get(
+    "/health/ready",
+    summary="Whether designs are answered",
+    responses={503: PROBLEMS[503]},
+)
+async def ready(request: Request) -> Response:
+    """Answer 200 once a worker has answered, and while the queue has room."""
+    try:
+        await _pool(request).run(bool)
+    except TaskError as error:
+        return problem_response(error.problem, request.state.request_id)
+    return JSONResponse({"status": "ready", "version": operations.version()})

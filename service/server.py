@@ -1,0 +1,56 @@
+"""The running server: socket, log and signals around the app."""
+
+import logging
+import signal
+import socket
+import sys
+from types import FrameType
+
+import uvicorn
+
+from service.app import create_app
+from service.middleware import JsonFormatter
+from service.settings import Settings
+
+
+class PortTakenError(Exception):
+    """The address cannot be bound."""
+
+
+def serve(settings: Settings, *, host: str, port: int) -> None:
+    """Serve until SIGTERM or SIGINT; what runs is finished, what is new refused.
+
+    Raises
+    ------
+    PortTakenError
+        If the address cannot be bound.
+    """
+    listener = _listen(host, port)
+    log = logging.StreamHandler(sys.stderr)
+    log.setFormatter(JsonFormatter())
+    for name in ("shapersmith", "uvicorn"):
+        logger = logging.getLogger(name)
+        logger.addHandler(log)
+        logger.setLevel(logging.INFO)
+        logger.propagate = False
+    # uvicorn raises the signal again once it has stopped: this makes that the end, with status 0.
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, _stop_quietly)
+    config = uvicorn.Config(
+        create_app(settings), log_config=None, access_log=False, server_header=False
+    )
+    bound_host, bound_port = listener.getsockname()[:2]
+    logging.getLogger("shapersmith").info("serving on http://%s:%d", bound_host, bound_port)
+    uvicorn.Server(config).run(sockets=[listener])
+
+
+def _stop_quietly(number: int, frame: FrameType | None) -> None:
+    del number, frame
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        return socket.create_server((host, port), family=family, backlog=2048)
+    except OSError as error:
+        raise PortTakenError(f"cannot serve on {host} port {port}: {error.strerror}") from None

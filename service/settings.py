@@ -1,0 +1,38 @@
+"""Settings of the service, from the environment."""
+
+import os
+from collections.abc import Mapping
+from typing import Annotated, Self
+
+from pydantic import BaseModel, ConfigDict, Field
+
+PREFIX = "SHAPERSMITH_"
+
+
+class Settings(BaseModel):
+    """Settings; each is read from `SHAPERSMITH_` and its name in capitals."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    workers: Annotated[int, Field(ge=1, le=1024, description="Worker processes.")] = (
+        os.cpu_count() or 1
+    )
+    time_limit_s: Annotated[
+        float, Field(gt=0, description="Longest run of one request, or of one line of a batch [s].")
+    ] = 30.0
+    max_body_bytes: Annotated[int, Field(ge=1, description="Largest body.")] = 1024 * 1024
+    max_batch_bytes: Annotated[int, Field(ge=1, description="Largest batch.")] = 8 * 1024 * 1024
+    max_batch_lines: Annotated[int, Field(ge=1, description="Most lines of a batch.")] = 1000
+    max_pending: Annotated[
+        int, Field(ge=1, description="Tasks running and waiting beyond which requests get 503.")
+    ] = 256
+
+    @classmethod
+    def from_environment(cls, environment: Mapping[str, str]) -> Self:
+        """Read the settings; a variable with the prefix that names none is an error."""
+        given = {
+            name.removeprefix(PREFIX).lower(): value
+            for name, value in environment.items()
+            if name.startswith(PREFIX)
+        }
+        return cls.model_validate(given)

@@ -1,0 +1,111 @@
+"""Answers as text for people and spreadsheets."""
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+
+from schemas.catalogue import Catalogue
+from schemas.designs import DesignResponse
+from schemas.fits import FitOut
+from schemas.sensitivity import SensitivityOut, SensitivityResponse
+
+Response = DesignResponse | SensitivityResponse | FitOut | Catalogue
+
+
+def as_csv(response: Response) -> str:
+    """Return the table of an answer as CSV, floats in full."""
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\n").writerows(_rows(response))
+    return out.getvalue()
+
+
+def as_table(response: Response) -> str:
+    """Return an answer as aligned text with its findings below."""
+    rows = list(_rows(response))
+    cells = [[_cell(value) for value in row] for row in rows]
+    widths = [max(len(row[column]) for row in cells) for column in range(len(cells[0]))]
+    lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in cells
+    ]
+    return "\n".join([*lines, *_findings(response)]) + "\n"
+
+
+def _cell(value: object) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+def _rows(response: Response) -> Iterable[Sequence[object]]:
+    """Yield a header and the rows of the table that an answer is about."""
+    if isinstance(response, DesignResponse):
+        yield "impulse", "time_s", "amplitude"
+        impulses = response.shaper.impulses
+        for number, (time, amplitude) in enumerate(
+            zip(impulses.times_s, impulses.amplitudes, strict=True), start=1
+        ):
+            yield number, time, amplitude
+    elif isinstance(response, SensitivityResponse):
+        yield "frequency_ratio", "residual"
+        curve = response.sensitivity
+        yield from zip(curve.frequency_ratio, curve.residual, strict=True)
+    elif isinstance(response, FitOut):
+        yield "impulse", *(f"c{power}" for power in range(response.degree + 1))
+        for number, row in enumerate(response.coefficients, start=1):
+            yield number, *row
+    else:
+        yield "kind", "claims", "actuators", "summary", "source"
+        for entry in response.shapers:
+            yield (
+                entry.kind,
+                " ".join(entry.claims),
+                " ".join(entry.actuators),
+                entry.summary,
+                entry.source,
+            )
+
+
+def _findings(response: Response) -> list[str]:
+    if isinstance(response, DesignResponse):
+        certificate = response.certificate
+        claims = ", ".join(
+            f"{claim.quantity} {claim.value:.2g} <= {claim.limit:.0e}"
+            for claim in certificate.claims
+        )
+        return [
+            "",
+            f"shaper      {response.shaper.kind}, {response.shaper.duration_s:.9g} s",
+            f"certificate {'verified' if certificate.verified else 'NOT VERIFIED'}: {claims}",
+            f"residual    {100 * response.residual:.4g} % with the actuator given",
+            *([] if response.sensitivity is None else _band(response.sensitivity)),
+            *([] if response.fit is None else _fit(response.fit)),
+            *(f"warning     {warning.code}: {warning.detail}" for warning in response.warnings),
+        ]
+    if isinstance(response, SensitivityResponse):
+        return [
+            "",
+            f"residual    {100 * response.residual:.4g} % at the nominal",
+            *_band(response.sensitivity),
+        ]
+    if isinstance(response, FitOut):
+        return ["", *_fit(response)]
+    return []
+
+
+def _band(curve: SensitivityOut) -> list[str]:
+    band = curve.insensitivity
+    if band is None:
+        return ["insensitive nowhere: the nominal itself is above the tolerance"]
+    return [
+        f"insensitive {band.lower_ratio:.5g} to {band.upper_ratio:.5g} of the frequency "
+        f"at {100 * band.tolerance:g} %, width {band.width:.5f}"
+    ]
+
+
+def _fit(fit: FitOut) -> list[str]:
+    variable = fit.variable
+    return [
+        f"fit         {fit.formula}",
+        f"            x = {variable.is_}, {variable.from_:.6g} to {variable.to:.6g}",
+        f"            leaves at most {100 * fit.worst_residual:.3g} %, "
+        f"{fit.worst_timing_error_s:.3g} s off at most, on {fit.checked_points} points",
+    ]
