@@ -9,7 +9,6 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.openapi.docs import get_swagger_ui_html
 from pydantic.json_schema import models_json_schema
-from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 from starlette.staticfiles import StaticFiles
@@ -40,7 +39,7 @@ def create_app(settings: Settings) -> FastAPI:
         )
         app.state.pool = pool
         yield
-        await run_in_threadpool(pool.close)
+        await pool.close()
 
     app = FastAPI(
         title="shapersmith",

@@ -1,16 +1,20 @@
-"""Worker processes: CasADi crashes when threads share it, and a process can be ended in time."""
+"""Worker processes: CasADi crashes when threads share it, and only a process can be ended in time.
+
+A pool of our own, since those of the standard library and of PyPI cost a third to a half of a
+millisecond a task in threads and locks, and a design takes two.
+"""
 
 import asyncio
+import logging
 import multiprocessing
 import os
 import signal
 import threading
+import traceback
 from collections.abc import Callable
-from concurrent.futures import TimeoutError as FutureTimeoutError
-from multiprocessing.connection import wait
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from typing import Any
-
-from pebble import ProcessExpired, ProcessPool
 
 from design.actuators import Ideal
 from design.pipeline import design
@@ -21,6 +25,11 @@ from service.problems import INTERNAL, OVERLOADED, TIME_LIMIT, Problem
 RETRIES = 1
 """How often a task is given to another worker when its own dies."""
 
+STOP_WAIT_S = 5.0
+"""How long an idle worker may take to end before it is killed [s]."""
+
+ERRORS = logging.getLogger("shapersmith.error")
+
 
 class TaskError(Exception):
     """A task that has no answer."""
@@ -28,6 +37,73 @@ class TaskError(Exception):
     def __init__(self, problem: Problem) -> None:
         super().__init__(problem.detail)
         self.problem = problem
+
+
+class WorkerDiedError(Exception):
+    """The worker ended before its answer."""
+
+
+class Worker:
+    """One process and the pipe to it; does one task at a time."""
+
+    def __init__(self) -> None:
+        context = multiprocessing.get_context("forkserver")
+        self._pipe, theirs = context.Pipe()
+        self._process: BaseProcess = context.Process(
+            target=_work, args=(theirs,), daemon=True, name="shapersmith-worker"
+        )
+        self._process.start()
+        theirs.close()
+
+    @property
+    def pid(self) -> int | None:
+        """Process id."""
+        return self._process.pid
+
+    async def ready(self) -> None:
+        """Wait until its solvers are built."""
+        await self._received()
+
+    async def run(self, task: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[bool, Any]:
+        """Return whether the task ended well, and its result or its traceback.
+
+        Raises
+        ------
+        WorkerDiedError
+            If the process ends first.
+        """
+        try:
+            # The worker is idle and reads at once: this does not block for long.
+            self._pipe.send((task, arguments))
+        except OSError as error:
+            raise WorkerDiedError from error
+        done: tuple[bool, Any] = await self._received()
+        return done
+
+    async def _received(self) -> Any:  # noqa: ANN401
+        loop = asyncio.get_running_loop()
+        arrived = asyncio.Event()
+        loop.add_reader(self._pipe.fileno(), arrived.set)
+        try:
+            await arrived.wait()
+        finally:
+            loop.remove_reader(self._pipe.fileno())
+        try:
+            return self._pipe.recv()
+        except (EOFError, OSError) as error:
+            raise WorkerDiedError from error
+
+    def kill(self) -> None:
+        """End the process at once."""
+        self._process.kill()
+        self._pipe.close()
+
+    def stop(self) -> None:
+        """End the idle process."""
+        self._pipe.close()
+        self._process.join(STOP_WAIT_S)
+        if self._process.is_alive():
+            self._process.kill()
 
 
 class WorkerPool:
@@ -38,7 +114,7 @@ class WorkerPool:
     workers
         Number of processes.
     time_limit_s
-        Longest run of one task; the worker is ended then [s].
+        Longest run of one task; its worker is ended then [s].
     max_pending
         Tasks running and waiting beyond which new ones are refused.
     """
@@ -47,11 +123,18 @@ class WorkerPool:
         self.time_limit_s = time_limit_s
         self.max_pending = max_pending
         self.pending = 0
+        self._idle: asyncio.Queue[Worker] = asyncio.Queue()
+        self._all: set[Worker] = set()
+        self._starting: set[asyncio.Task[None]] = set()
         # One thread of BLAS a worker: the workers are the parallelism.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-        context = multiprocessing.get_context("forkserver")
-        context.set_forkserver_preload(["service.answers", "service.pool", "casadi"])
-        self._pool = ProcessPool(max_workers=workers, initializer=_start_worker, context=context)
+        multiprocessing.get_context("forkserver").set_forkserver_preload([
+            "service.answers",
+            "service.pool",
+            "casadi",
+        ])
+        for _ in range(workers):
+            self._start_one()
 
     async def run(self, task: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
         """Run a task in a worker.
@@ -59,7 +142,7 @@ class WorkerPool:
         Raises
         ------
         TaskError
-            If too much is waiting, the time limit ends it, or its worker dies twice.
+            If too much is waiting, the time limit ends it, its worker dies twice, or it fails.
         """
         if self.pending >= self.max_pending:
             raise TaskError(
@@ -68,36 +151,94 @@ class WorkerPool:
         self.pending += 1
         try:
             for _ in range(1 + RETRIES):
+                worker = await self._idle.get()
                 try:
-                    return await asyncio.wrap_future(
-                        self._pool.schedule(task, args=arguments, timeout=self.time_limit_s)
-                    )
-                except FutureTimeoutError:
-                    raise TaskError(
-                        Problem(TIME_LIMIT, f"the work was ended after {self.time_limit_s:g} s")
-                    ) from None
-                except ProcessExpired:
+                    well, result = await self._run_on(worker, task, arguments)
+                except WorkerDiedError:
+                    ERRORS.error("worker %s died at a task", worker.pid)
                     continue
+                if well:
+                    return result
+                ERRORS.error("a task failed: %s", result)
+                raise TaskError(Problem(INTERNAL, "the service failed; its log has the reason"))
             raise TaskError(Problem(INTERNAL, "the worker died at this request, twice"))
         finally:
             self.pending -= 1
 
-    def close(self) -> None:
-        """End the workers; what runs is finished first."""
-        self._pool.close()
-        self._pool.join()
+    async def _run_on(
+        self, worker: Worker, task: Callable[..., Any], arguments: tuple[Any, ...]
+    ) -> tuple[bool, Any]:
+        """Run a task on an idle worker, and put it back, or replace it."""
+        try:
+            async with asyncio.timeout(self.time_limit_s):
+                done = await worker.run(task, arguments)
+        except BaseException as error:
+            # Out of step with the pool, whatever the reason: late, dead, or nobody waits any more.
+            self._replace(worker)
+            if isinstance(error, TimeoutError):
+                raise TaskError(
+                    Problem(TIME_LIMIT, f"the work was ended after {self.time_limit_s:g} s")
+                ) from None
+            raise
+        self._idle.put_nowait(worker)
+        return done
+
+    def _replace(self, worker: Worker) -> None:
+        worker.kill()
+        self._all.discard(worker)
+        self._start_one()
+
+    def _start_one(self) -> None:
+        starting = asyncio.get_running_loop().create_task(self._started())
+        self._starting.add(starting)
+        starting.add_done_callback(self._starting.discard)
+
+    async def _started(self) -> None:
+        worker = Worker()
+        self._all.add(worker)
+        try:
+            await worker.ready()
+        except WorkerDiedError:
+            ERRORS.error("worker %s died at its start", worker.pid)
+            await asyncio.sleep(1)  # whatever it was, do not spin on it
+            self._replace(worker)
+        else:
+            self._idle.put_nowait(worker)
+
+    async def close(self) -> None:
+        """End the workers; all tasks have ended."""
+        for starting in list(self._starting):
+            starting.cancel()
+        await asyncio.gather(*self._starting, return_exceptions=True)
+        for worker in self._all:
+            await asyncio.to_thread(worker.stop)
 
 
-def _start_worker() -> None:
-    """Prepare a worker: end with the parent, leave signals to it, build every solver."""
+def _work(pipe: Connection) -> None:
+    """Do tasks as they come, until the pipe closes; the parent alone hears signals."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
     warm_solvers()
+    pipe.send(None)
+    while True:
+        try:
+            task, arguments = pipe.recv()
+        except EOFError:
+            return
+        try:
+            done = True, task(*arguments)
+        except Exception:  # noqa: BLE001 - told to the pool, which logs it
+            done = False, traceback.format_exc()
+        try:
+            pipe.send(done)
+        except BrokenPipeError:
+            return
 
 
 def _end_with(sentinel: int) -> None:
+    """End this process when its parent ends, in the middle of a solve too."""
     wait([sentinel])
     os._exit(0)
 

@@ -1,0 +1,117 @@
+"""One NUMZVD design against CasADi used by hand, and a sensitivity curve."""
+
+import math
+from collections.abc import Iterator
+from statistics import median
+
+import casadi as ca
+import numpy as np
+
+from benchmarks.measure import Figure, alternating_medians, ratio
+from design.actuators import SecondOrder, SecondOrderSet
+from design.analysis.residual import evenly_spaced_vectors
+from design.analysis.sensitivity import SensitivityRange, sensitivity
+from design.pipeline import design
+from design.plants import Pendulum
+from design.shapers.registry import SHAPERS
+from design.shapers.unity_magnitude import ZVD_POLYNOMIALS
+
+CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81)
+ACTUATOR = SecondOrder(
+    accel=SecondOrderSet(natural_frequency_rad_s=20.0, damping_ratio=0.8),
+    decel=SecondOrderSet(natural_frequency_rad_s=50.0, damping_ratio=1.5),
+)
+QUIET = {"print_time": False, "ipopt.print_level": 0, "ipopt.sb": "yes", "ipopt.tol": 1e-12}
+SEED = 2 * math.pi * np.array(ZVD_POLYNOMIALS)[:, 0]
+
+
+def zero_vibration(t: ca.MX | ca.SX, w: ca.MX | ca.SX | float) -> ca.MX | ca.SX:
+    """Write V(w) of five impulses behind the thesis's actuator, undamped, as a user would."""
+
+    def set_at(lag_w: float, lag_z: float) -> tuple[ca.SX, ca.SX]:
+        x = w * CRANE.mode.natural_frequency_rad_s / lag_w
+        size = (1 - x * x) ** 2 + (2 * lag_z * x) ** 2
+        return (1 - x * x) / size, -2 * lag_z * x / size
+
+    real, imag = 0, 0
+    sets = set_at(20.0, 0.8), set_at(50.0, 1.5)
+    times = ca.vertcat(0, t)
+    for index in range(5):
+        gain, phase = sets[index % 2]
+        sign = 1 - 2 * (index % 2)
+        c, s = ca.cos(w * times[index]), ca.sin(w * times[index])
+        real += sign * (gain * c + phase * s)
+        imag += sign * (phase * c - gain * s)
+    return ca.vertcat(real, imag)
+
+
+def bare_solver() -> ca.Function:
+    """Return the same problem as one reused `nlpsol`."""
+    t, w = ca.SX.sym("t", 4), ca.SX.sym("w")
+    v = zero_vibration(t, w)
+    order = ca.vertcat(t[0], ca.diff(t))
+    equations = ca.vertcat(v, ca.jacobian(v, w))
+    program = {"x": t, "p": w, "f": t[3], "g": ca.vertcat(equations, order)}
+    return ca.nlpsol("bare", "ipopt", program, QUIET)
+
+
+def opti_design() -> ca.DM:
+    """Build and solve the same problem with CasADi's Opti, as its examples do."""
+    opti = ca.Opti()
+    t = opti.variable(4)
+    w = ca.MX.sym("w")
+    v = zero_vibration(t, w)
+    equations = ca.substitute(ca.vertcat(v, ca.jacobian(v, w)), w, 1.0)
+    opti.minimize(t[3])
+    opti.subject_to(equations == 0)
+    opti.subject_to(t[0] >= 0)
+    for index in range(3):
+        opti.subject_to(t[index + 1] >= t[index])
+    opti.set_initial(t, SEED)
+    opti.solver("ipopt", {"print_time": False}, {"print_level": 0, "sb": "yes", "tol": 1e-12})
+    return opti.solve().value(t)
+
+
+def figures() -> Iterator[Figure]:
+    """Measure."""
+    kind, mode, wanted = SHAPERS["numzvd"], CRANE.mode, SensitivityRange()
+    solver = bare_solver()
+    bounds = {"lbg": [0] * 8, "ubg": [0] * 4 + [math.inf] * 4}
+    found = design(CRANE, ACTUATOR, kind)
+    phases = np.asarray(solver(x0=SEED, p=1.0, **bounds)["x"]).ravel()
+    times = found.impulses.times_s[1:]
+    if not np.allclose(phases / mode.natural_frequency_rad_s, times, atol=1e-8):
+        raise RuntimeError(f"the peer solves another problem: {phases} against {times}")
+
+    seconds = alternating_medians({
+        "design": lambda: sensitivity(
+            design(CRANE, ACTUATOR, kind).impulses, mode, ACTUATOR, wanted
+        ),
+        "nlpsol": lambda: solver(x0=SEED, p=1.0, **bounds),
+        "opti": opti_design,
+    })
+    took = {name: 1e6 * median(values) for name, values in seconds.items()}
+    for peer, limit in (("nlpsol", 1.5), ("opti", 0.5)):
+        share = ratio(seconds, "design", peer)
+        yield Figure(
+            what=f"NUMZVD design, certificate, 201-point curve / {peer}",
+            value=f"{share:.2f} ({took['design']:.0f} / {took[peer]:.0f} us)",
+            limit=f"<= {limit}",
+            met=share <= limit,
+        )
+    pole = mode.pole_rad_s
+    curve = alternating_medians(
+        {
+            "curve": lambda: np.abs(
+                evenly_spaced_vectors(found.impulses, 0.5 * pole, 1.5 * pole, 1000, ACTUATOR)
+            )
+        },
+        calls=100,
+    )
+    microseconds = 1e6 * median(curve["curve"])
+    yield Figure(
+        what="1,000-point sensitivity curve of five impulses",
+        value=f"{microseconds:.0f} us",
+        limit="<= 150 us",
+        met=microseconds <= 150,
+    )
