@@ -1,6 +1,6 @@
 """The impulses of a shaper, or of a whole command."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,10 +18,16 @@ class Impulses:
         Times of the steps, shape (n,), finite and not decreasing [s].
     amplitudes
         Heights of the steps as shares of full speed, shape (n,), finite [-].
+    accelerates
+        Which steps increase the magnitude of the command, shape (n,), derived. They drive the
+        actuator by its acceleration set, the others by its deceleration set. The sums are compared
+        with a margin of rounding, so that a step from 0.3 to -0.3 does not fall on either side by
+        chance: it decreases.
     """
 
     times_s: FloatArray
     amplitudes: FloatArray
+    accelerates: BoolArray = field(init=False)
 
     def __post_init__(self) -> None:
         if self.times_s.ndim != 1 or self.times_s.size == 0:
@@ -37,7 +43,7 @@ class Impulses:
         for name, values in (("times_s", self.times_s), ("amplitudes", self.amplitudes)):
             if not np.isfinite(values).all():
                 raise InvalidInputError(name, values.tolist(), "finite numbers")
-        backward = np.flatnonzero(np.diff(self.times_s) < 0)
+        backward = np.flatnonzero(self.times_s[1:] < self.times_s[:-1])
         if backward.size:
             index = int(backward[0]) + 1
             raise InvalidInputError(
@@ -47,20 +53,13 @@ class Impulses:
             )
         if not np.any(self.amplitudes):
             raise InvalidInputError("amplitudes", self.amplitudes.tolist(), "not all zero")
+        levels = np.abs(np.cumsum(self.amplitudes))
+        margin = 1e-12 * float(np.abs(self.amplitudes).sum())
+        increases = levels > margin
+        increases[1:] = levels[1:] - levels[:-1] > margin
+        object.__setattr__(self, "accelerates", increases)
 
     @property
     def duration_s(self) -> float:
         """Time from the first step to the last [s]."""
         return float(self.times_s[-1] - self.times_s[0])
-
-    @property
-    def accelerates(self) -> BoolArray:
-        """Which steps increase the magnitude of the command, shape (n,).
-
-        They drive the actuator by its acceleration set, the others by its deceleration set.
-        The sums are compared with a margin of rounding, so that a step from 0.3 to -0.3 does not
-        fall on either side by chance: it decreases.
-        """
-        levels = np.abs(np.concatenate(([0.0], np.cumsum(self.amplitudes))))
-        margin = 1e-12 * float(np.abs(self.amplitudes).sum())
-        return np.diff(levels) > margin

@@ -197,18 +197,27 @@ def _seeds(
     A step through the deceleration set acts as if it came later by the phase of the ratio, so its
     time in the seed moves by that; gaps that are too short to settle grow by whole periods.
     """
+    label = "umzv_polynomials" if model is ZERO_VIBRATION else "umzvd_polynomials"
     table = ZV_POLYNOMIALS if model is ZERO_VIBRATION else ZVD_POLYNOMIALS
-    powers = damping_ratio ** np.arange(4)
-    published = PERIOD_RAD * (np.array(table) @ powers)
-    shifted = published.copy()
-    shifted[0::2] += cmath.phase(ratio) / math.sqrt(1 - damping_ratio**2)
-    seeds = []
-    for name, times in (("shifted", shifted), ("as_published", published)):
-        gaps = np.diff(times, prepend=0.0)
-        gaps += PERIOD_RAD * np.ceil(np.maximum(0.0, (shortest - gaps) / PERIOD_RAD))
-        label = "umzv_polynomials" if model is ZERO_VIBRATION else "umzvd_polynomials"
-        seeds.append(Seed(name=label if name == "shifted" else f"{label}_{name}", gaps_rad=gaps))
-    return tuple(seeds)
+    published = [
+        PERIOD_RAD * (a + damping_ratio * (b + damping_ratio * (c + damping_ratio * d)))
+        for a, b, c, d in table
+    ]
+    shift = cmath.phase(ratio) / math.sqrt(1 - damping_ratio**2)
+    shifted = [time + shift * (index % 2 == 0) for index, time in enumerate(published)]
+    return (
+        Seed(name=label, gaps_rad=_gaps(shifted, shortest)),
+        Seed(name=f"{label}_as_published", gaps_rad=_gaps(published, shortest)),
+    )
+
+
+def _gaps(times_rad: list[float], shortest: FloatArray) -> FloatArray:
+    """Return gaps from times, those that are too short grown by whole periods [rad]."""
+    gaps = [after - before for before, after in zip([0.0, *times_rad], times_rad, strict=False)]
+    return np.array([
+        gap + PERIOD_RAD * max(0, math.ceil((least - gap) / PERIOD_RAD))
+        for gap, least in zip(gaps, shortest.tolist(), strict=True)
+    ])
 
 
 def undamped_times_rad(ratio: complex, shortest: FloatArray, horizon_rad: float) -> FloatArray:
