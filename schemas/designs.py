@@ -53,11 +53,13 @@ class CertificateOut(Wire):
     @classmethod
     def from_design(cls, certificate: Certificate) -> Self:
         """Wrap the design record."""
-        return cls(
+        return cls.model_construct(
             verified=certificate.verified,
             method=certificate.method,
             claims=[
-                ClaimOut(quantity=claim.quantity, value=claim.value, limit=claim.limit)
+                ClaimOut.model_construct(
+                    quantity=claim.quantity, value=claim.value, limit=claim.limit
+                )
                 for claim in certificate.claims
             ],
         )
@@ -106,8 +108,8 @@ class DesignResponse(Wire):
     ) -> Self:
         """Wrap the design records."""
         solver = design.solver
-        return cls(
-            shaper=ShaperOut(
+        return cls.model_construct(
+            shaper=ShaperOut.model_construct(
                 kind=kind,
                 impulses=ImpulsesWire.from_design(design.impulses),
                 duration_s=design.impulses.duration_s,
@@ -116,7 +118,7 @@ class DesignResponse(Wire):
             certificate=CertificateOut.from_design(design.certificate),
             sensitivity=sensitivity,
             fit=fit,
-            solver=SolverOut(
+            solver=SolverOut.model_construct(
                 name=solver.name,
                 status=solver.status,
                 iterations=solver.iterations,
@@ -124,7 +126,8 @@ class DesignResponse(Wire):
                 starts=solver.starts,
             ),
             warnings=[
-                WarningOut(code=warning.code, detail=warning.detail) for warning in design.warnings
+                WarningOut.model_construct(code=warning.code, detail=warning.detail)
+                for warning in design.warnings
             ],
             version=version,
         )

@@ -30,4 +30,6 @@ class ImpulsesWire(Wire):
     @classmethod
     def from_design(cls, impulses: Impulses) -> Self:
         """Wrap the design record."""
-        return cls(times_s=impulses.times_s.tolist(), amplitudes=impulses.amplitudes.tolist())
+        return cls.model_construct(
+            times_s=impulses.times_s.tolist(), amplitudes=impulses.amplitudes.tolist()
+        )

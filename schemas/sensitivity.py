@@ -55,7 +55,7 @@ class InsensitivityOut(Wire):
     @classmethod
     def from_design(cls, insensitivity: Insensitivity) -> Self:
         """Wrap the design record."""
-        return cls(
+        return cls.model_construct(
             tolerance=insensitivity.tolerance,
             lower_ratio=insensitivity.lower_ratio,
             upper_ratio=insensitivity.upper_ratio,
@@ -74,7 +74,7 @@ class SensitivityOut(Wire):
     def from_design(cls, sensitivity: Sensitivity) -> Self:
         """Wrap the design record."""
         band = sensitivity.insensitivity
-        return cls(
+        return cls.model_construct(
             frequency_ratio=sensitivity.frequency_ratios.tolist(),
             residual=sensitivity.residuals.tolist(),
             insensitivity=None if band is None else InsensitivityOut.from_design(band),

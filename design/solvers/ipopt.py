@@ -4,9 +4,8 @@ import functools
 import threading
 from typing import Any
 
-import numpy as np
-
 from design.shapers.problem import Model, Problem
+from design.solvers.buffered import Buffered
 from design.solvers.outcome import Outcome, Status
 from design.types import FloatArray
 
@@ -27,7 +26,7 @@ OPTIONS: dict[str, Any] = {
     # The default leaves residuals near 1e-9, which is the limit of the certificate.
     "ipopt.tol": 1e-12,
     # Seeds are good and the solutions isolated: a large barrier only pushes them away first.
-    "ipopt.mu_init": 1e-8,
+    "ipopt.mu_init": 1e-12,
     "ipopt.bound_mult_init_method": "mu-based",
     "ipopt.max_iter": 200,
     "ipopt.max_wall_time": 10.0,
@@ -36,11 +35,9 @@ OPTIONS: dict[str, Any] = {
 _one_at_a_time = threading.Lock()
 """One CasADi function used by two threads crashes the process."""
 
-INPUTS = ("x0", "p", "lbx", "ubx", "lbg", "ubg")
-
 
 class _Program:
-    """The solver of one problem family, called through buffers: a tenth of a call's time less."""
+    """The solver of one problem family."""
 
     def __init__(self, model: Model) -> None:
         import casadi as ca  # noqa: PLC0415
@@ -52,27 +49,24 @@ class _Program:
             "f": parts.objective,
             "g": parts.equations,
         }
-        self._solver = ca.nlpsol(
-            "shaper", "ipopt", program, OPTIONS
-        )  # the buffer only points to it
-        self._buffer, self._run = self._solver.buffer()
-        self._inputs = {name: np.zeros(self._solver.size1_in(name)) for name in INPUTS}
-        for name, values in self._inputs.items():
-            self._buffer.set_arg(self._solver.index_in(name), values.data)
-        self._answer = np.zeros(self._solver.size1_out("x"))
-        self._buffer.set_res(self._solver.index_out("x"), self._answer.data)
+        self._solver = Buffered(
+            ca.nlpsol("shaper", "ipopt", program, OPTIONS),
+            ("x0", "p", "lbx", "ubx", "lbg", "ubg"),  # the equations stay 0
+            ("x",),
+        )
 
     def __call__(self, problem: Problem, start: FloatArray) -> Outcome:
         """Solve one problem of the family from one start."""
-        self._inputs["x0"][:] = start
-        self._inputs["p"][:] = problem.parameters
-        self._inputs["lbx"][:] = problem.shortest_gaps_rad
-        self._inputs["ubx"][:] = problem.horizon_rad
-        self._run()
-        stats = self._buffer.stats()
+        inputs = self._solver.inputs
+        inputs["x0"][:] = start
+        inputs["p"][:] = problem.parameters
+        inputs["lbx"][:] = problem.shortest_gaps_rad
+        inputs["ubx"][:] = problem.horizon_rad
+        self._solver.run()
+        stats = self._solver.stats()
         return Outcome(
             status=STATUS.get(stats["return_status"], Status.FAILED),
-            unknowns=self._answer.copy(),
+            unknowns=self._solver.outputs["x"].copy(),
             iterations=int(stats["iter_count"]),
         )
 

@@ -3,11 +3,11 @@
 import functools
 import threading
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from design.shapers.problem import Model
+from design.solvers.buffered import Buffered
 from design.types import BoolArray, FloatArray
 
 LANES = 64
@@ -44,46 +44,43 @@ class Roots:
 
 
 class _Equations:
-    """Equations and Jacobian of a family over `LANES` designs, through buffers of its own."""
+    """Equations and Jacobian of a family over `LANES` designs."""
 
     def __init__(self, model: Model) -> None:
         import casadi as ca  # noqa: PLC0415
 
         parts = model.expressions()
         x, p, g = parts.unknowns, parts.parameters, parts.equations
-        one = ca.Function("equations", [x, p], [g, ca.densify(ca.jacobian(g, x))])
-        self._function = one.map(LANES)  # kept alive: the buffer only points to it
-        self._buffer, self._evaluate = self._function.buffer()
+        one = ca.Function(
+            "equations", [x, p], [g, ca.densify(ca.jacobian(g, x))], ["x", "p"], ["g", "jacobian"]
+        )
+        self._function = Buffered(one.map(LANES), ("x", "p"), ("g", "jacobian"))
         size, count = x.shape[0], p.shape[0]
         # CasADi is column-major: lane by lane, and within the Jacobian column by column.
-        self.unknowns = np.zeros((LANES, size))
-        self.parameters = np.zeros((LANES, count))
-        self.values = np.zeros((LANES, size))
-        self.jacobians = np.zeros((LANES, size, size))
-        self._buffer.set_arg(0, self.unknowns.reshape(-1).data)
-        self._buffer.set_arg(1, self.parameters.reshape(-1).data)
-        self._buffer.set_res(0, self.values.reshape(-1).data)
-        self._buffer.set_res(1, self.jacobians.reshape(-1).data)
+        self._unknowns = self._function.inputs["x"].reshape(LANES, size)
+        self._parameters = self._function.inputs["p"].reshape(LANES, count)
+        self._values = self._function.outputs["g"].reshape(LANES, size)
+        self._jacobians = self._function.outputs["jacobian"].reshape(LANES, size, size)
 
     def __call__(
         self, unknowns: FloatArray, parameters: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Return equations, shape (m, n), and Jacobians, shape (m, n, n), for m <= LANES."""
         count = len(unknowns)
-        self.unknowns[:count] = unknowns
-        self.parameters[:count] = parameters
-        self.unknowns[count:] = unknowns[-1]
-        self.parameters[count:] = parameters[-1]
-        self._evaluate()
-        return self.values[:count].copy(), self.jacobians[:count].swapaxes(1, 2)
+        self._unknowns[:count] = unknowns
+        self._parameters[:count] = parameters
+        self._unknowns[count:] = unknowns[-1]
+        self._parameters[count:] = parameters[-1]
+        self._function.run()
+        return self._values[:count].copy(), self._jacobians[:count].swapaxes(1, 2)
 
 
 @functools.cache
-def _rootfinder(model: Model) -> Any:  # noqa: ANN401 - casadi ships no types
+def _rootfinder(model: Model) -> Buffered:
     import casadi as ca  # noqa: PLC0415
 
     parts = model.expressions()
-    return ca.rootfinder(
+    finder = ca.rootfinder(
         "root",
         "newton",
         {"x": parts.unknowns, "p": parts.parameters, "g": parts.equations},
@@ -95,6 +92,7 @@ def _rootfinder(model: Model) -> Any:  # noqa: ANN401 - casadi ships no types
             "show_eval_warnings": False,
         },
     )
+    return Buffered(finder, ("x0", "p"), ("x",))
 
 
 def root(model: Model, start: FloatArray, parameters: FloatArray) -> FloatArray:
@@ -103,12 +101,15 @@ def root(model: Model, start: FloatArray, parameters: FloatArray) -> FloatArray:
     A tenth of the time of `roots`, for a start that is near: full steps only, a dozen at most.
     """
     with _one_at_a_time:
-        end = _rootfinder(model)(start, parameters)
-    return np.asarray(end, dtype=np.float64).ravel()
+        finder = _rootfinder(model)
+        finder.inputs["x0"][:] = start
+        finder.inputs["p"][:] = parameters
+        finder.run()
+        return finder.outputs["x"].copy()
 
 
 @functools.cache
-def _equations(model: Model) -> Any:  # noqa: ANN401 - cache hides the type
+def _equations(model: Model) -> _Equations:
     return _Equations(model)
 
 

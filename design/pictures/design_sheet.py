@@ -1,0 +1,164 @@
+"""One design on one page: impulses, vectors, motion and sensitivity."""
+
+import io
+from typing import Literal
+
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from design.actuators import Actuator, FirstOrder, Ideal, SecondOrder
+from design.analysis.certificate import LIMITS
+from design.analysis.sensitivity import Sensitivity
+from design.pictures import frequency_panels, time_panels
+from design.pictures.style import GREY, INK, SMALL_PT, house_style, percent
+from design.pipeline import Design
+from design.plants import Mode
+
+SIZE_IN = (11.0, 8.0)
+"""Width and height [in]: a landscape page of A4 or letter without scaling."""
+
+LEFT, RIGHT = 0.08, 0.982
+"""Margins of the page, as shares of its width [-]."""
+
+
+def design_sheet(
+    name: str, mode: Mode, actuator: Actuator, design: Design, sensitivity: Sensitivity
+) -> Figure:
+    """Return the sheet of one design.
+
+    Parameters
+    ----------
+    name
+        The shaper's kind, as the registry names it.
+    mode, actuator
+        The plant's mode and its drive.
+    design
+        The design; its times in s, its residual a share.
+    sensitivity
+        Its curve, shape (m,) of ratios and of residuals [-].
+
+    Returns
+    -------
+    Figure
+        11 x 8 in. Left, over one time axis [s]: the impulses; command and velocity of the
+        actuator [share of full speed]; deflection of the payload with and without the shaper
+        [share of the unshaped amplitude]. Right: the vibration vectors head to tail, and the
+        residual [%] over the frequency ratio with its insensitivity.
+    """
+    with house_style():
+        figure = Figure(figsize=SIZE_IN)
+        _write_header(figure, name, mode, actuator, design)
+        _draw_time_panels(figure, mode, actuator, design)
+        right = figure.add_gridspec(
+            2, 1, left=0.66, right=RIGHT, bottom=0.075, top=0.82, hspace=0.3,
+            height_ratios=(1.22, 1),
+        )  # fmt: skip
+        frequency_panels.draw_vectors(figure.add_subplot(right[0]), design.impulses, mode, actuator)
+        frequency_panels.draw_sensitivity(
+            figure.add_subplot(right[1]), sensitivity, design.residual
+        )
+        return figure
+
+
+def figure_bytes(figure: Figure, image_format: Literal["png", "svg"]) -> bytes:
+    """Return a figure as a file's bytes, the same ones every time.
+
+    Parameters
+    ----------
+    figure
+        A figure of this package.
+    image_format
+        ``png``, 150 dots per inch, or ``svg``, with text as outlines.
+    """
+    # Neither the time nor the version of the program belongs in the file.
+    metadata = {"Date": None} if image_format == "svg" else {"Software": None}
+    buffer = io.BytesIO()
+    with house_style():
+        figure.savefig(buffer, format=image_format, metadata=metadata)
+    return buffer.getvalue()
+
+
+def _draw_time_panels(figure: Figure, mode: Mode, actuator: Actuator, design: Design) -> None:
+    impulses = design.impulses
+    times_s = time_panels.time_grid(impulses, mode, actuator)
+    rows = figure.add_gridspec(3, 1, left=LEFT, right=0.595, bottom=0.075, top=0.82, hspace=0.24)
+    top = figure.add_subplot(rows[0])
+    middle = figure.add_subplot(rows[1], sharex=top)
+    bottom = figure.add_subplot(rows[2], sharex=top)
+    time_panels.draw_impulses(top, impulses, times_s)
+    time_panels.draw_command(middle, impulses, mode, actuator, times_s)
+    time_panels.draw_payload(bottom, impulses, mode, actuator, design.residual, times_s)
+    top.set_xlim(float(times_s[0]), float(times_s[-1]))
+    for axes in (top, middle, bottom):
+        time_panels.mark_switches(axes, impulses)
+        axes.tick_params(labelbottom=axes is bottom)
+    figure.align_ylabels([top, middle, bottom])
+
+
+def _write_header(
+    figure: Figure, name: str, mode: Mode, actuator: Actuator, design: Design
+) -> None:
+    """Write what was designed for what, and whether it holds, above a rule."""
+    # A long name shrinks rather than run into the facts.
+    figure.text(0.018, 0.928, name, fontsize=min(21.0, 160.0 / len(name)), weight="bold")
+    duration = design.impulses.duration_s
+    facts = (
+        (
+            0.19,
+            "plant",
+            f"{mode.natural_frequency_rad_s:.4g} rad/s",
+            f"damping ratio {mode.damping_ratio:.3g}",
+        ),
+        (0.33, "actuator", *_actuator_lines(actuator)),
+        (0.585, "duration", f"{duration:.4g} s", f"{duration / mode.period_s:.3f} periods"),
+        (0.71, "residual", _residual_text(design), "of the unshaped step"),
+        (0.855, "certificate", *_certificate_lines(design)),
+    )
+    for left, label, value, detail in facts:
+        figure.text(left, 0.965, label, color=GREY, fontsize=SMALL_PT)
+        figure.text(left, 0.938, value, fontsize=10, weight="bold")
+        figure.text(left, 0.915, detail, fontsize=SMALL_PT + 0.5)
+    figure.add_artist(Line2D([0.018, RIGHT], [0.893, 0.893], color=INK, linewidth=1.0))
+    figure.text(0.018, 0.872, _note(design), fontsize=SMALL_PT, color=GREY)
+
+
+def _actuator_lines(actuator: Actuator) -> tuple[str, str]:
+    match actuator:
+        case Ideal():
+            return "ideal", "follows its command at once"
+        case FirstOrder():
+            return (
+                "first order",
+                f"time constants: accel {actuator.accel_time_constant_s:.3g} s, "
+                f"decel {actuator.decel_time_constant_s:.3g} s",
+            )
+        case SecondOrder():
+            accel, decel = (
+                f"{part.natural_frequency_rad_s:.3g} rad/s ({part.damping_ratio:.3g})"
+                for part in (actuator.accel, actuator.decel)
+            )
+            return "second order", f"accel {accel}, decel {decel}"
+
+
+def _residual_text(design: Design) -> str:
+    limit = LIMITS["residual"]
+    return f"below {percent(limit)}" if design.residual <= limit else percent(design.residual)
+
+
+def _note(design: Design) -> str:
+    """Return the first warning, and how many more there are."""
+    if not design.warnings:
+        return ""
+    others = len(design.warnings) - 1
+    return f"note: {design.warnings[0].detail}" + (f"; {others} more" if others else "")
+
+
+def _certificate_lines(design: Design) -> tuple[str, str]:
+    claims = " and ".join(claim.quantity for claim in design.certificate.claims)
+    if not design.certificate.verified:
+        return "✗ not verified", claims
+    # A shaper for an ideal actuator keeps its promise there, not behind the actuator given.
+    promised = any(claim.quantity == "residual" for claim in design.certificate.claims)
+    if promised and design.residual > LIMITS["residual"]:
+        return "✓ verified", "for an ideal actuator"
+    return "✓ verified", claims

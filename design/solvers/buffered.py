@@ -1,0 +1,46 @@
+"""CasADi functions called through buffers: no conversion of arguments, a tenth of a millisecond."""
+
+from typing import Any
+
+import numpy as np
+
+from design.types import FloatArray
+
+
+class Buffered:
+    """A CasADi function with arrays of its own for inputs and outputs.
+
+    Parameters
+    ----------
+    function
+        The function; dense inputs and outputs.
+    inputs, outputs
+        Names of those that are used; inputs not named are zero.
+
+    Attributes
+    ----------
+    inputs, outputs
+        An array for each, flat and column-major; write, `run`, read.
+    """
+
+    def __init__(
+        self,
+        function: Any,  # noqa: ANN401 - casadi ships no types
+        inputs: tuple[str, ...],
+        outputs: tuple[str, ...],
+    ) -> None:
+        self._function = function  # kept alive: the buffer only points to it
+        self._buffer, self.run = function.buffer()
+        self.inputs: dict[str, FloatArray] = {}
+        self.outputs: dict[str, FloatArray] = {}
+        for name in inputs:
+            self.inputs[name] = np.zeros(function.numel_in(name))
+            self._buffer.set_arg(function.index_in(name), self.inputs[name].data)
+        for name in outputs:
+            self.outputs[name] = np.zeros(function.numel_out(name))
+            self._buffer.set_res(function.index_out(name), self.outputs[name].data)
+
+    def stats(self) -> dict[str, Any]:
+        """Return the statistics of the last run of a solver."""
+        stats: dict[str, Any] = self._buffer.stats()
+        return stats
