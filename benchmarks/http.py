@@ -2,7 +2,6 @@
 
 import asyncio
 import json
-import os
 import socket
 import subprocess
 import sys
@@ -49,10 +48,7 @@ def running(*command: str) -> Iterator[int]:
     """Run a server on a free port until it is done with."""
     with socket.create_server(("127.0.0.1", 0)) as probe:
         port = probe.getsockname()[1]
-    environment = {**os.environ, "SHAPERSMITH_WORKERS": "2"}
-    server = subprocess.Popen(
-        [*command, "--port", str(port)], stderr=subprocess.DEVNULL, env=environment
-    )
+    server = subprocess.Popen([*command, "--port", str(port)], stderr=subprocess.DEVNULL)
     try:
         deadline = time.monotonic() + PORT_WAIT_S
         while True:

@@ -220,17 +220,19 @@ class _Axis:
 
 def _axis(plant: Plant, actuator: Actuator, wanted: FitRange) -> _Axis:
     if not hasattr(plant, wanted.over):
-        raise InvalidInputError("over", wanted.over, "a field of the plant")
+        raise InvalidInputError("fit.over", wanted.over, "a field of the plant")
 
     def plant_with(value: float) -> Plant:
         changed: dict[str, Any] = {wanted.over: value}
         return replace(plant, **changed)
 
-    try:
-        ends = [plant_with(value).mode for value in (wanted.start, wanted.stop)]
-    except InvalidInputError as error:
-        raise error.within("range") from None
-    first, last = sorted(end.natural_frequency_rad_s for end in ends)
+    ends = []
+    for name, value in (("fit.from", wanted.start), ("fit.to", wanted.stop)):
+        try:
+            ends.append(plant_with(value).mode.natural_frequency_rad_s)
+        except InvalidInputError as error:
+            raise InvalidInputError(name, value, error.rule) from None
+    first, last = sorted(ends)
     frequency = "natural_frequency_rad_s"
     if isinstance(plant, Pendulum):
         frequency = "sqrt(gravity_m_s2 / cable_length_m)"

@@ -113,8 +113,8 @@ def ringing_after(
     left[:, -2] = -1.0
     left[:, -1] = unit_pole
     if lags:
-        shifted = -dynamics.matrices[:, :lags, :lags].swapaxes(1, 2).astype(np.complex128)
-        shifted[:, range(lags), range(lags)] += (unit_pole * frequencies_rad_s)[:, None]
+        poles = (unit_pole * frequencies_rad_s)[:, None, None]
+        shifted = poles * np.eye(lags) - dynamics.matrices[:, :lags, :lags].swapaxes(1, 2)
         drive = dynamics.matrices[:, -1, :lags] * unit_pole
         left[:, :lags] = np.linalg.solve(shifted, drive[..., None])[..., 0]
     return (left * final).sum(axis=1), -left @ dynamics.jumps[1]

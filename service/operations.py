@@ -130,7 +130,7 @@ def _fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
         options = subject.shaper.options()
     with named("fit"):
         wanted = fit_in.to_design(subject.plant.kind)
-        found = fit(plant, actuator, subject.shaper.registered(), wanted, options)
+    found = fit(plant, actuator, subject.shaper.registered(), wanted, options)
     return FitOut.from_design(found, subject)
 
 

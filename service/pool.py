@@ -5,10 +5,14 @@ millisecond a task in threads and locks, and a design takes two.
 """
 
 import asyncio
+import gc
 import logging
 import multiprocessing
 import os
+import pickle
 import signal
+import socket
+import struct
 import threading
 import traceback
 from collections.abc import Callable
@@ -24,6 +28,9 @@ from service.problems import INTERNAL, OVERLOADED, TIME_LIMIT, Problem
 
 RETRIES = 1
 """How often a task is given to another worker when its own dies."""
+
+LENGTH = struct.Struct("!i")
+"""What `multiprocessing.connection` sends ahead of a message of up to 2 GiB."""
 
 STOP_WAIT_S = 5.0
 """How long an idle worker may take to end before it is killed [s]."""
@@ -44,16 +51,23 @@ class WorkerDiedError(Exception):
 
 
 class Worker:
-    """One process and the pipe to it; does one task at a time."""
+    """One process and the socket to it; does one task at a time.
+
+    On the worker's side the socket is a `multiprocessing` connection, on this side a stream of the
+    event loop that speaks the same: a length, then a pickle.
+    """
 
     def __init__(self) -> None:
         context = multiprocessing.get_context("forkserver")
-        self._pipe, theirs = context.Pipe()
+        ours, theirs = context.Pipe()
         self._process: BaseProcess = context.Process(
             target=_work, args=(theirs,), daemon=True, name="shapersmith-worker"
         )
         self._process.start()
         theirs.close()
+        self._socket = socket.socket(fileno=os.dup(ours.fileno()))
+        ours.close()
+        self._streams: tuple[asyncio.StreamReader, asyncio.StreamWriter] | None = None
 
     @property
     def pid(self) -> int | None:
@@ -62,7 +76,8 @@ class Worker:
 
     async def ready(self) -> None:
         """Wait until its solvers are built."""
-        await self._received()
+        self._streams = await asyncio.open_connection(sock=self._socket)
+        await self._received(self._streams[0])
 
     async def run(self, task: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[bool, Any]:
         """Return whether the task ended well, and its result or its traceback.
@@ -72,38 +87,42 @@ class Worker:
         WorkerDiedError
             If the process ends first.
         """
+        if self._streams is None:
+            raise WorkerDiedError
+        reader, writer = self._streams
+        message = pickle.dumps((task, arguments))
         try:
-            # The worker is idle and reads at once: this does not block for long.
-            self._pipe.send((task, arguments))
+            writer.write(LENGTH.pack(len(message)) + message)
+            await writer.drain()
         except OSError as error:
             raise WorkerDiedError from error
-        done: tuple[bool, Any] = await self._received()
+        done: tuple[bool, Any] = await self._received(reader)
         return done
 
-    async def _received(self) -> Any:  # noqa: ANN401
-        loop = asyncio.get_running_loop()
-        arrived = asyncio.Event()
-        loop.add_reader(self._pipe.fileno(), arrived.set)
+    async def _received(self, reader: asyncio.StreamReader) -> Any:  # noqa: ANN401
         try:
-            await arrived.wait()
-        finally:
-            loop.remove_reader(self._pipe.fileno())
-        try:
-            return self._pipe.recv()
-        except (EOFError, OSError) as error:
+            (size,) = LENGTH.unpack(await reader.readexactly(LENGTH.size))
+            return pickle.loads(await reader.readexactly(size))
+        except (asyncio.IncompleteReadError, OSError) as error:
             raise WorkerDiedError from error
 
     def kill(self) -> None:
         """End the process at once."""
         self._process.kill()
-        self._pipe.close()
+        self.close()
 
-    def stop(self) -> None:
-        """End the idle process."""
-        self._pipe.close()
+    def join(self) -> None:
+        """Wait for the process, which ends when its socket is closed."""
         self._process.join(STOP_WAIT_S)
         if self._process.is_alive():
             self._process.kill()
+
+    def close(self) -> None:
+        """Close the socket."""
+        if self._streams is None:
+            self._socket.close()
+        else:
+            self._streams[1].close()
 
 
 class WorkerPool:
@@ -211,7 +230,8 @@ class WorkerPool:
             starting.cancel()
         await asyncio.gather(*self._starting, return_exceptions=True)
         for worker in self._all:
-            await asyncio.to_thread(worker.stop)
+            worker.close()
+        await asyncio.gather(*(asyncio.to_thread(worker.join) for worker in self._all))
 
 
 def _work(pipe: Connection) -> None:
@@ -221,6 +241,7 @@ def _work(pipe: Connection) -> None:
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
     warm_solvers()
+    gc.freeze()  # what is built now stays: collections need not look at it again
     pipe.send(None)
     while True:
         try:

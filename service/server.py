@@ -1,6 +1,7 @@
 """The running server: socket, log and signals around the app."""
 
 import logging
+import os
 import signal
 import socket
 import sys
@@ -53,4 +54,6 @@ def _listen(host: str, port: int) -> socket.socket:
     try:
         return socket.create_server((host, port), family=family, backlog=2048)
     except OSError as error:
-        raise PortTakenError(f"cannot serve on {host} port {port}: {error.strerror}") from None
+        raise PortTakenError(
+            f"cannot serve on {host} port {port}: {os.strerror(error.errno or 0)}"
+        ) from None

@@ -14,9 +14,10 @@ class Settings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    workers: Annotated[int, Field(ge=1, le=1024, description="Worker processes.")] = (
-        os.cpu_count() or 1
-    )
+    # One more than processors: while an answer is on its way, another design is computed.
+    workers: Annotated[
+        int, Field(ge=1, le=1024, description="Worker processes (one more than processors).")
+    ] = (os.cpu_count() or 1) + 1
     time_limit_s: Annotated[
         float, Field(gt=0, description="Longest run of one request, or of one line of a batch [s].")
     ] = 30.0

@@ -99,12 +99,15 @@ class Sensitivity:
         True over nominal frequency, shape (m,) [-].
     residuals
         Residual vibration there, shape (m,) [-].
+    tolerance
+        Tolerance of the insensitivity [-].
     insensitivity
         None where the nominal itself is above the tolerance.
     """
 
     frequency_ratios: FloatArray
     residuals: FloatArray
+    tolerance: float
     insensitivity: Insensitivity | None
 
 
@@ -129,6 +132,7 @@ def sensitivity(
     return Sensitivity(
         frequency_ratios=np.linspace(wanted.from_ratio, wanted.to_ratio, wanted.points),
         residuals=np.abs(vectors),
+        tolerance=wanted.tolerance,
         insensitivity=insensitivity(impulses, mode, actuator, wanted.tolerance),
     )
 

@@ -9,8 +9,10 @@ from matplotlib.lines import Line2D
 from design.actuators import Actuator, FirstOrder, Ideal, SecondOrder
 from design.analysis.certificate import LIMITS
 from design.analysis.sensitivity import Sensitivity
-from design.pictures import frequency_panels, time_panels
+from design.pictures import time_panels
+from design.pictures.sensitivity_panel import draw_sensitivity
 from design.pictures.style import GREY, INK, SMALL_PT, house_style, percent
+from design.pictures.vector_panel import draw_vectors
 from design.pipeline import Design
 from design.plants import Mode
 
@@ -53,10 +55,8 @@ def design_sheet(
             2, 1, left=0.66, right=RIGHT, bottom=0.075, top=0.82, hspace=0.3,
             height_ratios=(1.22, 1),
         )  # fmt: skip
-        frequency_panels.draw_vectors(figure.add_subplot(right[0]), design.impulses, mode, actuator)
-        frequency_panels.draw_sensitivity(
-            figure.add_subplot(right[1]), sensitivity, design.residual
-        )
+        draw_vectors(figure.add_subplot(right[0]), design.impulses, mode, actuator)
+        draw_sensitivity(figure.add_subplot(right[1]), sensitivity, design.residual)
         return figure
 
 
@@ -100,7 +100,7 @@ def _write_header(
 ) -> None:
     """Write what was designed for what, and whether it holds, above a rule."""
     # A long name shrinks rather than run into the facts.
-    figure.text(0.018, 0.928, name, fontsize=min(21.0, 160.0 / len(name)), weight="bold")
+    figure.text(0.018, 0.933, name, fontsize=min(21.0, 160.0 / len(name)), weight="bold")
     duration = design.impulses.duration_s
     facts = (
         (
@@ -109,17 +109,19 @@ def _write_header(
             f"{mode.natural_frequency_rad_s:.4g} rad/s",
             f"damping ratio {mode.damping_ratio:.3g}",
         ),
-        (0.33, "actuator", *_actuator_lines(actuator)),
-        (0.585, "duration", f"{duration:.4g} s", f"{duration / mode.period_s:.3f} periods"),
-        (0.71, "residual", _residual_text(design), "of the unshaped step"),
+        (0.345, "actuator", *_actuator_lines(actuator)),
+        (0.565, "duration", f"{duration:.4g} s", f"{duration / mode.period_s:.3f} periods"),
+        (0.7, "residual", _residual_text(design), "of the unshaped step"),
         (0.855, "certificate", *_certificate_lines(design)),
     )
     for left, label, value, detail in facts:
-        figure.text(left, 0.965, label, color=GREY, fontsize=SMALL_PT)
-        figure.text(left, 0.938, value, fontsize=10, weight="bold")
-        figure.text(left, 0.915, detail, fontsize=SMALL_PT + 0.5)
-    figure.add_artist(Line2D([0.018, RIGHT], [0.893, 0.893], color=INK, linewidth=1.0))
-    figure.text(0.018, 0.872, _note(design), fontsize=SMALL_PT, color=GREY)
+        figure.text(left, 0.972, label, color=GREY, fontsize=SMALL_PT)
+        figure.text(left, 0.946, value, fontsize=10, weight="bold")
+        # Line by line: a block is placed by its tallest letter, and neighbours would not align.
+        for row, line in enumerate(detail.splitlines()):
+            figure.text(left, 0.922 - 0.0195 * row, line, fontsize=SMALL_PT + 0.5)
+    figure.add_artist(Line2D([0.018, RIGHT], [0.886, 0.886], color=INK, linewidth=1.0))
+    figure.text(0.018, 0.866, _note(design), fontsize=SMALL_PT, color=GREY)
 
 
 def _actuator_lines(actuator: Actuator) -> tuple[str, str]:
@@ -129,15 +131,15 @@ def _actuator_lines(actuator: Actuator) -> tuple[str, str]:
         case FirstOrder():
             return (
                 "first order",
-                f"time constants: accel {actuator.accel_time_constant_s:.3g} s, "
-                f"decel {actuator.decel_time_constant_s:.3g} s",
+                f"accel time constant {actuator.accel_time_constant_s:.3g} s\n"
+                f"decel time constant {actuator.decel_time_constant_s:.3g} s",
             )
         case SecondOrder():
             accel, decel = (
-                f"{part.natural_frequency_rad_s:.3g} rad/s ({part.damping_ratio:.3g})"
+                f"{part.natural_frequency_rad_s:.3g} rad/s, damping {part.damping_ratio:.3g}"
                 for part in (actuator.accel, actuator.decel)
             )
-            return "second order", f"accel {accel}, decel {decel}"
+            return "second order", f"accel {accel}\ndecel {decel}"
 
 
 def _residual_text(design: Design) -> str:

@@ -20,8 +20,8 @@ SETTLED_SHARE = 0.98
 
 POINTS = 1200
 
-LABEL_WIDTH = 0.085
-"""Room that the label of a time takes, as a share of the panel's width [-]."""
+LABEL_WIDTH = (0.05, 0.0095)
+"""Room that the label of a time takes, and each of its digits, in widths of the panel [-]."""
 
 
 def time_grid(impulses: Impulses, mode: Mode, actuator: Actuator) -> FloatArray:
@@ -72,16 +72,17 @@ def draw_impulses(axes: Axes, impulses: Impulses, times_s: FloatArray) -> None:
 
 def _label_times(axes: Axes, impulses: Impulses, times_s: FloatArray) -> int:
     """Write each time past its tip, out of its neighbours' way; return the levels this takes."""
-    width = LABEL_WIDTH * float(times_s[-1] - times_s[0])
-    levels: dict[bool, list[float]] = {True: [], False: []}
+    span = float(times_s[-1] - times_s[0])
+    ends_by_side: dict[bool, list[float]] = {True: [], False: []}
     steps = zip(impulses.times_s.tolist(), impulses.amplitudes.tolist(), strict=True)
     for number, (time, amplitude) in enumerate(steps, start=1):
-        up = amplitude > 0
-        ends = levels[up]
-        level = next((k for k, end in enumerate(ends) if time - end >= width), len(ends))
-        ends[level : level + 1] = [time]
+        digits, up = f"{time:.4g}", amplitude > 0
+        reach = span * (LABEL_WIDTH[0] + LABEL_WIDTH[1] * len(digits)) / 2
+        ends = ends_by_side[up]
+        level = next((k for k, end in enumerate(ends) if time - reach >= end), len(ends))
+        ends[level : level + 1] = [time + reach]
         axes.annotate(
-            f"$t_{{{number}}}$  {time:.4g}",
+            f"$t_{{{number}}}$  {digits}",
             (time, amplitude),
             xytext=(0, (7 + 11 * level) * (1 if up else -1)),
             textcoords="offset points",
@@ -90,7 +91,7 @@ def _label_times(axes: Axes, impulses: Impulses, times_s: FloatArray) -> int:
             fontsize=SMALL_PT,
             bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"},
         )
-    return max(map(len, levels.values()))
+    return max(map(len, ends_by_side.values()))
 
 
 def draw_command(
@@ -124,11 +125,11 @@ def draw_payload(
     unshaped = unit * history(step, mode, actuator, times_s).deflection
     shaped = unit * history(impulses, mode, actuator, times_s).deflection
     if residual > LIMITS["residual"]:
-        after = times_s[times_s >= last]
+        ringing_s = times_s[times_s >= last]
         decay = mode.damping_ratio * mode.natural_frequency_rad_s
-        envelope = residual * np.exp(-decay * (after - last))
+        envelope = residual * np.exp(-decay * (ringing_s - last))
         axes.fill_between(
-            after, -envelope, envelope, color=BRIGHT, alpha=0.3, linewidth=0, label="residual"
+            ringing_s, -envelope, envelope, color=BRIGHT, alpha=0.3, linewidth=0, label="residual"
         )
     axes.plot(
         times_s, unshaped, color=GREY, linewidth=1.2, linestyle=(0, (5, 2)), label="unshaped step"
@@ -137,12 +138,15 @@ def draw_payload(
     highest = max(float(np.abs(unshaped).max()), float(np.abs(shaped).max()))
     # Room at the top for the note, clear of every curve.
     axes.set_ylim(-1.12 * highest, 1.42 * highest)
+    # After a long shaper the note would leave the panel on the right.
+    after = last - times_s[0] < 0.7 * (times_s[-1] - times_s[0])
     axes.annotate(
         f"last switch, {last:.4g} s",
         (last, 1.0),
         xycoords=("data", "axes fraction"),
-        xytext=(5, -3),
+        xytext=(5 if after else -5, -3),
         textcoords="offset points",
+        ha="left" if after else "right",
         va="top",
         fontsize=SMALL_PT,
     )

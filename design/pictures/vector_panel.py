@@ -1,4 +1,4 @@
-"""The panels of frequency: vector diagram at the nominal one, sensitivity around it."""
+"""The panel of vectors: what each impulse adds to the residual vibration, head to tail."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -6,7 +6,6 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from design.actuators import Actuator
 from design.analysis.certificate import LIMITS
-from design.analysis.sensitivity import Sensitivity
 from design.impulses import Impulses
 from design.pictures.style import (
     BRIGHT,
@@ -14,19 +13,14 @@ from design.pictures.style import (
     GREY,
     INK,
     SMALL_PT,
-    WASH,
-    legend_above,
     name_panel,
     percent,
 )
 from design.plants import Mode
 from design.types import ComplexArray
 
-HEADROOM = 1.3
-"""Height of the sensitivity panel over its curve's; the note is written above the curve [-]."""
-
-BAND_TOP = 0.9
-"""Height to which the band is shaded, below the note, as a share of the panel's [-]."""
+LABEL_SPACING = 0.08
+"""Least distance of the vectors' numbers, as a share of the polygon's extent [-]."""
 
 
 def vibration_vectors(impulses: Impulses, mode: Mode, actuator: Actuator) -> ComplexArray:
@@ -74,15 +68,18 @@ def draw_vectors(axes: Axes, impulses: Impulses, mode: Mode, actuator: Actuator)
     axes.axvline(0, color=GREY, linewidth=0.7)
     # An invisible path under the arrows: they take no part in the limits of the axes.
     axes.plot(corners.real, corners.imag, linestyle="none", gid="corners")
+    places: list[complex] = []
+    apart = LABEL_SPACING * max(float(np.ptp(corners.real)), float(np.ptp(corners.imag)))
     for number, accelerates in enumerate(impulses.accelerates.tolist(), start=1):
         tail, head = corners[number - 1], corners[number]
         colour = DEEP if accelerates else BRIGHT
         # Each lies over the next, whose tail would cover its tip.
         _draw_arrow(axes, tail, head, colour, zorder=3 - number / impulses.times_s.size)
-        middle = (tail + head) / 2
+        place = _free_place(tail, head, places, apart)
+        places.append(place)
         axes.text(
-            middle.real,
-            middle.imag,
+            place.real,
+            place.imag,
             str(number),
             ha="center",
             va="center",
@@ -130,6 +127,13 @@ def draw_vectors(axes: Axes, impulses: Impulses, mode: Mode, actuator: Actuator)
     axes.set_ylabel("imaginary part [share of unshaped]")
 
 
+def _free_place(tail: complex, head: complex, taken: list[complex], apart: float) -> complex:
+    """Return the place for an arrow's number: its middle, or beside it if that is taken."""
+    places = [tail + share * (head - tail) for share in (0.5, 0.36, 0.64, 0.22, 0.78)]
+    free = (place for place in places if all(abs(place - other) > apart for other in taken))
+    return next(free, places[0])
+
+
 def _draw_arrow(axes: Axes, tail: complex, head: complex, colour: str, zorder: float) -> None:
     axes.annotate(
         "",
@@ -161,52 +165,3 @@ def _fit_square(axes: Axes, corners: ComplexArray) -> None:
     ticks = MaxNLocator(nbins=6, steps=[1, 2, 5, 10]).tick_values(-across, across)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MultipleLocator(float(ticks[1] - ticks[0])))
-
-
-def draw_sensitivity(axes: Axes, sensitivity: Sensitivity, nominal_residual: float) -> None:
-    """Draw the residual over the frequency ratio, with the tolerance and its band."""
-    name_panel(axes, "sensitivity", "Sensitivity")
-    ratios, residuals = sensitivity.frequency_ratios, 100 * sensitivity.residuals
-    axes.set_xlim(float(ratios[0]), float(ratios[-1]))
-    axes.set_ylim(0, HEADROOM * max(float(residuals.max()), 1e-12))
-    band = sensitivity.insensitivity
-    if band is None:
-        note = f"no insensitivity: nominal {percent(nominal_residual)} is above tolerance"
-    else:
-        edges = (band.lower_ratio, band.upper_ratio)
-        note = f"insensitivity {edges[0]:.4f} to {edges[1]:.4f}, width {band.width:.4f}"
-        axes.axvspan(*edges, ymax=BAND_TOP, color=WASH, linewidth=0, zorder=0.5, gid="band")
-        for edge in edges:
-            axes.axvline(edge, ymax=BAND_TOP, color=DEEP, linewidth=0.9, linestyle=(0, (1, 1.6)))
-        axes.axhline(
-            100 * band.tolerance,
-            color=BRIGHT,
-            linewidth=1.4,
-            linestyle=(0, (5, 2)),
-            label=f"tolerance {percent(band.tolerance)}",
-            gid="tolerance",
-        )
-    axes.plot(ratios, residuals, color=DEEP, gid="residual")
-    if ratios[0] <= 1 <= ratios[-1]:
-        axes.plot(
-            1,
-            100 * nominal_residual,
-            "o",
-            color=INK,
-            markersize=5,
-            clip_on=False,
-            linestyle="none",
-            label="nominal",
-        )
-    axes.text(
-        0.5,
-        0.985,
-        note,
-        transform=axes.transAxes,
-        ha="center",
-        va="top",
-        fontsize=SMALL_PT,
-    )
-    axes.set_xlabel("true over nominal frequency [-]")
-    axes.set_ylabel("residual vibration [%]")
-    legend_above(axes)

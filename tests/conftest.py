@@ -1,0 +1,100 @@
+"""A real service for the tests, in a process of its own."""
+
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+START_WAIT_S = 60.0
+
+CRANE: dict[str, Any] = {
+    "plant": {"kind": "pendulum", "cable_length_m": 0.8, "gravity_m_s2": 9.81},
+    "actuator": {
+        "kind": "second_order",
+        "accel": {"natural_frequency_rad_s": 20, "damping_ratio": 0.8},
+        "decel": {"natural_frequency_rad_s": 50, "damping_ratio": 1.5},
+    },
+    "shaper": {"kind": "numzvd"},
+}
+"""The crane of the thesis, as a request."""
+
+
+@dataclass(frozen=True)
+class Running:
+    """A service and how to reach it."""
+
+    process: "subprocess.Popen[bytes]"
+    port: int
+    log: Path
+
+    @property
+    def address(self) -> str:
+        return f"http://127.0.0.1:{self.port}"
+
+    def client(self) -> httpx.Client:
+        return httpx.Client(base_url=self.address, timeout=60.0, trust_env=False)
+
+
+def free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        port: int = probe.getsockname()[1]
+        return port
+
+
+@contextmanager
+def running_service(
+    log: Path, *, command: tuple[str, ...] = (sys.executable, "-m", "service.cli"), **settings: Any
+) -> Iterator[Running]:
+    """Start a service, wait until it is ready, and end it."""
+    port = free_port()
+    environment = {
+        **os.environ,
+        **{f"SHAPERSMITH_{name.upper()}": str(value) for name, value in settings.items()},
+    }
+    with log.open("wb") as stderr:
+        process = subprocess.Popen(
+            [*command, "serve", "--port", str(port)], stderr=stderr, env=environment
+        )
+    service = Running(process, port, log)
+    try:
+        wait_until_ready(service)
+        yield service
+    finally:
+        if process.poll() is None:
+            process.terminate()
+        process.wait(30)
+
+
+def wait_until_ready(service: Running) -> None:
+    deadline = time.monotonic() + START_WAIT_S
+    with service.client() as client:
+        while True:
+            try:
+                if client.get("/health/ready").status_code == 200:
+                    return
+            except httpx.TransportError:
+                pass
+            if service.process.poll() is not None or time.monotonic() > deadline:
+                raise RuntimeError(f"the service did not start: {service.log.read_text()}")
+            time.sleep(0.05)
+
+
+@pytest.fixture(scope="session")
+def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
+    with running_service(tmp_path_factory.mktemp("service") / "log", workers=2) as running:
+        yield running
+
+
+@pytest.fixture
+def client(service: Running) -> Iterator[httpx.Client]:
+    with service.client() as client:
+        yield client

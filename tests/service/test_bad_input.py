@@ -1,0 +1,255 @@
+"""Nonsense in, a clear problem out."""
+
+import copy
+import json
+from typing import Any
+
+import httpx
+import pytest
+
+from tests.conftest import CRANE
+
+JSON = {"content-type": "application/json"}
+NATURAL = "/actuator/accel/natural_frequency_rad_s"
+
+
+def changed(pointer: str, value: Any) -> dict[str, Any]:
+    """Return the crane with one field set."""
+    request = copy.deepcopy(CRANE)
+    *path, last = pointer.strip("/").split("/")
+    here = request
+    for step in path:
+        here = here.setdefault(step, {})
+    here[last] = value
+    return request
+
+
+FAULTS = [
+    pytest.param("/plant/cable_length_m", -0.8, "greater than 0", id="negative"),
+    pytest.param("/plant/cable_length_m", 0, "greater than 0", id="zero"),
+    pytest.param("/plant/cable_length_m", True, "valid number, got True", id="boolean"),
+    pytest.param("/plant/cable_length_m", "0.8", "valid number, got '0.8'", id="string"),
+    pytest.param("/plant/cable_length_m", None, "valid number", id="null"),
+    pytest.param("/plant/cable_length_m", [1], "valid number", id="list"),
+    pytest.param("/plant/damping_ratio", 1, "less than or equal to 0.5", id="damping-1"),
+    pytest.param("/plant/damping_ratio", -1e-9, "greater than or equal to 0", id="damping-below-0"),
+    pytest.param(NATURAL, float("nan"), "finite number", id="nan"),
+    pytest.param(NATURAL, float("inf"), "finite number", id="infinity"),
+    pytest.param(
+        "/actuator/decel/damping_ratio", 9, "less than or equal to 5", id="actuator-damping"
+    ),
+    pytest.param("/actuator/model", "switched", "not served yet", id="switched"),
+    pytest.param("/actuator/model", "other", "'superposed' or 'switched'", id="model"),
+    pytest.param("/plant/colour", "red", "Extra inputs", id="unknown-field"),
+    pytest.param("/nonsense", 1, "Extra inputs", id="unknown-top-field"),
+    pytest.param("/sensitivity/points", 10**7, "less than or equal to 20001", id="points"),
+    pytest.param("/sensitivity/points", 1, "greater than or equal to 2", id="one-point"),
+    pytest.param("/sensitivity/to_ratio", 0.4, "greater than from_ratio", id="ratios-reversed"),
+    pytest.param("/sensitivity/tolerance", 1, "less than 1", id="tolerance"),
+    pytest.param("/shaper/settle", 1, "valid boolean", id="settle"),
+    pytest.param("/shaper/max_duration_periods", 1e9, "less than or equal to 100", id="horizon"),
+]
+
+
+@pytest.mark.parametrize(("pointer", "value", "rule"), FAULTS)
+def test_a_fault_is_named_by_field_rule_and_value(
+    client: httpx.Client, pointer: str, value: Any, rule: str
+) -> None:
+    answer = client.post("/v1/designs", content=json.dumps(changed(pointer, value)), headers=JSON)
+    body = answer.json()
+    assert (answer.status_code, body["type"]) == (422, "urn:shapersmith:invalid-input")
+    assert answer.headers["content-type"] == "application/problem+json"
+    assert [fault["pointer"] for fault in body["errors"]] == [pointer]
+    assert rule in body["errors"][0]["detail"]
+    assert body["request_id"] == answer.headers["x-request-id"]
+
+
+@pytest.mark.parametrize(
+    ("pointer", "value"),
+    [
+        pytest.param("/plant", {"kind": "bridge"}, id="kind-of-plant"),
+        pytest.param("/plant", {}, id="no-kind"),
+        pytest.param("/actuator", {"kind": "hydraulic"}, id="kind-of-actuator"),
+        pytest.param("/shaper", {"kind": "magic"}, id="kind-of-shaper"),
+        pytest.param("/shaper", 3, id="no-object"),
+    ],
+)
+def test_an_unknown_kind_is_named(client: httpx.Client, pointer: str, value: Any) -> None:
+    answer = client.post("/v1/designs", json=changed(pointer, value))
+    assert answer.status_code == 422
+    assert [fault["pointer"] for fault in answer.json()["errors"]] == [pointer]
+
+
+def test_every_fault_of_a_request_is_told_at_once(client: httpx.Client) -> None:
+    request = changed("/plant/damping_ratio", 2)
+    del request["shaper"]
+    faults = client.post("/v1/designs", json=request).json()["errors"]
+    assert {fault["pointer"] for fault in faults} == {"/plant/damping_ratio", "/shaper"}
+
+
+def test_several_modes_are_refused_clearly(client: httpx.Client) -> None:
+    modes = [{"natural_frequency_rad_s": 3.5}, {"natural_frequency_rad_s": 9.4}]
+    answer = client.post("/v1/designs", json=changed("/plant", {"kind": "modes", "modes": modes}))
+    body = answer.json()
+    assert answer.status_code == 422
+    assert body["errors"][0]["pointer"] == "/plant/modes"
+    assert "not served yet" in body["detail"]
+
+
+def test_one_mode_in_a_list_is_served(client: httpx.Client) -> None:
+    modes = {"kind": "modes", "modes": [{"natural_frequency_rad_s": 3.5}]}
+    assert client.post("/v1/designs", json=changed("/plant", modes)).status_code == 200
+
+
+def test_a_shaper_that_does_not_serve_the_actuator_is_refused(client: httpx.Client) -> None:
+    answer = client.post("/v1/designs", json=changed("/shaper", {"kind": "umzvc"}))
+    assert answer.status_code == 422
+    assert answer.json()["errors"][0]["pointer"] == "/actuator/kind"
+
+
+def test_an_overflowing_number_is_not_finite(client: httpx.Client) -> None:
+    text = json.dumps(changed(NATURAL, 12345.5)).replace("12345.5", "1e400")
+    answer = client.post("/v1/designs", content=text, headers=JSON)
+    assert answer.status_code == 422
+    assert answer.json()["errors"] == [
+        {"pointer": NATURAL, "detail": "Input should be a finite number, got inf"}
+    ]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        pytest.param(b"", id="empty"),
+        pytest.param(b"{", id="cut"),
+        pytest.param(b"plant: crane", id="yaml"),
+        pytest.param(b"[" * 100_000, id="deep-list"),
+        pytest.param(b'{"plant":' * 100_000, id="deep-object"),
+        pytest.param(b"\xff\xfe\x00", id="not-utf-8"),
+        pytest.param(b'{"plant": "\xe9"}', id="latin-1"),
+    ],
+)
+@pytest.mark.parametrize("path", ["/v1/designs", "/v1/sensitivity", "/v1/fits"])
+def test_what_is_no_json_is_told_so(client: httpx.Client, path: str, body: bytes) -> None:
+    answer = client.post(path, content=body, headers=JSON)
+    assert (answer.status_code, answer.json()["type"]) == (400, "urn:shapersmith:not-json")
+
+
+@pytest.mark.parametrize("body", [b"[]", b"3", b"null", b'"crane"'])
+def test_json_that_is_no_object_is_invalid(client: httpx.Client, body: bytes) -> None:
+    answer = client.post("/v1/designs", content=body, headers=JSON)
+    assert (answer.status_code, answer.json()["type"]) == (422, "urn:shapersmith:invalid-input")
+
+
+def test_a_body_over_its_limit_is_refused(client: httpx.Client) -> None:
+    answer = client.post("/v1/designs", content=b" " * 2_000_000, headers=JSON)
+    assert (answer.status_code, answer.json()["type"]) == (413, "urn:shapersmith:too-large")
+    assert "1048576 bytes" in answer.json()["detail"]
+
+
+def test_a_batch_over_its_lines_is_refused(client: httpx.Client) -> None:
+    answer = client.post("/v1/designs/batch", content=b"{}\n" * 1001)
+    assert (answer.status_code, answer.json()["type"]) == (413, "urn:shapersmith:too-large")
+
+
+def test_another_media_type_is_refused(client: httpx.Client) -> None:
+    answer = client.post("/v1/designs", content=b"<a/>", headers={"content-type": "text/xml"})
+    assert (answer.status_code, answer.json()["type"]) == (
+        415,
+        "urn:shapersmith:unsupported-media-type",
+    )
+
+
+def test_unknown_routes_and_methods_are_problems_too(client: httpx.Client) -> None:
+    missing = client.get("/v1/nothing")
+    assert (missing.status_code, missing.json()["type"]) == (404, "urn:shapersmith:not-found")
+    wrong = client.put("/v1/designs")
+    assert (wrong.status_code, wrong.json()["type"]) == (405, "urn:shapersmith:method-not-allowed")
+    assert wrong.headers["allow"] == "POST"
+
+
+def test_an_infeasible_design_says_which_condition_fails(client: httpx.Client) -> None:
+    # One lag at the plant's own frequency, so that |G_decel/G_accel| is 2.5 there.
+    actuator = {
+        "kind": "second_order",
+        "accel": {"natural_frequency_rad_s": 1.0, "damping_ratio": 1.25},
+        "decel": {"natural_frequency_rad_s": 1000.0, "damping_ratio": 0.5},
+    }
+    request = {
+        "plant": {"kind": "mode", "natural_frequency_rad_s": 1.0},
+        "actuator": actuator,
+        "shaper": {"kind": "numzv"},
+    }
+    answer = client.post("/v1/designs", json=request)
+    assert (answer.status_code, answer.json()["type"]) == (422, "urn:shapersmith:infeasible")
+    assert "is 2.5" in answer.json()["detail"]
+    assert "alpha <= 2" in answer.json()["detail"]
+
+
+def test_a_search_without_result_says_how_far_it_went(client: httpx.Client) -> None:
+    short = changed("/shaper", {"kind": "numzvd", "max_duration_periods": 0.5})
+    answer = client.post("/v1/designs", json=short)
+    assert (answer.status_code, answer.json()["type"]) == (422, "urn:shapersmith:infeasible")
+    detail = answer.json()["detail"]
+    assert "duration <= 0.5 periods in 1026 starts" in detail
+    assert "nearest miss" in detail
+
+
+@pytest.mark.parametrize(
+    ("fit", "pointer"),
+    [
+        pytest.param({"from": 1, "to": 2, "degree": 2}, "/fit/over", id="no-field"),
+        pytest.param(
+            {"over": "/plant/natural_frequency_rad_s", "from": 1, "to": 2, "degree": 2},
+            "/fit/over",
+            id="not-of-this-plant",
+        ),
+        pytest.param(
+            {"over": "/plant/cable_length_m", "from": 2, "to": 1, "degree": 2},
+            "/fit/to",
+            id="reversed",
+        ),
+        pytest.param(
+            {"over": "/plant/cable_length_m", "from": 1, "to": 2}, "/fit/degree", id="none"
+        ),
+        pytest.param(
+            {"over": "/plant/cable_length_m", "from": 1, "to": 2, "degree": 21},
+            "/fit/degree",
+            id="degree",
+        ),
+        pytest.param(
+            {"over": "/plant/cable_length_m", "from": 0, "to": 2, "degree": 2},
+            "/fit/from",
+            id="from-zero",
+        ),
+        pytest.param(
+            {"over": "/plant/damping_ratio", "from": 0, "to": 0.7, "degree": 2},
+            "/fit/to",
+            id="beyond-the-field",
+        ),
+    ],
+)
+@pytest.mark.parametrize("path", ["/v1/designs", "/v1/fits"])
+def test_a_faulty_fit_is_named(
+    client: httpx.Client, path: str, fit: dict[str, Any], pointer: str
+) -> None:
+    answer = client.post(path, json={**CRANE, "fit": fit})
+    assert answer.status_code == 422
+    assert [fault["pointer"] for fault in answer.json()["errors"]] == [pointer]
+
+
+@pytest.mark.parametrize(
+    ("impulses", "pointer"),
+    [
+        pytest.param({"times_s": [0, 1], "amplitudes": [1]}, "/impulses/amplitudes", id="lengths"),
+        pytest.param({"times_s": [0, -1], "amplitudes": [1, 1]}, "/impulses/times_s/1", id="back"),
+        pytest.param({"times_s": [], "amplitudes": []}, "/impulses/times_s", id="empty"),
+        pytest.param({"times_s": [0], "amplitudes": [0]}, "/impulses/amplitudes", id="all-zero"),
+    ],
+)
+def test_faulty_impulses_are_named(
+    client: httpx.Client, impulses: dict[str, Any], pointer: str
+) -> None:
+    request = {"impulses": impulses, "plant": CRANE["plant"], "actuator": CRANE["actuator"]}
+    answer = client.post("/v1/sensitivity", json=request)
+    assert answer.status_code == 422
+    assert pointer in [fault["pointer"] for fault in answer.json()["errors"]]

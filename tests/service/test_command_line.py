@@ -1,0 +1,141 @@
+"""The command line, as a process."""
+
+import csv
+import io
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import httpx
+import pytest
+
+from tests.conftest import CRANE
+
+
+def shapersmith(*arguments: str, given: object = None) -> "subprocess.CompletedProcess[str]":
+    """Run one command; ``given`` goes to its standard input, as JSON if it is no text."""
+    text = given if isinstance(given, str) else json.dumps(given)
+    return subprocess.run(
+        [sys.executable, "-m", "service.cli", *arguments],
+        input=text,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_design_prints_what_the_service_answers(client: httpx.Client, tmp_path: Path) -> None:
+    request = tmp_path / "crane.json"
+    request.write_text(json.dumps(CRANE))
+    from_file = shapersmith("design", str(request))
+    assert (from_file.returncode, from_file.stderr) == (0, "")
+    assert json.loads(from_file.stdout) == client.post("/v1/designs", json=CRANE).json()
+    assert shapersmith("design", "-", given=CRANE).stdout == from_file.stdout
+
+
+def test_the_table_names_what_a_person_asks_for() -> None:
+    told = shapersmith("design", "-", "--format", "table", given=CRANE).stdout
+    for words in ("0.182117123", "verified", "width 0.25866", "numzvd, 1.32079496 s"):
+        assert words in told
+
+
+def test_the_csv_holds_the_impulses_in_full() -> None:
+    told = shapersmith("design", "-", "--format", "csv", given=CRANE).stdout
+    rows = list(csv.DictReader(io.StringIO(told)))
+    design = json.loads(shapersmith("design", "-", given=CRANE).stdout)
+    assert [float(row["time_s"]) for row in rows] == design["shaper"]["impulses"]["times_s"]
+
+
+def test_sensitivity_and_fit_take_the_same_json() -> None:
+    impulses = {"times_s": [0, 0.9], "amplitudes": [0.5, 0.5]}
+    curve = shapersmith(
+        "sensitivity",
+        "-",
+        "--format",
+        "csv",
+        given={
+            "impulses": impulses,
+            "plant": CRANE["plant"],
+            "actuator": {"kind": "ideal"},
+            "points": 5,
+        },
+    )
+    assert curve.stdout.splitlines()[0] == "frequency_ratio,residual"
+    assert len(curve.stdout.splitlines()) == 6
+    fit = {"over": "/plant/cable_length_m", "from": 0.3, "to": 1.4, "degree": 3}
+    fitted = shapersmith("fit", "-", "--format", "table", given={**CRANE, "fit": fit})
+    assert (
+        "x = sqrt(gravity_m_s2 / cable_length_m) / accel.natural_frequency_rad_s" in fitted.stdout
+    )
+
+
+def test_shapers_lists_every_kind() -> None:
+    listed = json.loads(shapersmith("shapers").stdout)["shapers"]
+    assert "numzvd" in {entry["kind"] for entry in listed}
+    assert "numzvd" in shapersmith("shapers", "--format", "table").stdout
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg"])
+def test_plot_writes_a_picture(tmp_path: Path, suffix: str) -> None:
+    picture = tmp_path / f"crane.{suffix}"
+    assert shapersmith("design", "-", "--plot", str(picture), given=CRANE).returncode == 0
+    assert picture.read_bytes().startswith(b"\x89PNG" if suffix == "png" else b"<?xml")
+    assert list(tmp_path.iterdir()) == [picture]
+
+
+@pytest.mark.parametrize(
+    ("path", "told"),
+    [
+        pytest.param("nowhere/crane.png", "there is no folder", id="no-folder"),
+        pytest.param("crane.gif", "ending in .png or .svg", id="suffix"),
+    ],
+)
+def test_a_picture_that_cannot_be_written_is_refused_before_the_work(
+    tmp_path: Path, path: str, told: str
+) -> None:
+    refused = shapersmith("design", "-", "--plot", str(tmp_path / path), given=CRANE)
+    assert (refused.returncode, refused.stdout) == (2, "")
+    assert told in refused.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("given", "status", "told"),
+    [
+        pytest.param({**CRANE, "plant": {"kind": "mode"}}, 2, "invalid-input", id="invalid"),
+        pytest.param("{", 2, "not-json", id="not-json"),
+        pytest.param(
+            {**CRANE, "shaper": {"kind": "numzvd", "max_duration_periods": 0.5}},
+            3,
+            "infeasible",
+            id="infeasible",
+        ),
+    ],
+)
+def test_errors_are_one_line_and_a_problem_document_on_request(
+    given: object, status: int, told: str
+) -> None:
+    plain = shapersmith("design", "-", given=given)
+    assert (plain.returncode, plain.stdout) == (status, "")
+    assert plain.stderr.startswith(f"shapersmith: {told}: ")
+    assert plain.stderr.count("\n") == 1
+    document = json.loads(shapersmith("design", "-", "--format", "json", given=given).stderr)
+    assert document["type"] == f"urn:shapersmith:{told}"
+
+
+def test_a_request_that_is_not_there_is_a_usage_error(tmp_path: Path) -> None:
+    missing = shapersmith("design", str(tmp_path / "none.json"))
+    assert missing.returncode == 2
+    assert "No such file" in missing.stderr
+
+
+@pytest.mark.parametrize("arguments", [[], ["paint"], ["design"], ["serve", "--port", "70000"]])
+def test_wrong_usage_exits_2(arguments: list[str]) -> None:
+    assert shapersmith(*arguments).returncode == 2
+
+
+def test_a_reader_that_leaves_early_is_no_error_message() -> None:
+    command = f"{sys.executable} -m service.cli shapers | head -c 10"
+    piped = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
+    assert piped.stderr == ""

@@ -1,0 +1,26 @@
+"""What the README says is what there is."""
+
+import re
+from pathlib import Path
+
+from service.app import create_app
+from service.cli import COMMANDS
+from service.settings import PREFIX, Settings
+
+README = (Path(__file__).parents[2] / "README.md").read_text()
+
+
+def test_the_readme_has_a_row_for_every_setting_with_its_default() -> None:
+    rows = dict(re.findall(rf"^\| `{PREFIX}(\w+)` \| ([^|]+) \|", README, re.MULTILINE))
+    assert {name.lower() for name in rows} == set(Settings.model_fields)
+    for name, field in Settings.model_fields.items():
+        if name != "workers":  # depends on the machine
+            assert float(rows[name.upper()].replace(",", "")) == field.default, name
+
+
+def test_the_readme_names_every_route_and_command() -> None:
+    app = create_app(Settings())
+    for path in app.openapi()["paths"]:
+        assert f"`{path}`" in README or f" {path}`" in README, path
+    for command in (*COMMANDS, "shapers", "serve"):
+        assert f"`shapersmith {command}" in README, command

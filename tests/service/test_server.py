@@ -1,0 +1,247 @@
+"""The service as a process: workers, limits, signals, log."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from tests.conftest import CRANE, Running, running_service
+
+SLOW: dict[str, Any] = {
+    **CRANE,
+    "plant": {"kind": "mode", "natural_frequency_rad_s": 3.5},
+    "shaper": {"kind": "numzvd", "max_duration_periods": 3},
+    "fit": {"over": "/plant/damping_ratio", "from": 0, "to": 0.4, "max_residual": 1e-15},
+}
+"""A second of work and more: every degree is tried, and none is good enough."""
+
+
+ENDLESS: dict[str, Any] = {
+    **SLOW,
+    "plant": {"kind": "mode", "natural_frequency_rad_s": 1.0},
+    "fit": {"over": "/plant/damping_ratio", "from": 0.145, "to": 0.15, "max_residual": 1e-15},
+    "actuator": {
+        "kind": "second_order",
+        "accel": {"natural_frequency_rad_s": 4.06, "damping_ratio": 0.95},
+        "decel": {"natural_frequency_rad_s": 18.63, "damping_ratio": 1.23},
+    },
+}
+"""The same where every design needs a search over all branches: a minute of work."""
+
+
+def children(pid: int) -> set[int]:
+    """Return all processes below one."""
+    found: set[int] = set()
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
+            except (FileNotFoundError, ProcessLookupError):
+                continue
+            if parent == pid:
+                found |= {int(entry.name)} | children(int(entry.name))
+    return found
+
+
+def running(pids: set[int]) -> set[int]:
+    """Return those of some processes that have not ended; a zombie has."""
+    states = {}
+    for pid in pids:
+        try:
+            states[pid] = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+        except (FileNotFoundError, ProcessLookupError):
+            states[pid] = "Z"
+    return {pid for pid, state in states.items() if state != "Z"}
+
+
+def workers(service: Running) -> dict[int, float]:
+    """Return the processes below the service with the processor time that each has used [s]."""
+    used = {}
+    for pid in children(service.process.pid):
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        used[pid] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    return used
+
+
+def busiest(service: Running, seconds: float) -> int:
+    """Return the process below the service that worked most over some time."""
+    before = workers(service)
+    time.sleep(seconds)
+    after = workers(service)
+    return max(after, key=lambda pid: after[pid] - before.get(pid, 0.0))
+
+
+def test_a_design_that_hits_its_time_limit_is_ended_and_the_worker_replaced(tmp_path: Path) -> None:
+    with (
+        running_service(tmp_path / "log", workers=1, time_limit_s=1.0) as service,
+        service.client() as client,
+    ):
+        late = client.post("/v1/designs", json=ENDLESS)
+        assert (late.status_code, late.json()["type"]) == (504, "urn:shapersmith:time-limit")
+        assert "after 1 s" in late.json()["detail"]
+        assert client.post("/v1/designs", json=CRANE).status_code == 200
+
+
+def test_one_late_line_spoils_no_other_of_its_batch(tmp_path: Path) -> None:
+    lines = "\n".join(map(json.dumps, [CRANE, ENDLESS, CRANE]))
+    with (
+        running_service(tmp_path / "log", workers=1, time_limit_s=1.0) as service,
+        service.client() as client,
+    ):
+        told = client.post("/v1/designs/batch", content=lines).text.splitlines()
+    assert [json.loads(line).get("status", 200) for line in told] == [200, 504, 200]
+
+
+def test_a_worker_killed_while_it_solves_is_replaced_and_its_request_retried(
+    tmp_path: Path,
+) -> None:
+    with running_service(tmp_path / "log", workers=1) as service, service.client() as client:
+        answers: list[httpx.Response] = []
+        thread = threading.Thread(
+            target=lambda: answers.append(client.post("/v1/designs", json=SLOW))
+        )
+        thread.start()
+        victim = busiest(service, 0.2)
+        os.kill(victim, signal.SIGKILL)
+        thread.join(30)
+        # The same answer as undisturbed: a fit to 1e-15 is refused, by the second worker.
+        assert answers[0].json()["type"] == "urn:shapersmith:infeasible"
+        assert victim not in workers(service)
+        assert client.post("/v1/designs", json=CRANE).status_code == 200
+    assert f"worker {victim} died at a task" in (tmp_path / "log").read_text()
+
+
+def test_a_request_that_kills_every_worker_is_given_up_at_the_second(tmp_path: Path) -> None:
+    with running_service(tmp_path / "log", workers=1) as service, service.client() as client:
+        answers: list[httpx.Response] = []
+        thread = threading.Thread(
+            target=lambda: answers.append(client.post("/v1/designs", json=SLOW))
+        )
+        thread.start()
+        os.kill(busiest(service, 0.2), signal.SIGKILL)
+        deadline = time.monotonic() + 20
+        while not answers and time.monotonic() < deadline:
+            os.kill(busiest(service, 0.3), signal.SIGKILL)
+            time.sleep(0.1)
+        thread.join(30)
+        assert (answers[0].status_code, answers[0].json()["type"]) == (
+            500,
+            "urn:shapersmith:internal",
+        )
+        assert client.post("/v1/designs", json=CRANE).status_code == 200
+
+
+def test_too_much_waiting_work_is_refused_with_a_time_to_retry(tmp_path: Path) -> None:
+    with (
+        running_service(tmp_path / "log", workers=1, max_pending=1) as service,
+        service.client() as client,
+    ):
+        thread = threading.Thread(target=lambda: client.post("/v1/designs", json=SLOW))
+        thread.start()
+        time.sleep(0.2)
+        refused = client.post("/v1/designs", json=CRANE)
+        thread.join(30)
+    assert (refused.status_code, refused.json()["type"]) == (503, "urn:shapersmith:overloaded")
+    assert refused.headers["retry-after"] == "1"
+
+
+def test_sigterm_finishes_what_runs_refuses_what_is_new_and_exits_0(tmp_path: Path) -> None:
+    with running_service(tmp_path / "log", workers=1) as service, service.client() as client:
+        answers: list[httpx.Response] = []
+        thread = threading.Thread(
+            target=lambda: answers.append(client.post("/v1/designs", json=SLOW))
+        )
+        thread.start()
+        time.sleep(0.2)
+        below = children(service.process.pid)
+        service.process.send_signal(signal.SIGTERM)
+        time.sleep(0.2)
+        with pytest.raises(httpx.ConnectError), service.client() as late:
+            late.get("/health/live")
+        thread.join(30)
+        assert answers[0].json()["type"] == "urn:shapersmith:infeasible"
+        assert service.process.wait(30) == 0
+    assert below
+    ended_by = time.monotonic() + 5.0  # the fork server sees the end of its parent a little later
+    while running(below):
+        assert time.monotonic() < ended_by
+        time.sleep(0.02)
+
+
+def test_workers_end_with_their_parent_in_the_middle_of_a_solve(tmp_path: Path) -> None:
+    with running_service(tmp_path / "log", workers=2) as service, service.client() as client:
+
+        def post() -> None:
+            with pytest.raises(httpx.TransportError):
+                client.post("/v1/designs", json=ENDLESS)
+
+        thread = threading.Thread(target=post)
+        thread.start()
+        time.sleep(0.2)
+        below = children(service.process.pid)
+        service.process.kill()
+        deadline = time.monotonic() + 5.0
+        while running(below):
+            assert time.monotonic() < deadline, "workers outlive their parent"
+            time.sleep(0.02)
+        thread.join(10)
+    assert len(below) >= 2
+
+
+def test_the_log_has_one_json_line_a_request(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    with running_service(log, workers=1) as service, service.client() as client:
+        client.post("/v1/designs", json=CRANE, headers={"x-request-id": "one"})
+        client.get("/v1/nothing", headers={"x-request-id": "two"})
+    lines = [json.loads(line) for line in log.read_text().splitlines()]
+    told = {line["request_id"]: line for line in lines if line["logger"] == "shapersmith.access"}
+    assert (told["one"]["method"], told["one"]["path"], told["one"]["status"]) == (
+        "POST",
+        "/v1/designs",
+        200,
+    )
+    assert told["one"]["duration_ms"] > 0
+    assert told["two"]["status"] == 404
+    assert sum(line.get("request_id") == "one" for line in lines) == 1
+
+
+def test_a_taken_port_is_one_readable_line(service: Running) -> None:
+    second = subprocess.run(
+        [sys.executable, "-m", "service.cli", "serve", "--port", str(service.port)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert second.returncode == 1
+    assert second.stderr == (
+        f"shapersmith: cannot serve on 127.0.0.1 port {service.port}: Address already in use\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "told"),
+    [
+        ("WORKERS", "none", "SHAPERSMITH_WORKERS"),
+        ("TIME_LIMIT_S", "-1", "SHAPERSMITH_TIME_LIMIT_S"),
+        ("COLOUR", "red", "SHAPERSMITH_COLOUR"),
+    ],
+)
+def test_a_faulty_setting_is_named(name: str, value: str, told: str) -> None:
+    started = subprocess.run(
+        [sys.executable, "-m", "service.cli", "serve", "--port", "0"],
+        env={**os.environ, f"SHAPERSMITH_{name}": value},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert started.returncode == 2
+    assert told in started.stderr
+    assert started.stderr.count("\n") == 1
