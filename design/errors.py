@@ -26,10 +26,13 @@ class InvalidInputError(DesignError):
     """
 
     def __init__(self, name: str, value: object, rule: str) -> None:
-        super().__init__(f"{name} must be {rule}, got {value!r}")
+        super().__init__(name, value, rule)  # what pickle calls it with in another process
         self.name = name
         self.value = value
         self.rule = rule
+
+    def __str__(self) -> str:
+        return f"{self.name} must be {self.rule}, got {self.value!r}"
 
     def within(self, outer: str) -> "InvalidInputError":
         """Return the same error, its field named from the record ``outer`` on."""

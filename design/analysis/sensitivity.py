@@ -22,8 +22,8 @@ EDGE_MARGIN = 1e-9
 SCAN_STEP_PHASE = 2 * math.pi / 48
 """How far the last impulse's phase may turn between two points of the search for an edge [rad]."""
 
-LONGEST_SCAN_STEP = 0.05
-"""The same for commands so short that the actuator alone shapes the curve [-]."""
+LONGEST_RELATIVE_STEP = 0.02
+"""The same as a share of the ratio: a tenth of the narrowest peak of an actuator's set [-]."""
 
 MOST_ROOT_STEPS = 100
 ROOT_TOLERANCE = 1e-13
@@ -155,15 +155,34 @@ def insensitivity(
     if excess.at(1.0) > 0:
         return None
     turn = mode.natural_frequency_rad_s * impulses.duration_s
-    step = min(LONGEST_SCAN_STEP, SCAN_STEP_PHASE / turn) if turn > 0 else LONGEST_SCAN_STEP
+    step = SCAN_STEP_PHASE / turn if turn > 0 else math.inf
     # The first stretch on both sides at once: it nearly always holds both edges.
-    near = 1 + step * np.arange(-SCAN_BLOCK, SCAN_BLOCK + 1)
-    values = excess.over(np.maximum(near, WIDEST_RATIOS[0]))
+    below, above = (_outward(1.0, end, step) for end in WIDEST_RATIOS)
+    near = np.concatenate((below[::-1], [1.0], above))
+    values = excess.over(near)
+    middle = below.size
     return Insensitivity(
         tolerance=tolerance,
-        lower_ratio=_edge(excess, near[::-1], values[::-1], -step, WIDEST_RATIOS[0]),
-        upper_ratio=_edge(excess, near, values, step, WIDEST_RATIOS[1]),
+        lower_ratio=_edge(
+            excess, near[middle + 1 :: -1], values[middle + 1 :: -1], WIDEST_RATIOS[0], step
+        ),
+        upper_ratio=_edge(excess, near[middle - 1 :], values[middle - 1 :], WIDEST_RATIOS[1], step),
     )
+
+
+def _outward(start: float, end: float, step: float) -> FloatArray:
+    """Return the next ratios of the search from one on, the last of all at ``end``.
+
+    Steps are fine against the turn of the last impulse, and against the ratio itself, on whose
+    scale the actuator shapes the curve.
+    """
+    ratios: list[float] = []
+    ratio = start
+    while len(ratios) < SCAN_BLOCK and ratio != end:
+        stride = min(step, LONGEST_RELATIVE_STEP * ratio)
+        ratio = min(ratio + stride, end) if end > start else max(ratio - stride, end)
+        ratios.append(ratio)
+    return np.array(ratios)
 
 
 class _Excess:
@@ -202,27 +221,29 @@ class _Excess:
         return float(abs(vector)) - self.limit
 
 
-def _edge(excess: _Excess, near: FloatArray, values: FloatArray, step: float, end: float) -> float:
-    """Return the last ratio within the limit, going from 1 by ``step`` towards ``end``.
+def _edge(
+    excess: _Excess, ratios: FloatArray, values: FloatArray, end: float, step: float
+) -> float:
+    """Return the last ratio within the limit on the way from 1 to ``end``.
 
-    ``near`` are ratios around 1 in steps of ``step``, 1 in the middle, ``values`` what the residual
-    there has over the limit. Each further stretch overlaps by a point on either side, so that a
-    peak at a seam has both its neighbours.
+    ``ratios`` are the first stretch, with the neighbour of 1 on the other side ahead of it, and
+    ``values`` what the residual there has over the limit. Each further stretch overlaps by two
+    points, so that a peak at a seam has both its neighbours.
     """
-    ratios, values = near[SCAN_BLOCK - 1 :], values[SCAN_BLOCK - 1 :]
     while True:
         above = np.flatnonzero(values[1:] > 0)
         stop = int(above[0]) + 1 if above.size else ratios.size - 1
         for top in _near_misses(values[: stop + 1], excess.limit):
             ratio = _peak(excess, float(ratios[top - 1]), float(ratios[top + 1]))
-            if (ratio - 1) / step > 0 and excess.at(ratio) > 0:
+            if (ratio - 1) * (end - 1) > 0 and excess.at(ratio) > 0:
                 return _root(excess, float(ratios[top - 1]), ratio)
-        if (ratios[stop] - end) / step >= 0:
-            return end
         if above.size:
             return _root(excess, float(ratios[stop - 1]), float(ratios[stop]))
-        ratios = ratios[-2] + step * np.arange(SCAN_BLOCK + 2)
-        values = excess.over(np.maximum(ratios, WIDEST_RATIOS[0]))
+        if ratios[-1] == end:
+            return end
+        further = _outward(float(ratios[-1]), end, step)
+        ratios = np.concatenate((ratios[-2:], further))
+        values = np.concatenate((values[-2:], excess.over(further)))
 
 
 def _near_misses(values: FloatArray, limit: float) -> list[int]:

@@ -7,6 +7,11 @@ from typing import Any, Literal
 from design.actuators import Actuator
 from design.plants import Mode
 from design.shapers.problem import Formulation
+from design.types import require_between
+
+SHORTEST_HORIZON_PERIODS = 0.1
+LONGEST_HORIZON_PERIODS = 100.0
+"""Bounds of how long a shaper is searched, in undamped periods [-]."""
 
 Quantity = Literal["residual", "slope"]
 """What a shaper may claim to be zero: its residual vibration; its vector's slope in frequency."""
@@ -34,10 +39,18 @@ class SettleOptions:
         default=3.0,
         metadata={
             "description": "Longest shaper searched, in undamped periods of the plant.",
-            "ge": 0.1,
-            "le": 100.0,
+            "ge": SHORTEST_HORIZON_PERIODS,
+            "le": LONGEST_HORIZON_PERIODS,
         },
     )
+
+    def __post_init__(self) -> None:
+        require_between(
+            "max_duration_periods",
+            self.max_duration_periods,
+            SHORTEST_HORIZON_PERIODS,
+            LONGEST_HORIZON_PERIODS,
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -195,7 +195,8 @@ def _seeds(
     """Polynomials of the literature, shifted by the actuators' phase, then as published.
 
     A step through the deceleration set acts as if it came later by the phase of the ratio, so its
-    time in the seed moves by that; gaps that are too short to settle grow by whole periods.
+    time in the seed moves by that. Where a gap is too short to settle, no seed tells which branch
+    is the fastest: all are searched.
     """
     label = "umzv_polynomials" if model is ZERO_VIBRATION else "umzvd_polynomials"
     table = ZV_POLYNOMIALS if model is ZERO_VIBRATION else ZVD_POLYNOMIALS
@@ -205,19 +206,14 @@ def _seeds(
     ]
     shift = cmath.phase(ratio) / math.sqrt(1 - damping_ratio**2)
     shifted = [time + shift * (index % 2 == 0) for index, time in enumerate(published)]
-    return (
-        Seed(name=label, gaps_rad=_gaps(shifted, shortest)),
-        Seed(name=f"{label}_as_published", gaps_rad=_gaps(published, shortest)),
-    )
-
-
-def _gaps(times_rad: list[float], shortest: FloatArray) -> FloatArray:
-    """Return gaps from times, those that are too short grown by whole periods [rad]."""
-    gaps = [after - before for before, after in zip([0.0, *times_rad], times_rad, strict=False)]
-    return np.array([
-        gap + PERIOD_RAD * max(0, math.ceil((least - gap) / PERIOD_RAD))
-        for gap, least in zip(gaps, shortest.tolist(), strict=True)
-    ])
+    seeds = []
+    for name, times in ((label, shifted), (f"{label}_as_published", published)):
+        gaps = np.array([
+            after - before for before, after in zip([0.0, *times], times, strict=False)
+        ])
+        if shortest.max() <= SHORTEST_GAP_RAD or (gaps >= shortest).all():
+            seeds.append(Seed(name=name, gaps_rad=gaps))
+    return tuple(seeds)
 
 
 def undamped_times_rad(ratio: complex, shortest: FloatArray, horizon_rad: float) -> FloatArray:

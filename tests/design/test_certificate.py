@@ -1,0 +1,146 @@
+"""The certificate holds for right shapers and for no others."""
+
+import math
+
+import numpy as np
+import pytest
+
+from design.actuators import Actuator, FirstOrder, SecondOrder
+from design.analysis.certificate import LIMITS, METHOD, Certificate, Claim, certify
+from design.impulses import Impulses
+from design.pipeline import design
+from design.plants import Mode, Plant
+from design.shapers.kind import Quantity
+from design.shapers.registry import SHAPERS
+from design.types import FloatArray
+from tests.routes import claims_by_formula
+from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, THESIS
+
+CLAIMS: tuple[Quantity, ...] = ("residual", "slope")
+SWAPPED = SecondOrder(accel=THESIS.decel, decel=THESIS.accel)
+
+
+def shaper(name: str, plant: Plant, actuator: Actuator) -> Impulses:
+    return design(plant, actuator, SHAPERS[name]).impulses
+
+
+def moved(impulses: Impulses, index: int, by: float) -> Impulses:
+    times = impulses.times_s.copy()
+    times[index] += by
+    return Impulses(times_s=times, amplitudes=impulses.amplitudes)
+
+
+def values(impulses: Impulses, mode: Mode, actuator: Actuator) -> dict[str, float]:
+    return {one.quantity: one.value for one in certify(impulses, mode, actuator, CLAIMS).claims}
+
+
+@pytest.mark.parametrize("plant", [CRANE, DAMPED])
+@pytest.mark.parametrize("actuator", [IDEAL, FIRST_ORDER, THESIS])
+def test_a_right_shaper_is_verified(plant: Plant, actuator: Actuator) -> None:
+    certificate = certify(shaper("numzvd", plant, actuator), plant.mode, actuator, CLAIMS)
+    assert certificate.verified
+    assert [claim.limit for claim in certificate.claims] == [1e-9, 1e-7]
+
+
+@pytest.mark.parametrize("index", [1, 2, 3, 4])
+@pytest.mark.parametrize("by", [-1e-7, 1e-7])
+def test_a_switch_a_tenth_of_a_microsecond_off_is_found(index: int, by: float) -> None:
+    wrong = moved(shaper("numzvd", CRANE, THESIS), index, by)
+    # 3.5 rad/s for 1e-7 s: 3.5e-7 of a step, 350 times the limit.
+    assert not certify(wrong, CRANE.mode, THESIS, ("residual",)).verified
+
+
+@pytest.mark.parametrize("actuator", [IDEAL, FIRST_ORDER, SWAPPED])
+def test_a_shaper_for_another_actuator_is_not_verified(actuator: Actuator) -> None:
+    made = shaper("numzvd", CRANE, THESIS)
+    assert not certify(made, CRANE.mode, actuator, ("residual",)).verified
+
+
+@pytest.mark.parametrize("ratio", [0.999, 1.001])
+def test_a_shaper_for_another_frequency_is_not_verified(ratio: float) -> None:
+    other = Mode(natural_frequency_rad_s=ratio * CRANE.mode.natural_frequency_rad_s)
+    made = shaper("numzvd", CRANE, THESIS)
+    # A zero slope still leaves (width ~ .26 at 5 %) about 3e-6 at a thousandth.
+    assert not certify(made, other, THESIS, ("residual",)).verified
+
+
+def test_a_wrong_amplitude_is_not_verified() -> None:
+    made = shaper("umzv", CRANE, IDEAL)
+    wrong = Impulses(times_s=made.times_s, amplitudes=np.array([1.0, -1.0, 1.0 + 1e-8]))
+    assert not certify(wrong, CRANE.mode, IDEAL, ("residual",)).verified
+
+
+def test_a_shaper_of_three_impulses_has_a_slope() -> None:
+    certificate = certify(shaper("numzv", CRANE, THESIS), CRANE.mode, THESIS, CLAIMS)
+    holds = {claim.quantity: claim.holds for claim in certificate.claims}
+    assert holds == {"residual": True, "slope": False}
+    assert not certificate.verified
+
+
+COMMANDS: dict[str, tuple[FloatArray, FloatArray]] = {
+    "step": (np.array([0.0]), np.array([1.0])),
+    "pulse": (np.array([0.0, 0.4]), np.array([1.0, -1.0])),
+    "rough shaper": (np.array([0.0, 0.17, 0.64, 1.14, 1.27]), np.array([1.0, -1, 1, -1, 1])),
+    "move": (np.array([0.0, 0.3, 2.0, 2.3]), np.array([0.5, 0.5, -0.5, -0.5])),
+}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize("actuator", [IDEAL, FIRST_ORDER, THESIS])
+@pytest.mark.parametrize("z", [0.0, 0.1])
+def test_the_values_of_any_command_are_those_of_the_formula(
+    name: str, actuator: Actuator, z: float
+) -> None:
+    times, amplitudes = COMMANDS[name]
+    command = Impulses(times_s=times, amplitudes=amplitudes)
+    mode = Mode(natural_frequency_rad_s=3.5, damping_ratio=z)
+    found, expected = values(command, mode, actuator), claims_by_formula(command, mode, actuator)
+    assert found["residual"] == pytest.approx(expected["residual"], abs=1e-12)  # rounding
+    # Central difference: (1e-5)^2 / 6 times the third derivative, at most (3.5 * 2.3)^3 * 4.
+    assert found["slope"] == pytest.approx(expected["slope"], abs=1e-7)
+
+
+@pytest.mark.parametrize("rate", [1e3, 1e6, 1e9])
+def test_a_stiff_actuator_does_not_drown_the_slope_in_rounding(rate: float) -> None:
+    actuator = FirstOrder(accel_time_constant_s=1 / rate, decel_time_constant_s=0.05)
+    made = shaper("numzvd", CRANE, actuator)
+    # An order below the limit: a hundred times the rounding of an unstiff one.
+    assert values(made, CRANE.mode, actuator)["slope"] <= 0.1 * LIMITS["slope"]
+
+
+def test_only_what_is_claimed_is_recomputed() -> None:
+    certificate = certify(shaper("umzv", CRANE, IDEAL), CRANE.mode, IDEAL, ("residual",))
+    assert [claim.quantity for claim in certificate.claims] == ["residual"]
+    assert certificate.method == METHOD
+
+
+def test_not_a_number_is_no_proof() -> None:
+    claim = Claim(quantity="residual", value=math.nan, limit=1e-9)
+    assert not claim.holds
+    assert not Certificate(claims=(claim,)).verified
+
+
+def test_a_value_on_the_limit_holds() -> None:
+    assert Claim(quantity="residual", value=1e-9, limit=1e-9).holds
+    assert not Claim(quantity="residual", value=math.nextafter(1e-9, 1), limit=1e-9).holds
+
+
+def test_a_right_shaper_of_five_periods_is_verified() -> None:
+    # Steps must settle, so that the solution takes 4.9 periods; its slope by formula is 0. A
+    # frequency step that did not shrink with the phase would miss the limit by its truncation.
+    lag = FirstOrder(accel_time_constant_s=0.8, decel_time_constant_s=0.8)
+    mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=0.05)
+    made = Impulses(times_s=long_solution(mode, lag), amplitudes=np.array([1.0, -1, 1, -1, 1]))
+    assert claims_by_formula(made, mode, lag)["slope"] <= 1e-11
+    assert certify(made, mode, lag, CLAIMS).verified
+
+
+def long_solution(mode: Mode, actuator: FirstOrder) -> FloatArray:
+    from design.shapers.unity_magnitude import ZERO_VIBRATION_DERIVATIVE, unity_magnitude_problem
+    from design.solvers.search import candidates
+
+    problem = unity_magnitude_problem(
+        ZERO_VIBRATION_DERIVATIVE, mode, actuator, settle=True, max_duration_periods=6.0
+    )
+    gaps = next(candidates(problem)).gaps_rad
+    return np.concatenate(([0.0], np.cumsum(gaps))) / mode.natural_frequency_rad_s
