@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal, overload
 
 from design.errors import InvalidInputError
-from design.types import ComplexArray, require_between, require_positive
+from design.types import LARGEST, SMALLEST, ComplexArray, require_between, require_scale
 
 Model = Literal["superposed", "switched"]
 """How the two sets share the actuator; docs/theory.md says what each means."""
@@ -14,7 +14,7 @@ SMALLEST_DAMPING_RATIO = 0.1
 LARGEST_DAMPING_RATIO = 5.0
 
 CRITICAL_PHASE = 1e-6
-"""Below it, sin(x)/x and cos(x) are 1 to double precision: the lag is critically damped [rad]."""
+"""Below it, sin(x)/x and cos(x) are 1 to 1e-12: the lag counts as critically damped [rad]."""
 
 SETTLED_SHARE = 0.8
 """Share of a step after which a step counts as settled (Kim 2011, eq. 3.40) [-]."""
@@ -142,8 +142,9 @@ class FirstOrder:
     def __post_init__(self) -> None:
         for name in ("accel_time_constant_s", "decel_time_constant_s"):
             value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0):
-                raise InvalidInputError(name, value, "finite and >= 0")
+            if not (value == 0 or SMALLEST <= value <= LARGEST):
+                rule = f"0, or between {SMALLEST:g} and {LARGEST:g}"
+                raise InvalidInputError(name, value, rule)
         _require_served(self.model)
 
     @property
@@ -184,7 +185,7 @@ class SecondOrderSet:
     damping_ratio: float
 
     def __post_init__(self) -> None:
-        require_positive("natural_frequency_rad_s", self.natural_frequency_rad_s)
+        require_scale("natural_frequency_rad_s", self.natural_frequency_rad_s)
         require_between(
             "damping_ratio", self.damping_ratio, SMALLEST_DAMPING_RATIO, LARGEST_DAMPING_RATIO
         )

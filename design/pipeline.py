@@ -11,7 +11,7 @@ import numpy as np
 
 from design.actuators import SETTLED_SHARE, Actuator
 from design.analysis.certificate import Certificate, certify
-from design.analysis.residual import residual_vibration
+from design.analysis.residual import require_no_resonance, residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
 from design.plants import Mode, Plant
@@ -126,6 +126,7 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
             f"one that {kind.name} serves: {', '.join(kind.actuators)}",
         )
     mode = plant.mode
+    require_no_resonance(mode, actuator)
     formulation = kind.formulate(mode, actuator, kind.options() if options is None else options)
     unverified: Certificate | None = None
     try:

@@ -4,7 +4,7 @@ import cmath
 import math
 from dataclasses import dataclass
 
-from design.types import require_between, require_positive
+from design.types import require_between, require_scale
 
 STANDARD_GRAVITY_M_S2 = 9.80665
 """Standard acceleration of free fall [m/s^2] (3rd CGPM, 1901)."""
@@ -29,7 +29,7 @@ class Mode:
     damping_ratio: float = 0.0
 
     def __post_init__(self) -> None:
-        require_positive("natural_frequency_rad_s", self.natural_frequency_rad_s)
+        require_scale("natural_frequency_rad_s", self.natural_frequency_rad_s)
         require_between("damping_ratio", self.damping_ratio, 0.0, LARGEST_DAMPING_RATIO)
 
     @property
@@ -72,13 +72,9 @@ class Pendulum:
     gravity_m_s2: float = STANDARD_GRAVITY_M_S2
 
     def __post_init__(self) -> None:
-        require_positive("cable_length_m", self.cable_length_m)
+        require_scale("cable_length_m", self.cable_length_m)
         require_between("damping_ratio", self.damping_ratio, 0.0, LARGEST_DAMPING_RATIO)
-        require_positive("gravity_m_s2", self.gravity_m_s2)
-        # The quotient of two finite positive numbers can still leave the range of a double.
-        require_positive(
-            "cable_length_m (as gravity / length)", self.gravity_m_s2 / self.cable_length_m
-        )
+        require_scale("gravity_m_s2", self.gravity_m_s2)
 
     @property
     def mode(self) -> Mode:

@@ -19,6 +19,16 @@ def require_positive(name: str, value: float) -> None:
         raise InvalidInputError(name, value, "finite and > 0")
 
 
+SMALLEST, LARGEST = 1e-12, 1e12
+"""Bounds of any frequency, time or length in SI units: beyond them squares overflow."""
+
+
+def require_scale(name: str, value: float) -> None:
+    """Raise InvalidInputError unless ``value`` is > 0 and of a size that can be computed with."""
+    require_positive(name, value)
+    require_between(name, value, SMALLEST, LARGEST)
+
+
 def require_between(name: str, value: float, lowest: float, highest: float) -> None:
     """Raise InvalidInputError unless ``lowest <= value <= highest``."""
     if not lowest <= value <= highest:

@@ -4,7 +4,7 @@ import functools
 import importlib.metadata
 from typing import Literal
 
-from design.analysis.residual import residual_vibration
+from design.analysis.residual import require_no_resonance, residual_vibration
 from design.analysis.sensitivity import Sensitivity, SensitivityRange, sensitivity
 from design.fits import fit
 from design.pipeline import Design, design
@@ -108,6 +108,7 @@ def sensitivity_curve(request: SensitivityRequest) -> SensitivityResponse:
         actuator = request.actuator.to_design()
     with named("impulses"):
         impulses = request.impulses.to_design()
+    require_no_resonance(mode, actuator)
     curve = sensitivity(impulses, mode, actuator, request.to_design())
     return SensitivityResponse(
         sensitivity=SensitivityOut.from_design(curve),

@@ -5,9 +5,31 @@ import math
 import numpy as np
 
 from design.actuators import Actuator
+from design.errors import InvalidInputError
 from design.impulses import Impulses
 from design.plants import Mode
 from design.types import ComplexArray, FloatArray
+
+RESONANCE = 1e-6
+"""Below this ``|1/G|`` at the plant's pole, a set of the actuator rings with the plant [-]."""
+
+SMALLEST_DENOMINATOR = 1e-12
+"""Where a sensitivity curve meets a set's own pole, ``|1/G|`` is taken as this [-]."""
+
+
+def require_no_resonance(mode: Mode, actuator: Actuator) -> None:
+    """Raise InvalidInputError if a set of the actuator has its own pole at the plant's.
+
+    It would ring with the plant, and a residual in units of the unshaped step means nothing.
+    """
+    for name, lag in (("accel", actuator.accel_lag), ("decel", actuator.decel_lag)):
+        distance = abs(lag.denominator(mode.pole_rad_s))
+        if distance < RESONANCE:
+            raise InvalidInputError(
+                f"actuator.{name}",
+                f"1/G = {distance:.1e} there",
+                "without a pole at the plant's own, where it rings with it",
+            )
 
 
 def residual_vectors(
@@ -91,9 +113,10 @@ def _amplitudes_by_set(impulses: Impulses) -> FloatArray:
 
 def _joined(by_set: ComplexArray, poles_rad_s: ComplexArray, actuator: Actuator) -> ComplexArray:
     """Vectors of both sets, shape (m, 2), summed in units of the acceleration set's step."""
-    ratio = actuator.accel_lag.denominator(poles_rad_s) / actuator.decel_lag.denominator(
-        poles_rad_s
-    )
+    below = actuator.decel_lag.denominator(poles_rad_s)
+    # On the pole of the deceleration set itself the vibration grows without bound: cut, finite.
+    below = np.where(np.abs(below) < SMALLEST_DENOMINATOR, SMALLEST_DENOMINATOR, below)
+    ratio = actuator.accel_lag.denominator(poles_rad_s) / below
     joined: ComplexArray = by_set[:, 0] + ratio * by_set[:, 1]
     return joined
 

@@ -49,8 +49,7 @@ def numzv(mode: Mode, actuator: Actuator, options: SettleOptions) -> Formulation
 def numzvd(mode: Mode, actuator: Actuator, options: SettleOptions) -> Formulation:
     """Formulate the five-impulse minimum-time shaper, robust in frequency.
 
-    V = 0 and dV/dw = 0, the actuator's own slope included (the thesis leaves it out, and drops
-    the phase in 3.54-3.55).
+    V = 0 and dV/dw = 0, the actuator's own slope included, which the thesis leaves out.
     """
     return unity_magnitude_problem(
         ZERO_VIBRATION_DERIVATIVE,

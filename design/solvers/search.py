@@ -120,7 +120,7 @@ def _searched(problem: Problem, ends: newton.Roots, starts: int) -> str:
     )
     if roots.size == 0:
         best = np.nanargmin(ends.misses)
-        return f"{report}; nearest miss leaves {ends.misses[best]:.3g} of an unshaped step"
+        return f"{report}; nearest miss: an equation off by {ends.misses[best]:.3g}"
     # How far out of its bounds a root is: the worst gap, or what it takes beyond the horizon.
     short = (problem.shortest_gaps_rad - roots).max(axis=1)
     late = roots.sum(axis=1) - problem.horizon_rad

@@ -51,6 +51,18 @@ def test_the_certificate_covers_exactly_the_claims() -> None:
         assert made.certificate.verified
 
 
+@pytest.mark.parametrize("kind", [UMZV, UMZVD, NUMZV, NUMZVD], ids=lambda kind: kind.name)
+@pytest.mark.parametrize("name", ["accel", "decel"])
+def test_a_set_that_rings_with_the_plant_is_refused(kind: ShaperKind, name: str) -> None:
+    mode = Mode(natural_frequency_rad_s=3.0, damping_ratio=0.2)
+    twin = SecondOrderSet(natural_frequency_rad_s=3.0, damping_ratio=0.2)
+    sets: dict[str, Any] = {"accel": THESIS.accel, "decel": THESIS.decel, name: twin}
+    with pytest.raises(
+        InvalidInputError, match=rf"^actuator\.{name} must be without a pole at the"
+    ):
+        design(mode, SecondOrder(**sets), kind)
+
+
 def test_the_residual_is_that_behind_the_actuator_given() -> None:
     blind, aware = design(CRANE, THESIS, UMZVD), design(CRANE, THESIS, NUMZVD)
     assert blind.certificate.verified  # for the ideal actuator it was designed for

@@ -2,15 +2,14 @@
 
 import cmath
 import math
-from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from design.actuators import FirstOrder, Ideal, SecondOrder, SecondOrderSet
-from design.errors import InfeasibleDesignError, InvalidInputError
+from design.actuators import FirstOrder, Ideal, SecondOrder
+from design.errors import InfeasibleDesignError
 from design.plants import Mode
 from design.shapers.unity_magnitude import (
     ZERO_VIBRATION,
@@ -109,16 +108,6 @@ def test_the_ratio_of_the_sets_is_that_of_their_gains_at_the_pole(
     )
     # A handful of roundings.
     assert cmath.isclose(decel_over_accel(mode, actuator), expected, rel_tol=1e-14)
-
-
-@pytest.mark.parametrize("name", ["accel", "decel"])
-def test_a_set_that_rings_with_the_plant_is_refused(name: str) -> None:
-    mode = Mode(natural_frequency_rad_s=3.0, damping_ratio=0.2)
-    twin = SecondOrderSet(natural_frequency_rad_s=3.0, damping_ratio=0.2)
-    sets: dict[str, Any] = {"accel": THESIS.accel, "decel": THESIS.decel, name: twin}
-    message = rf"^actuator\.{name} must be apart from the plant, got .a pole within .* of the plant"
-    with pytest.raises(InvalidInputError, match=message):
-        decel_over_accel(mode, SecondOrder(**sets))
 
 
 def test_gaps_to_settle_alternate_between_the_sets() -> None:
