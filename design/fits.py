@@ -16,7 +16,7 @@ from numpy.polynomial import polynomial as power
 
 from design.actuators import Actuator, FirstOrder, SecondOrder
 from design.analysis.residual import residuals_of_many
-from design.errors import InfeasibleDesignError, InvalidInputError
+from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
 from design.pipeline import design
 from design.plants import Pendulum, Plant
@@ -124,7 +124,7 @@ class Fit:
     worst_timing_error_s
         Largest distance from the exact times on the checked grid [s].
     worst_residual
-        Largest residual vibration that the fitted times leave there [-].
+        Largest residual vibration that the fitted times leave there with the actuator given [-].
     checked_points
         Size of that grid.
     formula
@@ -218,24 +218,38 @@ class _Axis:
         return (first + last) / 2 - (last - first) / 2 * np.cos(angles)
 
 
-def _axis(plant: Plant, actuator: Actuator, wanted: FitRange) -> _Axis:
+def plants_at_ends(plant: Plant, wanted: FitRange) -> tuple[Plant, Plant]:
+    """Return the plant at either end of the range.
+
+    Raises
+    ------
+    InvalidInputError
+        If the plant has no such field, or an end breaks its rule.
+    """
     if not hasattr(plant, wanted.over):
-        raise InvalidInputError("fit.over", wanted.over, "a field of the plant")
-
-    def plant_with(value: float) -> Plant:
-        changed: dict[str, Any] = {wanted.over: value}
-        return replace(plant, **changed)
-
+        raise InvalidInputError("over", wanted.over, "a field of the plant")
     ends = []
-    for name, value in (("fit.from", wanted.start), ("fit.to", wanted.stop)):
+    for name, value in (("from", wanted.start), ("to", wanted.stop)):
         try:
-            ends.append(plant_with(value).mode.natural_frequency_rad_s)
+            ends.append(_plant_with(plant, wanted.over, value))
         except InvalidInputError as error:
             raise InvalidInputError(name, value, error.rule) from None
-    first, last = sorted(ends)
+    return ends[0], ends[1]
+
+
+def _plant_with(plant: Plant, field: Field, value: float) -> Plant:
+    changed: dict[str, Any] = {field: value}
+    return replace(plant, **changed)
+
+
+def _axis(plant: Plant, actuator: Actuator, wanted: FitRange) -> _Axis:
+    first, last = sorted(end.mode.natural_frequency_rad_s for end in plants_at_ends(plant, wanted))
     frequency = "natural_frequency_rad_s"
     if isinstance(plant, Pendulum):
         frequency = "sqrt(gravity_m_s2 / cable_length_m)"
+
+    def plant_with(value: float) -> Plant:
+        return _plant_with(plant, wanted.over, value)
 
     if wanted.form == "time_in_frequency":
         return _Axis(
@@ -318,15 +332,20 @@ class _Curve:
             times,
             alternating(times.shape[1]),
             self.poles_rad_s,
-            self.formulations[0].designed_for,
+            self.actuator,
         )
+        worst_residual = float(residuals.max())
+        if not math.isfinite(worst_residual):
+            raise SolverFailedError(
+                f"the fitted times of degree {degree} leave the range of numbers"
+            )
         return Fit(
             variable=self.axis.variable,
             value=self.axis.value,
             coefficients=coefficients,
             degree=degree,
             worst_timing_error_s=float(np.abs(times - self.exact_times_s).max()),
-            worst_residual=float(residuals.max()),
+            worst_residual=worst_residual,
             checked_points=CHECKED_POINTS,
             formula=f"t_i = {self.axis.formula(degree)}",
         )

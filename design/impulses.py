@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from design.errors import InvalidInputError
-from design.types import BoolArray, FloatArray
+from design.types import LARGEST, BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -41,8 +41,12 @@ class Impulses:
                 f"as many as times_s, which has {self.times_s.size}",
             )
         for name, values in (("times_s", self.times_s), ("amplitudes", self.amplitudes)):
-            if not np.isfinite(values).all():
-                raise InvalidInputError(name, values.tolist(), "finite numbers")
+            outside = np.flatnonzero(~(np.abs(values) <= LARGEST))
+            if outside.size:
+                index = int(outside[0])
+                raise InvalidInputError(
+                    f"{name}.{index}", float(values[index]), f"between {-LARGEST:g} and {LARGEST:g}"
+                )
         backward = np.flatnonzero(self.times_s[1:] < self.times_s[:-1])
         if backward.size:
             index = int(backward[0]) + 1

@@ -11,7 +11,7 @@ import numpy as np
 
 from design.actuators import SETTLED_SHARE, Actuator
 from design.analysis.certificate import Certificate, certify
-from design.analysis.residual import require_no_resonance, residual_vibration
+from design.analysis.residual import require_workable, residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
 from design.plants import Mode, Plant
@@ -126,7 +126,7 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
             f"one that {kind.name} serves: {', '.join(kind.actuators)}",
         )
     mode = plant.mode
-    require_no_resonance(mode, actuator)
+    require_workable(mode, actuator)
     formulation = kind.formulate(mode, actuator, kind.options() if options is None else options)
     unverified: Certificate | None = None
     try:
@@ -144,7 +144,18 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
     except InfeasibleDesignError:
         if unverified is None:
             raise
-    raise SolverFailedError(f"no solution of {kind.name} was verified; the last one: {unverified}")
+    raise SolverFailedError(
+        f"no solution of {kind.name} was verified; of the last one {_shortfall(unverified)}"
+    )
+
+
+def _shortfall(certificate: Certificate | None) -> str:
+    claims = () if certificate is None else certificate.claims
+    return ", ".join(
+        f"the {claim.quantity} is {claim.value:.3g}, allowed {claim.limit:g}"
+        for claim in claims
+        if not claim.holds
+    )
 
 
 def _solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport]]:

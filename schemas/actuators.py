@@ -13,9 +13,12 @@ from design.actuators import (
     SecondOrder,
     SecondOrderSet,
 )
+from design.types import LARGEST
 from schemas.base import Positive, Wire, named
 
-TimeConstant = Annotated[float, Field(ge=0, description="Time constant [s].")]
+TimeConstant = Annotated[
+    float, Field(ge=0, le=LARGEST, description="Time constant, 0 or at least 1e-12 [s].")
+]
 ModelIn = Annotated[
     Model, Field(description="How the two sets share the actuator; only superposed is served yet.")
 ]

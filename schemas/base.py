@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from design.errors import InvalidInputError
 from design.plants import LARGEST_DAMPING_RATIO
+from design.types import LARGEST
 
 
 class Wire(BaseModel):
@@ -16,7 +17,7 @@ class Wire(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
-Positive = Annotated[float, Field(gt=0)]
+Positive = Annotated[float, Field(gt=0, le=LARGEST)]
 PlantDamping = Annotated[
     float,
     Field(ge=0, le=LARGEST_DAMPING_RATIO, description="Share of critical damping [-]."),

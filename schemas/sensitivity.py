@@ -6,21 +6,24 @@ from pydantic import Field
 
 from design.analysis.sensitivity import (
     MOST_POINTS,
+    RATIO_BOUNDS,
     Insensitivity,
     Sensitivity,
     SensitivityRange,
 )
 from schemas.actuators import ActuatorIn
-from schemas.base import Positive, Wire
+from schemas.base import Wire
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
+
+Ratio = Annotated[float, Field(ge=RATIO_BOUNDS[0], le=RATIO_BOUNDS[1])]
 
 
 class SensitivityIn(Wire):
     """What part of the curve is wanted."""
 
-    from_ratio: Annotated[Positive, Field(description="First frequency ratio [-].")] = 0.5
-    to_ratio: Annotated[Positive, Field(description="Last frequency ratio [-].")] = 1.5
+    from_ratio: Annotated[Ratio, Field(description="First frequency ratio [-].")] = 0.5
+    to_ratio: Annotated[Ratio, Field(description="Last frequency ratio [-].")] = 1.5
     points: Annotated[int, Field(ge=2, le=MOST_POINTS, description="Points of the curve.")] = 201
     tolerance: Annotated[
         float, Field(gt=0, lt=1, description="Residual of the insensitivity [-].")

@@ -54,9 +54,11 @@ def respond(operation: str, body: bytes) -> BaseModel | Problem:
     """Validate a body and run the operation."""
     case = OPERATIONS[operation]
     try:
-        return case.run(case.request.model_validate_json(body))
+        request = case.request.model_validate_json(body)
     except ValidationError as error:
         return problem_of_validation(error, body)
+    try:
+        return case.run(request)
     except DesignError as error:
         return problem_of_design(error)
 

@@ -2,6 +2,7 @@
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from http import HTTPStatus
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from service.answers import OPERATIONS
 from service.bodies import problem_response
 from service.middleware import RequestMiddleware
 from service.pool import WorkerPool
-from service.problems import INTERNAL, METHOD_NOT_ALLOWED, NOT_FOUND, Problem, ProblemKind
+from service.problems import METHOD_NOT_ALLOWED, NOT_FOUND, Problem, ProblemKind
 from service.routes import router
 from service.settings import Settings
 
@@ -28,7 +29,7 @@ SCHEMAS = "#/components/schemas/{model}"
 
 
 def create_app(settings: Settings) -> FastAPI:
-    """Build the service; its workers start with the first request's event loop and end with it."""
+    """Build the service; its workers start and end with the application's lifespan."""
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
@@ -65,7 +66,8 @@ async def _http_problem(request: Request, error: Exception) -> Response:
         404: (NOT_FOUND, f"there is no {request.url.path}"),
         405: (METHOD_NOT_ALLOWED, f"{request.url.path} does not take {request.method}"),
     }
-    kind, detail = known.get(status, (INTERNAL, str(error)))
+    refused = ProblemKind("refused", HTTPStatus(status or 500), 1, "The request was refused")
+    kind, detail = known.get(status, (refused, str(error)))
     response = problem_response(Problem(kind, detail), request.state.request_id)
     if isinstance(error, HTTPException) and error.headers:
         response.headers.update(error.headers)

@@ -1,10 +1,15 @@
 """Bodies in, answers out: what all routes share."""
 
+import asyncio
+
 from starlette.requests import Request
 from starlette.responses import Response
 
 from service.answers import Answer
-from service.problems import OVERLOADED, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, Problem
+from service.problems import OVERLOADED, REQUEST_TIMEOUT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, Problem
+
+BODY_WAIT_S = 20.0
+"""Longest wait for a body [s]."""
 
 RETRY_AFTER_S = 1
 """What a refused client is told to wait [s]."""
@@ -24,7 +29,7 @@ async def read_body(request: Request, *, limit_bytes: int, media_types: tuple[st
     Raises
     ------
     BodyError
-        If it is longer, or says that it is something else than JSON.
+        If it is longer or late, or says that it is something else than JSON.
     """
     media_type = request.headers.get("content-type", media_types[0]).split(";")[0].strip().lower()
     if media_type not in media_types:
@@ -33,10 +38,16 @@ async def read_body(request: Request, *, limit_bytes: int, media_types: tuple[st
             Problem(UNSUPPORTED_MEDIA_TYPE, f"content-type must be {accepted}, got {media_type!r}")
         )
     body = bytearray()
-    async for part in request.stream():
-        body += part
-        if len(body) > limit_bytes:
-            raise BodyError(Problem(TOO_LARGE, f"the body must be at most {limit_bytes} bytes"))
+    try:
+        async with asyncio.timeout(BODY_WAIT_S):
+            async for part in request.stream():
+                body += part
+                if len(body) > limit_bytes:
+                    detail = f"the body must be at most {limit_bytes} bytes"
+                    raise BodyError(Problem(TOO_LARGE, detail))
+    except TimeoutError:
+        detail = f"the body did not arrive within {BODY_WAIT_S:g} s"
+        raise BodyError(Problem(REQUEST_TIMEOUT, detail)) from None
     return bytes(body)
 
 

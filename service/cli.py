@@ -44,9 +44,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"shapersmith: {error}", file=sys.stderr)  # noqa: T201 - this is the command line
         return USAGE
     except BrokenPipeError:
-        # The reader has seen enough. Python would complain once more when it flushes at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _silence_stdout()  # the reader has seen enough
         return FAILED
+    except Exception as error:  # noqa: BLE001 - the last resort: a line, not a traceback
+        _silence_stdout()
+        print(f"shapersmith: {type(error).__name__}: {error}", file=sys.stderr)  # noqa: T201
+        return FAILED
+
+
+def _silence_stdout() -> None:
+    """Keep Python from complaining once more when it flushes at exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -144,6 +152,8 @@ def _require_writable(path: Path) -> None:
     """Refuse a picture that could not be written, before the work is done."""
     if path.suffix not in PICTURES:
         raise UsageError(f"--plot takes a name ending in .png or .svg, got {str(path)!r}")
+    if path.is_dir():
+        raise UsageError(f"cannot write {path}: it is a folder")
     if not path.parent.is_dir():
         raise UsageError(f"cannot write {path}: there is no folder {path.parent}")
     if not os.access(path.parent, os.W_OK):

@@ -6,12 +6,16 @@ import re
 import time
 import uuid
 
+from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.problems import INTERNAL, Problem
 
 REQUEST_ID = re.compile(rb"[A-Za-z0-9._-]{1,64}\Z")
 """Ids of clients that are taken over; others are replaced."""
+
+CLIENT_CLOSED_REQUEST = 499
+"""Logged, as nginx does, for a client that left before its body was here."""
 
 ACCESS = logging.getLogger("shapersmith.access")
 ERRORS = logging.getLogger("shapersmith.error")
@@ -60,6 +64,8 @@ class RequestMiddleware:
 
         try:
             await self._app(scope, receive, send_with_id)
+        except ClientDisconnect:
+            status = CLIENT_CLOSED_REQUEST
         except Exception:  # noqa: BLE001 - the last resort, logged with its traceback
             ERRORS.exception("request failed", extra={"fields": {"request_id": request_id}})
             if status == 0:

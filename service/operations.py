@@ -4,9 +4,9 @@ import functools
 import importlib.metadata
 from typing import Literal
 
-from design.analysis.residual import require_no_resonance, residual_vibration
+from design.analysis.residual import require_workable, residual_vibration
 from design.analysis.sensitivity import Sensitivity, SensitivityRange, sensitivity
-from design.fits import fit
+from design.fits import fit, plants_at_ends
 from design.pipeline import Design, design
 from design.plants import Mode
 from design.shapers.registry import SHAPERS
@@ -92,7 +92,7 @@ def _designed(request: DesignRequest) -> tuple[Mode, Design, Sensitivity | None]
             curve_range = request.sensitivity.to_design()
     if request.fit is not None:
         with named("fit"):
-            request.fit.to_design(request.plant.kind)
+            plants_at_ends(plant, request.fit.to_design(request.plant.kind))
     found = design(plant, actuator, request.shaper.registered(), options)
     curve = None
     if curve_range is not None:
@@ -108,7 +108,7 @@ def sensitivity_curve(request: SensitivityRequest) -> SensitivityResponse:
         actuator = request.actuator.to_design()
     with named("impulses"):
         impulses = request.impulses.to_design()
-    require_no_resonance(mode, actuator)
+    require_workable(mode, actuator)
     curve = sensitivity(impulses, mode, actuator, request.to_design())
     return SensitivityResponse(
         sensitivity=SensitivityOut.from_design(curve),
@@ -131,6 +131,7 @@ def _fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
         options = subject.shaper.options()
     with named("fit"):
         wanted = fit_in.to_design(subject.plant.kind)
+        plants_at_ends(plant, wanted)
     found = fit(plant, actuator, subject.shaper.registered(), wanted, options)
     return FitOut.from_design(found, subject)
 

@@ -15,6 +15,7 @@ import socket
 import struct
 import threading
 import traceback
+import warnings
 from collections.abc import Callable
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -31,6 +32,12 @@ RETRIES = 1
 
 LENGTH = struct.Struct("!i")
 """What `multiprocessing.connection` sends ahead of a message of up to 2 GiB."""
+
+LONGEST_WAIT_S = 30.0
+"""How long a task may wait for a worker [s]."""
+
+START_PAUSE_S = 1.0
+"""Wait after a worker that could not be started: whatever it was, do not spin on it [s]."""
 
 STOP_WAIT_S = 5.0
 """How long an idle worker may take to end before it is killed [s]."""
@@ -144,6 +151,7 @@ class WorkerPool:
         self.pending = 0
         self._idle: asyncio.Queue[Worker] = asyncio.Queue()
         self._all: set[Worker] = set()
+        self._built: set[Worker] = set()
         self._starting: set[asyncio.Task[None]] = set()
         # One thread of BLAS a worker: the workers are the parallelism.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -161,7 +169,8 @@ class WorkerPool:
         Raises
         ------
         TaskError
-            If too much is waiting, the time limit ends it, its worker dies twice, or it fails.
+            If too much waits, or it waits too long; if the time limit ends it, its worker dies
+            twice, or it fails.
         """
         if self.pending >= self.max_pending:
             raise TaskError(
@@ -170,7 +179,7 @@ class WorkerPool:
         self.pending += 1
         try:
             for _ in range(1 + RETRIES):
-                worker = await self._idle.get()
+                worker = await self._idle_worker()
                 try:
                     well, result = await self._run_on(worker, task, arguments)
                 except WorkerDiedError:
@@ -183,6 +192,19 @@ class WorkerPool:
             raise TaskError(Problem(INTERNAL, "the worker died at this request, twice"))
         finally:
             self.pending -= 1
+
+    @property
+    def ready(self) -> bool:
+        """Whether a worker lives whose solvers are built, and there is room for a task."""
+        return bool(self._built) and self.pending < self.max_pending
+
+    async def _idle_worker(self) -> Worker:
+        try:
+            async with asyncio.timeout(LONGEST_WAIT_S):
+                return await self._idle.get()
+        except TimeoutError:
+            detail = f"no worker was free within {LONGEST_WAIT_S:g} s"
+            raise TaskError(Problem(OVERLOADED, detail)) from None
 
     async def _run_on(
         self, worker: Worker, task: Callable[..., Any], arguments: tuple[Any, ...]
@@ -205,6 +227,7 @@ class WorkerPool:
     def _replace(self, worker: Worker) -> None:
         worker.kill()
         self._all.discard(worker)
+        self._built.discard(worker)
         self._start_one()
 
     def _start_one(self) -> None:
@@ -213,15 +236,22 @@ class WorkerPool:
         starting.add_done_callback(self._starting.discard)
 
     async def _started(self) -> None:
-        worker = Worker()
+        try:
+            worker = Worker()
+        except OSError as error:
+            ERRORS.error("no worker could be started: %s", error)
+            await asyncio.sleep(START_PAUSE_S)
+            self._start_one()
+            return
         self._all.add(worker)
         try:
             await worker.ready()
         except WorkerDiedError:
             ERRORS.error("worker %s died at its start", worker.pid)
-            await asyncio.sleep(1)  # whatever it was, do not spin on it
+            await asyncio.sleep(START_PAUSE_S)
             self._replace(worker)
         else:
+            self._built.add(worker)
             self._idle.put_nowait(worker)
 
     async def close(self) -> None:
@@ -240,22 +270,21 @@ def _work(pipe: Connection) -> None:
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+    # Results are checked to be finite; a warning on the way would break the log of JSON lines.
+    warnings.simplefilter("ignore", RuntimeWarning)
     warm_solvers()
     gc.freeze()  # what is built now stays: collections need not look at it again
-    pipe.send(None)
-    while True:
-        try:
+    try:
+        pipe.send(None)
+        while True:
             task, arguments = pipe.recv()
-        except EOFError:
-            return
-        try:
-            done = True, task(*arguments)
-        except Exception:  # noqa: BLE001 - told to the pool, which logs it
-            done = False, traceback.format_exc()
-        try:
+            try:
+                done = True, task(*arguments)
+            except Exception:  # noqa: BLE001 - told to the pool, which logs it
+                done = False, traceback.format_exc()
             pipe.send(done)
-        except BrokenPipeError:
-            return
+    except (EOFError, OSError):
+        return  # the pool has closed its end
 
 
 def _end_with(sentinel: int) -> None:

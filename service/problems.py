@@ -50,6 +50,9 @@ OVERLOADED = ProblemKind(
 TOO_LARGE = ProblemKind(
     "too-large", HTTPStatus.REQUEST_ENTITY_TOO_LARGE, 2, "The body is too large"
 )
+REQUEST_TIMEOUT = ProblemKind(
+    "request-timeout", HTTPStatus.REQUEST_TIMEOUT, 1, "The body did not arrive in time"
+)
 NOT_FOUND = ProblemKind("not-found", HTTPStatus.NOT_FOUND, 1, "No such route")
 METHOD_NOT_ALLOWED = ProblemKind(
     "method-not-allowed", HTTPStatus.METHOD_NOT_ALLOWED, 1, "The route has no such method"
@@ -65,6 +68,12 @@ KIND_OF: dict[type[DesignError], ProblemKind] = {
     TimeLimitError: TIME_LIMIT,
 }
 """Every error of the mathematics and its problem; a test proves the table whole."""
+
+MOST_FAULTS = 20
+"""Faults of a request that are told."""
+
+LONGEST_TEXT = 300
+"""Characters of a pointer or a rule that are told."""
 
 LONGEST_ECHO = 80
 """Characters of a refused value that a message repeats."""
@@ -108,10 +117,13 @@ def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
         return Problem(NOT_JSON, faults[0]["msg"])
     parsed = json.loads(body)
     named = tuple(
-        FieldFault(pointer=pointer(fault["loc"], parsed), detail=_refusal(fault))
-        for fault in faults
+        FieldFault(pointer=_cut(pointer(fault["loc"], parsed)), detail=_cut(_refusal(fault)))
+        for fault in faults[:MOST_FAULTS]
     )
-    return Problem(INVALID, "; ".join(map(_sentence, named)), named)
+    told = "; ".join(map(_sentence, named))
+    if len(faults) > MOST_FAULTS:
+        told += f"; and {len(faults) - MOST_FAULTS} more"
+    return Problem(INVALID, told, named)
 
 
 def pointer(location: tuple[int | str, ...], body: Any) -> str:  # noqa: ANN401 - any JSON
@@ -143,6 +155,10 @@ def _refusal(fault: ErrorDetails) -> str:
 
 def _sentence(fault: FieldFault) -> str:
     return f"{fault.pointer or 'the body'}: {fault.detail}"
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= LONGEST_TEXT else f"{text[: LONGEST_TEXT - 3]}..."
 
 
 def _echo(value: object) -> str:

@@ -9,13 +9,12 @@ from starlette.responses import JSONResponse, Response
 from schemas.catalogue import Catalogue
 from schemas.designs import DesignResponse
 from schemas.fits import FitOut
-from schemas.problems import ProblemDocument
 from schemas.sensitivity import SensitivityResponse
 from service import operations
 from service.answers import OPERATIONS, Answer, answer, answer_lines
 from service.bodies import BodyError, answer_line, answer_response, problem_response, read_body
 from service.pool import TaskError, WorkerPool
-from service.problems import TOO_LARGE, Problem
+from service.problems import NOT_JSON, OVERLOADED, TOO_LARGE, Problem
 from service.settings import Settings
 
 JSON = ("application/json",)
@@ -48,7 +47,6 @@ PROBLEMS: dict[int | str, dict[str, Any]] = {
 }
 
 router = APIRouter()
-PROBLEM_MODEL = ProblemDocument
 
 
 def _documented(operation: str, media_type: str = JSON[0]) -> dict[str, Any]:
@@ -114,7 +112,9 @@ async def designs_batch(request: Request) -> Response:
         )
     except BodyError as error:
         return problem_response(error.problem, request_id)
-    lines = body.removesuffix(b"\n").split(b"\n")
+    lines = body.rstrip(b"\r\n").split(b"\n")
+    if lines == [b""]:
+        return problem_response(Problem(NOT_JSON, "the batch is empty"), request_id)
     if len(lines) > settings.max_batch_lines:
         detail = f"a batch must be at most {settings.max_batch_lines} lines, got {len(lines)}"
         return problem_response(Problem(TOO_LARGE, detail), request_id)
@@ -137,7 +137,7 @@ async def _part_answered(pool: WorkerPool, lines: list[bytes]) -> list[Answer]:
     except TaskError as error:
         if len(lines) == 1:
             return [Answer(error.problem, 0.0)]
-        alone = [await _part_answered(pool, [line]) for line in lines]
+        alone = await asyncio.gather(*(_part_answered(pool, [line]) for line in lines))
         return [one for part in alone for one in part]
     return done
 
@@ -184,9 +184,8 @@ async def live() -> dict[str, str]:
     responses={503: PROBLEMS[503]},
 )
 async def ready(request: Request) -> Response:
-    """Answer 200 once a worker has answered, and while the queue has room."""
-    try:
-        await _pool(request).run(bool)
-    except TaskError as error:
-        return problem_response(error.problem, request.state.request_id)
+    """Answer 200 while a worker lives whose solvers are built, and the queue has room."""
+    if not _pool(request).ready:
+        problem = Problem(OVERLOADED, "no worker is ready, or too much work is waiting")
+        return problem_response(problem, request.state.request_id)
     return JSONResponse({"status": "ready", "version": operations.version()})

@@ -1,6 +1,7 @@
 """The running server: socket, log and signals around the app."""
 
 import logging
+import math
 import os
 import signal
 import socket
@@ -12,6 +13,9 @@ import uvicorn
 from service.app import create_app
 from service.middleware import JsonFormatter
 from service.settings import Settings
+
+SHUTDOWN_MARGIN_S = 5
+"""How much longer than the longest task a shutdown may take [s]."""
 
 
 class PortTakenError(Exception):
@@ -38,7 +42,12 @@ def serve(settings: Settings, *, host: str, port: int) -> None:
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, _stop_quietly)
     config = uvicorn.Config(
-        create_app(settings), log_config=None, access_log=False, server_header=False
+        create_app(settings),
+        log_config=None,
+        access_log=False,
+        server_header=False,
+        # What runs ends within its own limit; who has not even sent a body by then is cut off.
+        timeout_graceful_shutdown=math.ceil(settings.time_limit_s) + SHUTDOWN_MARGIN_S,
     )
     bound_host, bound_port = listener.getsockname()[:2]
     logging.getLogger("shapersmith").info("serving on http://%s:%d", bound_host, bound_port)
@@ -49,11 +58,15 @@ def _stop_quietly(number: int, frame: FrameType | None) -> None:
     del number, frame
 
 
+def _reason(error: OSError) -> str:
+    if isinstance(error, socket.gaierror) or error.errno is None:
+        return str(error.strerror)
+    return os.strerror(error.errno)
+
+
 def _listen(host: str, port: int) -> socket.socket:
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:
         return socket.create_server((host, port), family=family, backlog=2048)
     except OSError as error:
-        raise PortTakenError(
-            f"cannot serve on {host} port {port}: {os.strerror(error.errno or 0)}"
-        ) from None
+        raise PortTakenError(f"cannot serve on {host} port {port}: {_reason(error)}") from None

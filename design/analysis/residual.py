@@ -10,6 +10,9 @@ from design.impulses import Impulses
 from design.plants import Mode
 from design.types import ComplexArray, FloatArray
 
+SLOWEST = 100.0
+"""Largest time constant of a set times the plant's natural frequency [-]."""
+
 RESONANCE = 1e-6
 """Below this ``|1/G|`` at the plant's pole, a set of the actuator rings with the plant [-]."""
 
@@ -17,12 +20,20 @@ SMALLEST_DENOMINATOR = 1e-12
 """Where a sensitivity curve meets a set's own pole, ``|1/G|`` is taken as this [-]."""
 
 
-def require_no_resonance(mode: Mode, actuator: Actuator) -> None:
-    """Raise InvalidInputError if a set of the actuator has its own pole at the plant's.
+def require_workable(mode: Mode, actuator: Actuator) -> None:
+    """Raise InvalidInputError if a set of the actuator is out of all proportion to the plant.
 
-    It would ring with the plant, and a residual in units of the unshaped step means nothing.
+    A set with its own pole at the plant's rings with it, and a residual in units of the unshaped
+    step means nothing; one a hundred times slower passes so little on that it drowns in rounding.
     """
     for name, lag in (("accel", actuator.accel_lag), ("decel", actuator.decel_lag)):
+        slowness = mode.natural_frequency_rad_s * max(lag.first_s, lag.second_s2**0.5)
+        if slowness > SLOWEST:
+            raise InvalidInputError(
+                f"actuator.{name}",
+                f"{slowness:.3g} times slower",
+                f"at most {SLOWEST:g} times slower than the plant",
+            )
         distance = abs(lag.denominator(mode.pole_rad_s))
         if distance < RESONANCE:
             raise InvalidInputError(

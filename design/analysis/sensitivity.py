@@ -8,13 +8,16 @@ import numpy as np
 
 from design.actuators import Actuator
 from design.analysis.residual import evenly_spaced_vectors, residual_vectors
-from design.errors import InvalidInputError
+from design.errors import InvalidInputError, SolverFailedError
 from design.impulses import Impulses
 from design.plants import Mode
-from design.types import FloatArray, require_between, require_positive
+from design.types import FloatArray, require_between
 
 MOST_POINTS = 20_001
 """Longest curve, a bound on the work of one request."""
+
+RATIO_BOUNDS = (1e-6, 1e6)
+"""Frequency ratios of a curve [-]."""
 
 EDGE_MARGIN = 1e-9
 """Relative margin of the tolerance: a shaper designed to touch it at the nominal must not fail."""
@@ -28,6 +31,12 @@ LONGEST_RELATIVE_STEP = 0.02
 MOST_ROOT_STEPS = 100
 ROOT_TOLERANCE = 1e-13
 """Change of an edge at which it is found [-]."""
+
+MOST_SCAN_POINTS = 20_000
+"""Where the search for an edge gives up: some 400 turns of the last impulse away."""
+
+LONGEST_TURN_RAD = 1e6
+"""Longest command, as a turn of the plant's phase [rad]."""
 
 SCAN_BLOCK = 16
 """Points of the search on either side of 1 that are evaluated at a time."""
@@ -56,8 +65,8 @@ class SensitivityRange:
     tolerance: float = 0.05
 
     def __post_init__(self) -> None:
-        require_positive("from_ratio", self.from_ratio)
-        require_positive("to_ratio", self.to_ratio)
+        require_between("from_ratio", self.from_ratio, *RATIO_BOUNDS)
+        require_between("to_ratio", self.to_ratio, *RATIO_BOUNDS)
         if self.to_ratio <= self.from_ratio:
             raise InvalidInputError(
                 "to_ratio", self.to_ratio, f"greater than from_ratio, {self.from_ratio!r}"
@@ -129,9 +138,12 @@ def sensitivity(
     vectors = evenly_spaced_vectors(
         impulses, pole * wanted.from_ratio, pole * wanted.to_ratio, wanted.points, actuator
     )
+    residuals = np.abs(vectors)
+    if not np.isfinite(residuals).all():
+        raise SolverFailedError("the sensitivity curve leaves the range of numbers")
     return Sensitivity(
         frequency_ratios=np.linspace(wanted.from_ratio, wanted.to_ratio, wanted.points),
-        residuals=np.abs(vectors),
+        residuals=residuals,
         tolerance=wanted.tolerance,
         insensitivity=insensitivity(impulses, mode, actuator, wanted.tolerance),
     )
@@ -144,17 +156,23 @@ def insensitivity(
 
     Either edge is bracketed by a scan outward from 1, fine against the turn of the last impulse
     and with its near-misses looked at again, and then root-found. The scan does not depend on any
-    plotted grid and ends at `WIDEST_RATIOS`.
+    plotted grid; it ends at `WIDEST_RATIOS`, or after `MOST_SCAN_POINTS`, and so may the interval.
 
     Returns
     -------
     Insensitivity or None
         None where the residual at 1 is above the tolerance.
     """
+    turn = mode.natural_frequency_rad_s * impulses.duration_s
+    if turn > LONGEST_TURN_RAD:
+        raise InvalidInputError(
+            "impulses.times_s",
+            f"{turn:.3g} rad of the plant's swing in all",
+            f"at most {LONGEST_TURN_RAD:g} rad, beyond which phases lose their digits",
+        )
     excess = _Excess(impulses, mode, actuator, tolerance * (1 + EDGE_MARGIN))
     if excess.at(1.0) > 0:
         return None
-    turn = mode.natural_frequency_rad_s * impulses.duration_s
     step = SCAN_STEP_PHASE / turn if turn > 0 else math.inf
     # The first stretch on both sides at once: it nearly always holds both edges.
     below, above = (_outward(1.0, end, step) for end in WIDEST_RATIOS)
@@ -230,27 +248,32 @@ def _edge(
     ``values`` what the residual there has over the limit. Each further stretch overlaps by two
     points, so that a peak at a seam has both its neighbours.
     """
+    scanned = 0
     while True:
         above = np.flatnonzero(values[1:] > 0)
         stop = int(above[0]) + 1 if above.size else ratios.size - 1
-        for top in _near_misses(values[: stop + 1], excess.limit):
+        for top in _near_misses(values[: stop + 1]):
             ratio = _peak(excess, float(ratios[top - 1]), float(ratios[top + 1]))
             if (ratio - 1) * (end - 1) > 0 and excess.at(ratio) > 0:
                 return _root(excess, float(ratios[top - 1]), ratio)
         if above.size:
             return _root(excess, float(ratios[stop - 1]), float(ratios[stop]))
-        if ratios[-1] == end:
-            return end
+        scanned += ratios.size
+        if ratios[-1] == end or scanned > MOST_SCAN_POINTS:
+            return float(ratios[-1])
         further = _outward(float(ratios[-1]), end, step)
         ratios = np.concatenate((ratios[-2:], further))
         values = np.concatenate((values[-2:], excess.over(further)))
 
 
-def _near_misses(values: FloatArray, limit: float) -> list[int]:
+def _near_misses(values: FloatArray) -> list[int]:
     """Find the local maxima within the limit that a finer look might find above it."""
-    inner = values[1:-1]
-    top = (inner >= values[:-2]) & (inner >= values[2:]) & (inner > -0.05 * limit) & (inner <= 0)
-    return [int(index) + 1 for index in np.flatnonzero(top)]
+    inner, lower = values[1:-1], np.minimum(values[:-2], values[2:])
+    top = (inner >= values[:-2]) & (inner >= values[2:]) & (inner <= 0)
+    # A parabola through the three rises above its middle by an eighth of its height at most; the
+    # whole height is a wide margin.
+    rising = inner + (inner - lower) > 0
+    return [int(index) + 1 for index in np.flatnonzero(top & rising)]
 
 
 def _peak(excess: _Excess, left: float, right: float) -> float:

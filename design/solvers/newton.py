@@ -157,8 +157,11 @@ def _run(
         if iteration == iterations or not going.any():
             break
         active = active[going]
-        # A hair on the diagonal keeps a singular lane from stopping the others.
-        regular = jacobians[going] + 1e-14 * np.eye(unknowns.shape[1])
+        # A hair on the diagonal keeps a singular lane from stopping the others. Its size is that
+        # of the lane's largest entry; a lane that has left the numbers is lost anyway.
+        lanes = np.nan_to_num(jacobians[going], nan=0.0, posinf=0.0, neginf=0.0)
+        largest = np.abs(lanes).max(axis=(1, 2), keepdims=True)
+        regular = lanes + np.maximum(1e-14 * largest, 1e-300) * np.eye(unknowns.shape[1])
         steps = np.linalg.solve(regular, values[going][..., None])[..., 0]
         longest = np.abs(steps).max(axis=1, keepdims=True)
         unknowns[active] -= steps * np.minimum(1.0, LARGEST_STEP_RAD / np.maximum(longest, 1e-300))

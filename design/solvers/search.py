@@ -1,7 +1,7 @@
 """From a problem to candidates: seeds by IPOPT, then every branch within the horizon."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from design.types import FloatArray
 
 BRANCH_STARTS = 1024
 """Starts of the search over all branches."""
+
+HORIZONS_PERIODS = (3.0, 10.0, 30.0)
+"""Horizons that are searched before a longer one [-]."""
 
 SAME_ROOT_RAD = 1e-6
 """Roots closer than this are one [rad]."""
@@ -45,8 +48,8 @@ def candidates(problem: Problem) -> Iterator[Candidate]:
 
     Each solution comes from IPOPT. It starts at the problem's own seeds, sharpened by Newton's
     method, which halves its iterations; then, where those fail, at every root that Newton's method
-    finds from `BRANCH_STARTS` starts spread over the horizon, fastest first; then at the seeds as
-    they are.
+    finds from `BRANCH_STARTS` starts spread over the horizon (over shorter ones first), fastest
+    first; then at the seeds as they are.
 
     Raises
     ------
@@ -63,13 +66,28 @@ def candidates(problem: Problem) -> Iterator[Candidate]:
             sharpened >= problem.shortest_gaps_rad
         ).all() and sharpened.sum() <= problem.horizon_rad:
             yield from _solved(problem, sharpened, seed.name, tried)
-    spread = newton.roots(problem.model, spread_starts(problem), problem.parameters)
-    tried += BRANCH_STARTS
-    for gaps in _ordered_fastest_first(problem, spread):
-        yield from _solved(problem, gaps, "branch_search", tried)
+    for horizon_rad in _horizons(problem):
+        within = replace(problem, horizon_rad=horizon_rad)
+        spread = newton.roots(problem.model, spread_starts(within), problem.parameters)
+        tried += BRANCH_STARTS
+        for gaps in _ordered_fastest_first(within, spread):
+            yield from _solved(within, gaps, "branch_search", tried)
     for seed in problem.seeds:
         yield from _solved(problem, seed.gaps_rad, seed.name, tried)
     raise InfeasibleDesignError(_searched(problem, spread, tried))
+
+
+def _horizons(problem: Problem) -> list[float]:
+    """Return the horizons that are searched one after another, the problem's own last [rad].
+
+    Starts spread over a long horizon are sparse: what is fast is looked for first.
+    """
+    least = float(problem.shortest_gaps_rad.sum())
+    shorter = [2 * np.pi * periods for periods in HORIZONS_PERIODS]
+    return [
+        *(rad for rad in shorter if 1.5 * least < rad < problem.horizon_rad),
+        problem.horizon_rad,
+    ]
 
 
 def spread_starts(problem: Problem) -> FloatArray:

@@ -196,3 +196,41 @@ def test_an_answer_beyond_the_horizon_is_no_candidate(monkeypatch: pytest.Monkey
     monkeypatch.setattr(ipopt, "solve", lambda *_: late)
     with pytest.raises(InfeasibleDesignError):
         next(candidates(problem))
+
+
+@pytest.mark.parametrize("periods", [6.0, 20.0, 100.0])
+def test_a_longer_horizon_never_loses_a_solution(periods: float) -> None:
+    # Found by the search over branches only, in a horizon of three periods.
+    mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=0.07248)
+    actuator = second_order(3.0825, 0.5928, 2.5538, 1.5639)
+    short, long = (
+        next(
+            candidates(
+                unity_magnitude_problem(
+                    ZERO_VIBRATION_DERIVATIVE,
+                    mode,
+                    actuator,
+                    settle=False,
+                    max_duration_periods=horizon,
+                )
+            )
+        )
+        for horizon in (3.0, periods)
+    )
+    assert short.seed == "branch_search"
+    assert long.gaps_rad == pytest.approx(short.gaps_rad, abs=1e-9)
+
+
+@pytest.mark.parametrize("size", [1e12, 1e6])
+def test_equations_of_any_size_stop_no_lane(size: float) -> None:
+    # A set that follows at once beside one a million times slower: Jacobians of 1e12.
+    actuator = FirstOrder(accel_time_constant_s=size, decel_time_constant_s=0.0)
+    problem = unity_magnitude_problem(
+        ZERO_VIBRATION_DERIVATIVE,
+        Mode(natural_frequency_rad_s=1.0),
+        actuator,
+        settle=False,
+        max_duration_periods=3.0,
+    )
+    with suppress(InfeasibleDesignError):
+        next(candidates(problem))

@@ -206,8 +206,8 @@ def test_the_interval_does_not_depend_on_what_is_plotted() -> None:
 @pytest.mark.parametrize(
     ("values", "message"),
     [
-        ({"from_ratio": 0.0}, r"^from_ratio must be finite and > 0, got 0\.0"),
-        ({"to_ratio": math.inf}, r"^to_ratio must be finite and > 0, got inf"),
+        ({"from_ratio": 0.0}, r"^from_ratio must be between 1e-06 and 1e\+06, got 0\.0"),
+        ({"to_ratio": math.inf}, r"^to_ratio must be between 1e-06 and 1e\+06, got inf"),
         ({"from_ratio": 1.5}, r"^to_ratio must be greater than from_ratio, 1\.5, got 1\.5"),
         ({"points": 1}, r"^points must be between 2 and 20001, got 1"),
         ({"points": 20_002}, r"^points must be between 2 and 20001, got 20002"),
@@ -252,3 +252,15 @@ def test_an_actuator_alone_shapes_the_curve_of_a_short_command() -> None:
     low, high = edges(residual_curve(both, UNIT, actuator, DENSE), 0.75)
     assert result.lower_ratio == pytest.approx(low, abs=2 * STEP)
     assert result.upper_ratio == pytest.approx(high, abs=2 * STEP)
+
+
+def test_a_long_quiet_command_ends_its_search() -> None:
+    # Never above the tolerance: without a bound the search would take 2e8 points to its end.
+    quiet = impulses([0.0, 1e5], [1e-3, 1e-3])
+    result = found(quiet, UNIT, Ideal(), 0.05)
+    assert WIDEST_RATIOS[0] <= result.lower_ratio < 1 < result.upper_ratio <= WIDEST_RATIOS[1]
+
+
+def test_a_command_beyond_the_digits_of_its_phase_is_refused() -> None:
+    with pytest.raises(InvalidInputError, match=r"^impulses\.times_s must be at most 1e\+06 rad"):
+        found(impulses([0.0, 1e9], [0.5, 0.5]), UNIT, Ideal(), 0.05)

@@ -253,3 +253,38 @@ def test_faulty_impulses_are_named(
     answer = client.post("/v1/sensitivity", json=request)
     assert answer.status_code == 422
     assert pointer in [fault["pointer"] for fault in answer.json()["errors"]]
+
+
+def test_a_fit_behind_a_real_actuator_is_judged_there(client: httpx.Client) -> None:
+    fit = {"over": "/plant/cable_length_m", "from": 0.75, "to": 0.85, "degree": 2}
+    request = {**CRANE, "shaper": {"kind": "umzvd"}, "fit": fit}
+    body = client.post("/v1/designs", json=request).json()
+    # A shaper that knows no actuator leaves much there, however good its fit.
+    assert body["fit"]["worst_residual"] >= body["residual"] > 0.02
+
+
+def test_extremes_within_the_rules_are_finite_or_refused(client: httpx.Client) -> None:
+    for amplitude, low, high in ((1e12, 1e-6, 1e6), (1e-12, 0.5, 1.5), (1.0, 1e-6, 1e-5)):
+        request = {
+            "impulses": {"times_s": [0, 1e-9, 5e4], "amplitudes": [amplitude, 0, amplitude]},
+            "plant": CRANE["plant"],
+            "actuator": CRANE["actuator"],
+            "from_ratio": low,
+            "to_ratio": high,
+        }
+        answer = client.post("/v1/sensitivity", json=request)
+        assert answer.status_code == 200
+        assert "null" not in answer.text.replace('"insensitivity":null', "")
+
+
+def test_many_faults_are_told_in_part(client: httpx.Client) -> None:
+    request = {**CRANE, **{f"field_{n}": n for n in range(5000)}}
+    answer = client.post("/v1/designs", json=request)
+    assert len(answer.json()["errors"]) == 20
+    assert "and 4980 more" in answer.json()["detail"]
+    long_kind = client.post("/v1/designs", json=changed("/plant", {"kind": "x" * 100_000}))
+    assert len(long_kind.content) < 3000
+
+
+def test_an_empty_batch_is_no_json(client: httpx.Client) -> None:
+    assert client.post("/v1/designs/batch", content=b"\n\n").status_code == 400

@@ -139,3 +139,14 @@ def test_a_reader_that_leaves_early_is_no_error_message() -> None:
     command = f"{sys.executable} -m service.cli shapers | head -c 10"
     piped = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
     assert piped.stderr == ""
+
+
+def test_a_folder_for_a_picture_and_a_full_disk_are_one_line(tmp_path: Path) -> None:
+    (tmp_path / "d.png").mkdir()
+    folder = shapersmith("design", "-", "--plot", str(tmp_path / "d.png"), given=CRANE)
+    assert (folder.returncode, folder.stderr.count("\n")) == (2, 1)
+    command = f"{sys.executable} -m service.cli shapers > /dev/full"
+    full = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
+    assert full.returncode == 1
+    assert full.stderr.count("\n") == 1
+    assert "No space left" in full.stderr

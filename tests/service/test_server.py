@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -245,3 +246,40 @@ def test_a_faulty_setting_is_named(name: str, value: str, told: str) -> None:
     assert started.returncode == 2
     assert told in started.stderr
     assert started.stderr.count("\n") == 1
+
+
+def test_a_client_that_leaves_early_is_no_error_of_the_service(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    with running_service(log, workers=1) as service:
+        with socket.create_connection(("127.0.0.1", service.port)) as half:
+            half.sendall(b"POST /v1/designs HTTP/1.1\r\nhost: x\r\ncontent-length: 500\r\n\r\n{")
+            time.sleep(0.2)
+        time.sleep(0.3)
+    lines = [json.loads(line) for line in log.read_text().splitlines()]
+    assert [line["status"] for line in lines if line.get("path") == "/v1/designs"] == [499]
+    assert not [line for line in lines if line["level"] == "error"]
+
+
+def test_a_busy_service_is_ready_and_alive(tmp_path: Path) -> None:
+    with (
+        running_service(tmp_path / "log", workers=1, time_limit_s=3) as service,
+        service.client() as client,
+    ):
+        thread = threading.Thread(target=lambda: client.post("/v1/designs", json=ENDLESS))
+        thread.start()
+        time.sleep(0.2)
+        started = time.monotonic()
+        assert client.get("/health/ready").status_code == 200
+        assert time.monotonic() - started < 1.0
+        thread.join(30)
+
+
+def test_sigterm_does_not_wait_for_a_body_that_never_comes(tmp_path: Path) -> None:
+    with (
+        running_service(tmp_path / "log", workers=1, time_limit_s=0.5) as service,
+        socket.create_connection(("127.0.0.1", service.port)) as half,
+    ):
+        half.sendall(b"POST /v1/designs HTTP/1.1\r\nhost: x\r\ncontent-length: 500\r\n\r\n{")
+        time.sleep(0.2)
+        service.process.send_signal(signal.SIGTERM)
+        assert service.process.wait(12) == 0
