@@ -1,14 +1,28 @@
 """What drives the plant: actuators whose acceleration and deceleration may differ."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, overload
 
+import numpy as np
+
 from design.errors import InvalidInputError
-from design.types import LARGEST, SMALLEST, ComplexArray, require_between, require_scale
+from design.types import (
+    LARGEST,
+    SMALLEST,
+    ComplexArray,
+    FloatArray,
+    require_between,
+    require_scale,
+)
 
 Model = Literal["superposed", "switched"]
-"""How the two sets share the actuator; docs/theory.md says what each means."""
+"""How the two sets share the actuator.
+
+``superposed``: each step excites a response of its own, by its own set (Kim 2011, 3.23-3.26).
+``switched``: one actuator, whose state carries over; the set in force is that of the latest change
+of the command's magnitude (Kim 2011, 4.2-4.8 and 4.23-4.28).
+"""
 
 SMALLEST_DAMPING_RATIO = 0.1
 LARGEST_DAMPING_RATIO = 5.0
@@ -87,20 +101,57 @@ class Lag:
         slow, fast = 1 / (damping + root), damping + root
         return (fast * math.exp(-slow * phase) - slow * math.exp(-fast * phase)) / (fast - slow)
 
+    def free_motion(self, elapsed_s: FloatArray) -> FloatArray:
+        """Return how the lag's error moves freely, in closed form.
+
+        Parameters
+        ----------
+        elapsed_s
+            Times since a moment, shape (m,), >= 0 [s].
+
+        Returns
+        -------
+        FloatArray
+            Matrices from the state ``[v - u, v' / corner]`` at that moment to the state at each
+            time, shape (m, 2, 2) [-]; with ``corner`` of `corner_rad_s`. A first-order lag uses
+            the first entry only, an ideal one is at rest at once.
+        """
+        motion = np.zeros((elapsed_s.size, 2, 2))
+        if self.second_s2 == 0.0:
+            if self.first_s > 0:
+                motion[:, 0, 0] = np.exp(-elapsed_s / self.first_s)
+            return motion
+        damping = self.first_s * self.corner_rad_s / 2
+        phase = self.corner_rad_s * elapsed_s
+        root = math.sqrt(abs(damping**2 - 1))
+        if damping < 1:
+            decay = np.exp(-damping * phase)
+            even, odd = decay * np.cos(root * phase), decay * phase * np.sinc(root * phase / np.pi)
+        else:
+            slow = np.exp(-phase / (damping + root))
+            even = slow * (1 + np.exp(-2 * root * phase)) / 2
+            # expm1 keeps the digits of two poles that nearly coincide.
+            odd = slow * (phase if root == 0 else -np.expm1(-2 * root * phase) / (2 * root))
+        motion[:, 0, 0] = even + damping * odd
+        motion[:, 0, 1] = odd
+        motion[:, 1, 0] = -odd
+        motion[:, 1, 1] = even - damping * odd
+        return motion
+
+    @property
+    def corner_rad_s(self) -> float:
+        """Undamped frequency of a second-order lag; 0 for the others [rad/s]."""
+        return self.second_s2**-0.5 if self.second_s2 > 0 else 0.0
+
 
 IDEAL_LAG = Lag()
-
-
-def _require_served(model: Model) -> None:
-    if model != "superposed":
-        raise InvalidInputError(
-            "model", model, "'superposed'; the switched model is not served yet"
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ideal:
     """An actuator that follows its command at once."""
+
+    model: Model = field(default="superposed", init=False)
 
     @property
     def kind(self) -> str:
@@ -132,7 +183,7 @@ class FirstOrder:
     accel_time_constant_s, decel_time_constant_s
         Time constants, >= 0 [s]; 0 is a set that follows at once.
     model
-        ``superposed``; ``switched`` is refused.
+        How the two sets share the actuator.
     """
 
     accel_time_constant_s: float
@@ -145,7 +196,6 @@ class FirstOrder:
             if not (value == 0 or SMALLEST <= value <= LARGEST):
                 rule = f"0, or between {SMALLEST:g} and {LARGEST:g}"
                 raise InvalidInputError(name, value, rule)
-        _require_served(self.model)
 
     @property
     def kind(self) -> str:
@@ -208,15 +258,12 @@ class SecondOrder:
     accel, decel
         Parameters for steps that increase and decrease the magnitude of the command.
     model
-        ``superposed``; ``switched`` is refused.
+        How the two sets share the actuator.
     """
 
     accel: SecondOrderSet
     decel: SecondOrderSet
     model: Model = "superposed"
-
-    def __post_init__(self) -> None:
-        _require_served(self.model)
 
     @property
     def kind(self) -> str:

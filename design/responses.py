@@ -1,123 +1,91 @@
-"""Exact response of actuator and mode to a stepped command, by matrix exponential.
+"""Exact response of actuator and mode to a stepped command, in closed form.
 
-The state is the distance to the equilibrium of the present command::
-
-    [accel lag (0-2 states), decel lag (0-2 states), q, q'/w],   q'' + 2 z w q' + w^2 q = w^2 v
-
-so that it is free between the steps, ``e(t + d) = expm(A d) e(t)``, and jumps at each. The
-deflection of the payload under the acceleration v' is ``-q'/w^2``: driving q by v instead keeps
-every jump finite, an ideal actuator's included.
+Between two steps every lag moves freely and the mode rings; `Lag.free_motion` and one complex
+exponential say how, for any damping. Nothing is stepped through time.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from design.actuators import Actuator, Lag
-from design.exponential import exponentials
+from design.actuators import IDEAL_LAG, Actuator, Lag
 from design.impulses import Impulses
 from design.plants import Mode
 from design.types import ComplexArray, FloatArray
 
 
-def _lag_matrix(lag: Lag) -> FloatArray:
-    """State matrix of a lag's error, shape (order, order); its first state is the velocity's."""
-    if lag.second_s2 > 0:
-        frequency = lag.second_s2**-0.5
-        return np.array([[0.0, frequency], [-frequency, -lag.first_s * frequency**2]])
-    if lag.first_s > 0:
-        return np.array([[-1 / lag.first_s]])
-    return np.zeros((0, 0))
-
-
 @dataclass(frozen=True, slots=True, eq=False)
-class _ErrorDynamics:
-    """State matrices of one actuator on modes of several frequencies, f of them, n states each."""
+class LagStates:
+    """Velocity less command, and its rate, around each of n steps; columns: accel, decel set.
 
-    matrices: FloatArray  # (f, n, n)
-    jumps: FloatArray  # (2, n): what a unit step takes off the state, by set (decel, accel)
-    coupled: list[int]  # states that are velocity errors
+    A switched actuator has one state, which stands in the column of the set in force.
 
-    @property
-    def size(self) -> int:
-        return int(self.matrices.shape[-1])
-
-
-def _error_dynamics(
-    actuator: Actuator, frequencies_rad_s: FloatArray, damping_ratio: float
-) -> _ErrorDynamics:
-    blocks = [_lag_matrix(actuator.accel_lag), _lag_matrix(actuator.decel_lag)]
-    orders = [len(block) for block in blocks]
-    size = sum(orders) + 2
-    w = frequencies_rad_s
-    matrices = np.zeros((w.size, size, size))
-    jumps = np.zeros((2, size))
-    jumps[:, -2] = 1.0
-    coupled = []
-    start = 0
-    for row, (block, order) in enumerate(zip(blocks, orders, strict=True)):
-        if order:
-            matrices[:, start : start + order, start : start + order] = block
-            matrices[:, -1, start] = w
-            jumps[1 - row, start] = 1.0
-            coupled.append(start)
-        start += order
-    matrices[:, -2, -1] = w
-    matrices[:, -1, -2] = -w
-    matrices[:, -1, -1] = -2 * damping_ratio * w
-    return _ErrorDynamics(matrices, jumps, coupled)
-
-
-def _states_after_steps(impulses: Impulses, dynamics: _ErrorDynamics) -> FloatArray:
-    """Error states just after each step, shape (steps, f, n)."""
-    gaps = impulses.times_s[1:] - impulses.times_s[:-1]
-    carried = exponentials(dynamics.matrices * gaps[:, None, None, None])
-    jumps = impulses.amplitudes[:, None] * dynamics.jumps[impulses.accelerates.astype(int)]
-    states = np.empty((gaps.size + 1, *dynamics.matrices.shape[:2]))
-    states[0] = -jumps[0]
-    for index in range(gaps.size):
-        states[index + 1] = (carried[index] @ states[index][..., None])[..., 0] - jumps[index + 1]
-    return states
-
-
-def ringing_after(
-    impulses: Impulses, actuator: Actuator, frequencies_rad_s: FloatArray, damping_ratio: float
-) -> tuple[ComplexArray, ComplexArray]:
-    """Return the free vibration that a command leaves, and that of an unshaped step.
-
-    Parameters
+    Attributes
     ----------
-    impulses
-        The command.
-    actuator
-        The actuator between command and mode.
-    frequencies_rad_s
-        Natural frequencies of the mode, shape (f,) [rad/s].
-    damping_ratio
-        Damping ratio of the mode [-].
-
-    Returns
-    -------
-    tuple of ComplexArray
-        Modal coordinates, shape (f,) each: of the command at its last step, and of a unit step
-        that increases the command at that step. A unit step through an ideal actuator leaves 1.
-        The actuator's own transient is projected out by the left eigenvector of the mode in the
-        coupled system.
+    before, rates_before
+        Just before each step, shape (n, 2) [-], [1/s].
+    after, rates_after
+        Just after it, shape (n, 2) [-], [1/s].
+    velocity_jumps
+        By how much the velocity itself jumps, into a set that follows at once, shape (n,) [-].
     """
-    dynamics = _error_dynamics(actuator, frequencies_rad_s, damping_ratio)
-    final = _states_after_steps(impulses, dynamics)[-1]
-    # Left eigenvector l A = s l: [l_lags, -1, s/w], from the bottom block upward.
-    unit_pole = complex(-damping_ratio, (1 - damping_ratio**2) ** 0.5)
-    lags = dynamics.size - 2
-    left = np.empty((frequencies_rad_s.size, dynamics.size), dtype=np.complex128)
-    left[:, -2] = -1.0
-    left[:, -1] = unit_pole
-    if lags:
-        poles = (unit_pole * frequencies_rad_s)[:, None, None]
-        shifted = poles * np.eye(lags) - dynamics.matrices[:, :lags, :lags].swapaxes(1, 2)
-        drive = dynamics.matrices[:, -1, :lags] * unit_pole
-        left[:, :lags] = np.linalg.solve(shifted, drive[..., None])[..., 0]
-    return (left * final).sum(axis=1), -left @ dynamics.jumps[1]
+
+    before: FloatArray
+    rates_before: FloatArray
+    after: FloatArray
+    rates_after: FloatArray
+    velocity_jumps: FloatArray
+
+
+def lag_states(impulses: Impulses, actuator: Actuator) -> LagStates:
+    """Return the states of the actuator around each step of a command."""
+    lags = (actuator.accel_lag, actuator.decel_lag)
+    gaps = impulses.times_s[1:] - impulses.times_s[:-1]
+    motions = [lag.free_motion(gaps).tolist() for lag in lags]
+    switched = actuator.model == "switched"
+    count = impulses.times_s.size
+    before, after = np.zeros((2, count, 2)), np.zeros((2, count, 2))
+    state = [(0.0, 0.0), (0.0, 0.0)]  # error and rate of either set
+    steps = zip(impulses.accelerates.tolist(), impulses.amplitudes.tolist(), strict=True)
+    for index, (rising, amplitude) in enumerate(steps):
+        if index > 0:
+            state = [
+                _moved(lag, motion[index - 1], *one)
+                for lag, motion, one in zip(lags, motions, state, strict=True)
+            ]
+        before[:, index] = np.transpose(state)
+        force = 0 if rising else 1
+        error, rate = state[force]
+        if switched and state[1 - force] != (0.0, 0.0):
+            error, rate = state[1 - force]
+            state[1 - force] = (0.0, 0.0)
+        state[force] = (error - amplitude, rate) if lags[force] != IDEAL_LAG else (0.0, 0.0)
+        after[:, index] = np.transpose(state)
+    jumps = impulses.amplitudes + (after[0] - before[0]).sum(axis=1)
+    if IDEAL_LAG not in lags:
+        jumps[:] = 0.0  # but for rounding
+    return LagStates(before[0], before[1], after[0], after[1], jumps)
+
+
+def _moved(lag: Lag, motion: list[list[float]], error: float, rate_s: float) -> tuple[float, float]:
+    (a, b), (c, d) = motion
+    corner = lag.corner_rad_s
+    scaled = rate_s / corner if corner > 0 else 0.0
+    return a * error + b * scaled, corner * (c * error + d * scaled)
+
+
+def ringing_of_lag(
+    lag: Lag, errors: FloatArray, rates_s: FloatArray, pole_rad_s: complex
+) -> ComplexArray:
+    """Return what a lag's state will have left in the mode once it is at rest [-].
+
+    ``G (second s e' - e)``: its free motion from there, seen at the pole.
+    """
+    left: ComplexArray = (lag.second_s2 * pole_rad_s * rates_s - errors) / lag.denominator(
+        pole_rad_s
+    )
+    return left
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -151,24 +119,57 @@ def history(impulses: Impulses, mode: Mode, actuator: Actuator, times_s: FloatAr
     impulses
         The command.
     mode, actuator
-        The plant's mode and its drive.
+        The plant's mode and its drive; no set may have its own pole at the plant's.
     times_s
         Times, shape (n,) [s]; before the first step all is at rest.
+
+    Notes
+    -----
+    With ``q'' + 2 z w q' + w^2 q = w^2 v`` and ``p = q'/w``, the deflection is -p, and the modal
+    coordinate ``(v - q) + s/w p``, with what the lags will still leave added, rings as exp(s t).
     """
-    dynamics = _error_dynamics(
-        actuator, np.array([mode.natural_frequency_rad_s]), mode.damping_ratio
-    )
-    after = _states_after_steps(impulses, dynamics)[:, 0]
+    lags = (actuator.accel_lag, actuator.decel_lag)
+    states = lag_states(impulses, actuator)
+    pole = mode.pole_rad_s
     segment = np.searchsorted(impulses.times_s, times_s, side="right") - 1
     moving = segment >= 0
     started = np.maximum(segment, 0)
     elapsed = np.where(moving, times_s - impulses.times_s[started], 0.0)
-    flow = exponentials(dynamics.matrices[0][None] * elapsed[:, None, None])
-    states = np.where(moving[:, None], (flow @ after[started][..., None])[..., 0], 0.0)
+    ringing = _ringing_after_steps(impulses, states, lags, pole)[started] * np.exp(pole * elapsed)
+    error = np.zeros(times_s.size)
+    for column, lag in enumerate(lags):
+        motion = lag.free_motion(elapsed)
+        corner = lag.corner_rad_s
+        first = states.after[started, column]
+        second = states.rates_after[started, column] / corner if corner > 0 else 0.0
+        now = motion[:, 0, 0] * first + motion[:, 0, 1] * second
+        rate = corner * (motion[:, 1, 0] * first + motion[:, 1, 1] * second)
+        error += now
+        ringing -= ringing_of_lag(lag, now, rate, pole)
     command = np.where(moving, np.cumsum(impulses.amplitudes)[started], 0.0)
     return History(
         times_s=times_s,
         command=command,
-        velocity=command + states[:, dynamics.coupled].sum(axis=1),
-        deflection=-states[:, -1],
+        velocity=command + np.where(moving, error, 0.0),
+        deflection=np.where(moving, -ringing.imag / math.sqrt(1 - mode.damping_ratio**2), 0.0),
     )
+
+
+def _ringing_after_steps(
+    impulses: Impulses, states: LagStates, lags: tuple[Lag, Lag], pole_rad_s: complex
+) -> ComplexArray:
+    """Modal coordinate just after each step, the lags' future share included, shape (n,)."""
+    added = states.velocity_jumps.astype(np.complex128)
+    for column, lag in enumerate(lags):
+        added += ringing_of_lag(
+            lag, states.after[:, column], states.rates_after[:, column], pole_rad_s
+        ) - ringing_of_lag(
+            lag, states.before[:, column], states.rates_before[:, column], pole_rad_s
+        )
+    # Summed at the last step, where no exponential overflows, and carried on step by step.
+    turns = np.exp(pole_rad_s * np.diff(impulses.times_s, prepend=impulses.times_s[0])).tolist()
+    ringing, summed = [], 0j
+    for turn, one in zip(turns, added.tolist(), strict=True):
+        summed = summed * turn + one
+        ringing.append(summed)
+    return np.array(ringing)

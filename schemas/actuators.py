@@ -20,7 +20,11 @@ TimeConstant = Annotated[
     float, Field(ge=0, le=LARGEST, description="Time constant, 0 or at least 1e-12 [s].")
 ]
 ModelIn = Annotated[
-    Model, Field(description="How the two sets share the actuator; only superposed is served yet.")
+    Model,
+    Field(
+        description="superposed: each step excites a response of its own; switched: one state, "
+        "moved by the set of the latest change of |command|."
+    ),
 ]
 
 

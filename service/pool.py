@@ -21,7 +21,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from design.actuators import Ideal
+from design.actuators import FirstOrder, Ideal, SecondOrder, SecondOrderSet
 from design.pipeline import design
 from design.plants import Mode
 from design.shapers.registry import SHAPERS
@@ -296,6 +296,12 @@ def _end_with(sentinel: int) -> None:
 def warm_solvers() -> None:
     """Build the solvers of every shaper by designing each once."""
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=0.05)
-    for kind in SHAPERS.values():
-        if Ideal().kind in kind.actuators:
-            design(mode, Ideal(), kind)
+    one = SecondOrderSet(natural_frequency_rad_s=10.0, damping_ratio=0.8)
+    for actuator in (
+        Ideal(),
+        FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1, model="switched"),
+        SecondOrder(accel=one, decel=one, model="switched"),
+    ):
+        for kind in SHAPERS.values():
+            if actuator.kind in kind.actuators:
+                design(mode, actuator, kind)

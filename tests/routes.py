@@ -78,6 +78,8 @@ def integrate(impulses: Impulses, mode: Mode, actuator: Actuator, until_s: float
     """
     from scipy.integrate import solve_ivp
 
+    if not isinstance(actuator, Ideal) and actuator.model == "switched":
+        return _integrate_switched(impulses, mode, actuator, until_s)
     w, z = mode.natural_frequency_rad_s, mode.damping_ratio
     lags = _lag_parts(actuator)
     state = np.zeros(6)  # d, d', then v, v' of either set
@@ -116,6 +118,49 @@ def integrate(impulses: Impulses, mode: Mode, actuator: Actuator, until_s: float
             run = solve_ivp(rates, (start, end), state, method="DOP853", rtol=1e-11, atol=1e-13)
             state = run.y[:, -1]
     return np.array([state[0], state[1], state[2] + state[4]])
+
+
+def _integrate_switched(
+    impulses: Impulses, mode: Mode, actuator: Actuator, until_s: float
+) -> FloatArray:
+    """Integrate payload and one velocity that obeys the set of the latest change of |command|."""
+    from scipy.integrate import solve_ivp
+
+    w, z = mode.natural_frequency_rad_s, mode.damping_ratio
+    lags = _lag_parts(actuator)
+    state = np.zeros(4)  # d, d', v, v'
+    level, force = 0.0, 0
+
+    def rates(_: float, x: FloatArray) -> FloatArray:
+        first, second = lags[force]
+        out = np.zeros(4)
+        if second > 0:
+            acceleration = x[3]
+            out[3] = (level - x[2] - first * x[3]) / second
+        else:
+            acceleration = (level - x[2]) / first if first > 0 else 0.0
+        out[0] = x[1]
+        out[1] = -2 * z * w * x[1] - w * w * x[0] - acceleration
+        out[2] = acceleration
+        return out
+
+    ends = [*impulses.times_s[1:].tolist(), until_s]
+    steps = zip(
+        impulses.times_s.tolist(),
+        ends,
+        impulses.amplitudes.tolist(),
+        increases(impulses.amplitudes),
+        strict=True,
+    )
+    for start, end, amplitude, accel in steps:
+        level, force = level + amplitude, int(accel)
+        if lags[force] == (0.0, 0.0):
+            state[1] -= level - state[2]
+            state[2] = level
+        if end > start:
+            run = solve_ivp(rates, (start, end), state, method="DOP853", rtol=1e-11, atol=1e-13)
+            state = run.y[:, -1]
+    return state[:3]
 
 
 def residual_by_integration(impulses: Impulses, mode: Mode, actuator: Actuator) -> float:

@@ -7,8 +7,8 @@ import numpy as np
 from design.actuators import Actuator
 from design.impulses import Impulses
 from design.plants import Mode
-from design.responses import ringing_after
 from design.shapers.kind import Quantity
+from design.simulation import ringing_after
 
 LIMITS: dict[Quantity, float] = {"residual": 1e-9, "slope": 1e-7}
 """Largest value that counts as zero: far below anything measurable, above rounding [-]."""

@@ -1,13 +1,15 @@
 """Residual vibration from the transfer function at the pole (docs/theory.md, section 1)."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
-from design.actuators import Actuator
+from design.actuators import IDEAL_LAG, Actuator
 from design.errors import InvalidInputError
 from design.impulses import Impulses
 from design.plants import Mode
+from design.responses import lag_states
 from design.types import ComplexArray, FloatArray
 
 SLOWEST = 100.0
@@ -43,6 +45,46 @@ def require_workable(mode: Mode, actuator: Actuator) -> None:
             )
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class StepContributions:
+    """What each step adds to the vibration, apart from the plant.
+
+    ``V exp(s t_n) = sum (gain_i + s rate_i) G(s) exp(s (t_n - t_i))``, over both sets.
+
+    Attributes
+    ----------
+    until_last_s
+        Time from each step to the last, shape (n,) [s].
+    columns
+        Gains by the acceleration set, by the deceleration set, then their rates, shape (n, 4).
+    """
+
+    until_last_s: FloatArray
+    columns: FloatArray
+
+
+def step_contributions(impulses: Impulses, actuator: Actuator) -> StepContributions:
+    """Return what each step adds to the vibration, in closed form.
+
+    A superposed step adds its height by its own set. Where one actuator is switched, its state is
+    taken from the old set and given to the new, and each would let it ring in its own way.
+    """
+    columns = np.zeros((impulses.times_s.size, 4))
+    if actuator.model == "superposed":
+        columns[:, 0] = np.where(impulses.accelerates, impulses.amplitudes, 0.0)
+        columns[:, 1] = impulses.amplitudes - columns[:, 0]
+    else:
+        states = lag_states(impulses, actuator)
+        lags = (actuator.accel_lag, actuator.decel_lag)
+        columns[:, :2] = states.before - states.after
+        columns[:, 2:] = (states.rates_after - states.rates_before) * [
+            lag.second_s2 for lag in lags
+        ]
+        # A set that follows at once moves the velocity itself: a lag with G = 1.
+        columns[:, 0 if lags[0] == IDEAL_LAG else 1] += states.velocity_jumps
+    return StepContributions(impulses.times_s[-1] - impulses.times_s, columns)
+
+
 def residual_vectors(
     impulses: Impulses, poles_rad_s: ComplexArray, actuator: Actuator
 ) -> ComplexArray:
@@ -55,17 +97,16 @@ def residual_vectors(
     poles_rad_s
         Upper poles of the modes, shape (m,) [rad/s].
     actuator
-        The actuator; superposed steps.
+        The actuator.
 
     Returns
     -------
     ComplexArray
-        ``sum A_i G_i(s)/G_accel(s) exp(s (t_n - t_i))``, shape (m,) [-]; its magnitude is the
-        residual vibration.
+        ``V exp(s t_n) / G_accel(s)``, shape (m,) [-]; its magnitude is the residual vibration.
     """
-    until_last = impulses.times_s[-1] - impulses.times_s
-    swings = np.exp(np.multiply.outer(poles_rad_s, until_last))
-    return _joined(swings @ _amplitudes_by_set(impulses), poles_rad_s, actuator)
+    steps = step_contributions(impulses, actuator)
+    swings = np.exp(np.multiply.outer(poles_rad_s, steps.until_last_s))
+    return _joined(swings @ steps.columns.astype(np.complex128), poles_rad_s, actuator)
 
 
 def residuals_of_many(
@@ -89,9 +130,19 @@ def residuals_of_many(
     FloatArray
         Residual vibration, shape (m,) [-].
     """
-    by_set = _amplitudes_by_set(Impulses(times_s=np.zeros(amplitudes.size), amplitudes=amplitudes))
-    swings = np.exp(poles_rad_s[:, None] * (times_s[:, -1:] - times_s))
-    return np.abs(_joined(swings @ by_set, poles_rad_s, actuator))
+    if actuator.model == "superposed":
+        # The columns are the same for all, whatever their times.
+        first = Impulses(times_s=np.zeros(amplitudes.size), amplitudes=amplitudes)
+        swings = np.exp(poles_rad_s[:, None] * (times_s[:, -1:] - times_s))
+        columns = step_contributions(first, actuator).columns.astype(np.complex128)
+        return np.abs(_joined(swings @ columns, poles_rad_s, actuator))
+    commands = [Impulses(times_s=row, amplitudes=amplitudes) for row in times_s]
+    vectors = [
+        residual_vectors(command, poles_rad_s[index : index + 1], actuator)
+        for index, command in enumerate(commands)
+    ]
+    residuals: FloatArray = np.abs(np.concatenate(vectors))
+    return residuals
 
 
 def evenly_spaced_vectors(
@@ -102,33 +153,27 @@ def evenly_spaced_vectors(
     The exponentials of an even spacing are products of two short lists, coarse and fine, so that
     ``2 sqrt(points)`` of them do and a matrix product does the rest.
     """
+    steps = step_contributions(impulses, actuator)
     step = (last_rad_s - first_rad_s) / (points - 1)
     block = math.isqrt(points - 1) + 1
-    until_last = impulses.times_s[-1] - impulses.times_s
-    coarse = np.exp(np.multiply.outer(until_last, first_rad_s + step * np.arange(0, points, block)))
-    fine = np.exp(np.multiply.outer(np.arange(block) * step, until_last))
-    by_set = _amplitudes_by_set(impulses)
-    summed = fine @ (by_set.T[:, :, None] * coarse)  # (2, block, blocks)
-    vectors = summed.transpose(2, 1, 0).reshape(-1, 2)[:points]
+    coarse = np.exp(
+        np.multiply.outer(steps.until_last_s, first_rad_s + step * np.arange(0, points, block))
+    )
+    fine = np.exp(np.multiply.outer(np.arange(block) * step, steps.until_last_s))
+    summed = fine @ (steps.columns.T[:, :, None] * coarse)  # (4, block, blocks)
+    vectors: ComplexArray = summed.transpose(2, 1, 0).reshape(-1, 4)[:points]
     return _joined(vectors, first_rad_s + step * np.arange(points), actuator)
 
 
-def _amplitudes_by_set(impulses: Impulses) -> FloatArray:
-    """Amplitudes as columns, shape (n, 2): of the steps that accelerate, of those that do not."""
-    speeding = impulses.accelerates
-    columns = np.zeros((speeding.size, 2))
-    columns[:, 0] = np.where(speeding, impulses.amplitudes, 0.0)
-    columns[:, 1] = impulses.amplitudes - columns[:, 0]
-    return columns
-
-
-def _joined(by_set: ComplexArray, poles_rad_s: ComplexArray, actuator: Actuator) -> ComplexArray:
-    """Vectors of both sets, shape (m, 2), summed in units of the acceleration set's step."""
+def _joined(sums: ComplexArray, poles_rad_s: ComplexArray, actuator: Actuator) -> ComplexArray:
+    """Join the columns, summed over the steps, shape (m, 4), in units of the unshaped step."""
     below = actuator.decel_lag.denominator(poles_rad_s)
     # On the pole of the deceleration set itself the vibration grows without bound: cut, finite.
     below = np.where(np.abs(below) < SMALLEST_DENOMINATOR, SMALLEST_DENOMINATOR, below)
     ratio = actuator.accel_lag.denominator(poles_rad_s) / below
-    joined: ComplexArray = by_set[:, 0] + ratio * by_set[:, 1]
+    if actuator.model == "switched":
+        sums = sums[:, :2] + poles_rad_s[:, None] * sums[:, 2:]
+    joined: ComplexArray = sums[:, 0] + ratio * sums[:, 1]
     return joined
 
 

@@ -7,7 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.actuators import Actuator
-from design.analysis.residual import evenly_spaced_vectors, residual_vectors
+from design.analysis.residual import (
+    evenly_spaced_vectors,
+    residual_vectors,
+    step_contributions,
+)
 from design.errors import InvalidInputError, SolverFailedError
 from design.impulses import Impulses
 from design.plants import Mode
@@ -212,16 +216,8 @@ class _Excess:
         self._actuator = actuator
         self._pole = mode.pole_rad_s
         self._accel, self._decel = actuator.accel_lag, actuator.decel_lag
-        last = float(impulses.times_s[-1])
-        self._steps = [
-            (amplitude, last - time, accelerates)
-            for amplitude, time, accelerates in zip(
-                impulses.amplitudes.tolist(),
-                impulses.times_s.tolist(),
-                impulses.accelerates.tolist(),
-                strict=True,
-            )
-        ]
+        steps = step_contributions(impulses, actuator)
+        self._steps = list(zip(steps.until_last_s.tolist(), steps.columns.tolist(), strict=True))
 
     def over(self, ratios: FloatArray) -> FloatArray:
         return (
@@ -232,11 +228,11 @@ class _Excess:
     def at(self, ratio: float) -> float:
         pole = self._pole * ratio
         slower = self._accel.denominator(pole) / self._decel.denominator(pole)
-        vector = sum(
-            (1 if accelerates else slower) * amplitude * cmath.exp(pole * until_last)
-            for amplitude, until_last, accelerates in self._steps
-        )
-        return float(abs(vector)) - self.limit
+        vector = 0j
+        for until_last, (accel, decel, accel_rate, decel_rate) in self._steps:
+            swing = cmath.exp(pole * until_last)
+            vector += swing * (accel + pole * accel_rate + slower * (decel + pole * decel_rate))
+        return abs(vector) - self.limit
 
 
 def _edge(

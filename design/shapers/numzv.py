@@ -22,10 +22,10 @@ SOURCE = "Kim, master thesis (2011), chapter 3"
 def numzv(mode: Mode, actuator: Actuator, options: SettleOptions) -> Formulation:
     """Formulate the three-impulse shaper that knows both sets of the actuator.
 
-    Undamped: the closed vector diagram, `undamped_times_rad`. Damped: its equations at the
-    plant's pole, solved.
+    Undamped, superposed steps: the closed vector diagram, `undamped_times_rad`. Damped or
+    switched: its equations at the plant's pole, solved.
     """
-    if mode.damping_ratio == 0:
+    if mode.damping_ratio == 0 and actuator.model == "superposed":
         phases = undamped_times_rad(
             decel_over_accel(mode, actuator),
             settling_gaps_rad(mode, actuator, 3, settle=options.settle),

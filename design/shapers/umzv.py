@@ -44,7 +44,11 @@ def umzv(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # 
 def umzvd(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
     """Formulate the unity-magnitude shaper with zero slope: `umzv`, robust in frequency."""
     return unity_magnitude_problem(
-        ZERO_VIBRATION_DERIVATIVE, mode, Ideal(), settle=False, max_duration_periods=LONGEST_PERIODS
+        ZERO_VIBRATION_DERIVATIVE,
+        mode,
+        Ideal(),
+        settle=False,
+        max_duration_periods=LONGEST_PERIODS,
     )
 
 

@@ -5,7 +5,7 @@ All is dimensionless: phases are times the plant's natural frequency, lags are s
 
 import cmath
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from design.actuators import Actuator
 from design.errors import InfeasibleDesignError
 from design.plants import Mode
 from design.shapers.problem import Expressions, Problem, Seed
+from design.shapers.symbolic import Complex, SymbolicSet, exponential
 from design.types import FloatArray
 
 PERIOD_RAD = 2 * math.pi
@@ -55,19 +56,24 @@ class UnityMagnitude:
     derivatives
         How many derivatives of the vibration in the plant's frequency vanish too; the impulses
         must be ``2 * derivatives + 3``, so that equations match unknowns.
+    switched_order
+        Order of the lags of a switched actuator, 1 or 2; 0 for superposed steps of any order.
     """
 
     impulses: int
     derivatives: int
+    switched_order: int = 0
 
     def expressions(self) -> Expressions:
         """Build V = 0, and dV/dw = 0 with the actuator's own slope, at the plant's pole.
 
-        ``V(w) = sum A_i G_i(s)/G_accel(s) exp(s (t_n - t_i))``, ``s = w (-z + j sqrt(1 - z^2))``:
-        the vibration in units of the unshaped step, referred to the last impulse. Where V is zero
-        its zeros and those of dV/dw do not depend on either reference. Parameters are z and the
-        coefficients ``first, second`` of both sets' ``1/G``, at w = 1 (Kim 2011, eqs. 3.44-3.46;
-        3.47-3.48 replaced by the exact derivative).
+        ``V(w) = sum v_i exp(s (t_n - t_i)) / G_accel(s)``, ``s = w (-z + j sqrt(1 - z^2))``: the
+        vibration in units of the unshaped step, referred to the last impulse. Where V is zero its
+        zeros and those of dV/dw do not depend on either reference. A superposed step adds
+        ``v_i = A_i G_i(s)``; where one actuator is switched from one set to the other, its state
+        adds what it would leave under the new set less what it would have left under the old.
+        Parameters are z and the coefficients ``first, second`` of both sets' ``1/G``, at w = 1
+        (Kim 2011, eqs. 3.44-3.46; 3.47-3.48 replaced by the exact derivative).
         """
         import casadi as ca  # noqa: PLC0415 - a third of a second that --help must not pay
 
@@ -75,30 +81,22 @@ class UnityMagnitude:
         parameters = ca.SX.sym("parameters", 5)
         z, first_a, second_a, first_d, second_d = ca.vertsplit(parameters)
         w = ca.SX.sym("w")
-        real, imag = -z * w, w * ca.sqrt(1 - z * z)
-
-        def denominator(first: ca.SX, second: ca.SX) -> tuple[ca.SX, ca.SX]:
-            return (
-                1 + first * real + second * (real * real - imag * imag),
-                imag * (first + 2 * second * real),
-            )
-
-        ar, ai = denominator(first_a, second_a)
-        dr, di = denominator(first_d, second_d)
-        size = dr * dr + di * di
-        decel_over_accel = ((ar * dr + ai * di) / size, (ai * dr - ar * di) / size)
-
-        until_last = ca.SX(0)
-        sum_real, sum_imag = ca.SX(1), ca.SX(0)  # the last impulse
-        for index in reversed(range(self.impulses - 1)):
-            until_last = until_last + gaps[index]
-            size = ca.exp(real * until_last)
-            x, y = size * ca.cos(imag * until_last), size * ca.sin(imag * until_last)
-            if index % 2:
-                gr, gi = decel_over_accel
-                x, y = -(gr * x - gi * y), -(gr * y + gi * x)
-            sum_real, sum_imag = sum_real + x, sum_imag + y
-        equations = [ca.vertcat(sum_real, sum_imag)]
+        s = Complex(-z * w, w * ca.sqrt(1 - z * z))
+        sets = [SymbolicSet(first_a, second_a, s), SymbolicSet(first_d, second_d, s)]
+        until_last = [ca.sum1(gaps[index:]) for index in range(self.impulses - 1)] + [ca.SX(0)]
+        error, rate = ca.SX(0), ca.SX(0)
+        vibration = Complex(ca.SX(0), ca.SX(0))
+        for index, left in enumerate(until_last):
+            amplitude = 1 - 2 * (index % 2)
+            after, before = sets[index % 2], sets[index % 2 - 1]
+            added = after.gain.scaled(amplitude)
+            if self.switched_order and index > 0:
+                error, rate = before.free_motion(gaps[index - 1], error, rate, self.switched_order)
+                added = added + after.ringing(error, rate, s) - before.ringing(error, rate, s)
+            error = error - amplitude
+            vibration = vibration + added * exponential(s.scaled(left))
+        vibration = vibration / sets[0].gain
+        equations = [ca.vertcat(vibration.real, vibration.imag)]
         for _ in range(self.derivatives):
             equations.append(ca.jacobian(equations[-1], w))
         return Expressions(
@@ -111,6 +109,13 @@ class UnityMagnitude:
 
 ZERO_VIBRATION = UnityMagnitude(impulses=3, derivatives=0)
 ZERO_VIBRATION_DERIVATIVE = UnityMagnitude(impulses=5, derivatives=1)
+
+
+def _behind(model: UnityMagnitude, actuator: Actuator) -> UnityMagnitude:
+    """Return the family for this kind of actuator."""
+    if actuator.model == "superposed":
+        return model
+    return replace(model, switched_order=2 if actuator.accel_lag.second_s2 > 0 else 1)
 
 
 def alternating(impulses: int) -> FloatArray:
@@ -161,7 +166,7 @@ def unity_magnitude_problem(
             f"more than max_duration_periods = {max_duration_periods:g}"
         )
     return Problem(
-        model=model,
+        model=_behind(model, actuator),
         parameters=np.array([mode.damping_ratio, *scaled]),
         amplitudes=alternating(model.impulses),
         natural_frequency_rad_s=w,
@@ -181,8 +186,8 @@ def _seeds(
     time in the seed moves by that. Where a gap is too short to settle, no seed tells which branch
     is the fastest: all are searched.
     """
-    label = "umzv_polynomials" if model is ZERO_VIBRATION else "umzvd_polynomials"
-    table = ZV_POLYNOMIALS if model is ZERO_VIBRATION else ZVD_POLYNOMIALS
+    label = "umzv_polynomials" if model.derivatives == 0 else "umzvd_polynomials"
+    table = ZV_POLYNOMIALS if model.derivatives == 0 else ZVD_POLYNOMIALS
     published = [
         PERIOD_RAD * (a + damping_ratio * (b + damping_ratio * (c + damping_ratio * d)))
         for a, b, c, d in table

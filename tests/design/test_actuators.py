@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from design.actuators import FirstOrder, Ideal, Lag, SecondOrder, SecondOrderSet
+from design.actuators import FirstOrder, Ideal, Lag, SecondOrderSet
 from design.errors import InvalidInputError
 from tests.shaper_table import FIRST_ORDER, THESIS
 
@@ -153,11 +153,3 @@ def test_a_set_needs_a_frequency(value: float) -> None:
 def test_a_set_damping_must_be_that_of_a_drive(value: float) -> None:
     with pytest.raises(InvalidInputError, match=r"^damping_ratio must be between 0\.1 and 5, got "):
         SecondOrderSet(natural_frequency_rad_s=20.0, damping_ratio=value)
-
-
-def test_the_switched_model_is_refused_with_a_reason() -> None:
-    message = r"^model must be 'superposed'; the switched model is not served yet, got 'switched'$"
-    with pytest.raises(InvalidInputError, match=message):
-        FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1, model="switched")
-    with pytest.raises(InvalidInputError, match=message):
-        SecondOrder(accel=THESIS.accel, decel=THESIS.decel, model="switched")

@@ -16,7 +16,7 @@ from design.analysis.residual import (
 )
 from design.impulses import Impulses
 from design.plants import Mode
-from design.responses import ringing_after
+from design.simulation import ringing_after
 from tests.routes import claims_by_formula, residual_by_integration
 from tests.shaper_table import CRANE, FIRST_ORDER, IDEAL, THESIS
 

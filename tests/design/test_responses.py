@@ -9,7 +9,8 @@ import pytest
 from design.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
 from design.impulses import Impulses
 from design.plants import Mode
-from design.responses import History, history, ringing_after
+from design.responses import History, history
+from design.simulation import ringing_after
 from design.types import FloatArray
 from tests.routes import claims_by_formula, gain_and_slope, integrate
 from tests.shaper_table import CRANE, FIRST_ORDER, IDEAL, THESIS

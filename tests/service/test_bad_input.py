@@ -38,7 +38,6 @@ FAULTS = [
     pytest.param(
         "/actuator/decel/damping_ratio", 9, "less than or equal to 5", id="actuator-damping"
     ),
-    pytest.param("/actuator/model", "switched", "not served yet", id="switched"),
     pytest.param("/actuator/model", "other", "'superposed' or 'switched'", id="model"),
     pytest.param("/plant/colour", "red", "Extra inputs", id="unknown-field"),
     pytest.param("/nonsense", 1, "Extra inputs", id="unknown-top-field"),
