@@ -152,6 +152,7 @@ class Ideal:
     """An actuator that follows its command at once."""
 
     model: Model = field(default="superposed", init=False)
+    dead_time_s: float = field(default=0.0, init=False)
 
     @property
     def kind(self) -> str:
@@ -184,11 +185,14 @@ class FirstOrder:
         Time constants, >= 0 [s]; 0 is a set that follows at once.
     model
         How the two sets share the actuator.
+    dead_time_s
+        Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
     """
 
     accel_time_constant_s: float
     decel_time_constant_s: float
     model: Model = "superposed"
+    dead_time_s: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("accel_time_constant_s", "decel_time_constant_s"):
@@ -196,6 +200,7 @@ class FirstOrder:
             if not (value == 0 or SMALLEST <= value <= LARGEST):
                 rule = f"0, or between {SMALLEST:g} and {LARGEST:g}"
                 raise InvalidInputError(name, value, rule)
+        require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
 
     @property
     def kind(self) -> str:
@@ -259,11 +264,17 @@ class SecondOrder:
         Parameters for steps that increase and decrease the magnitude of the command.
     model
         How the two sets share the actuator.
+    dead_time_s
+        Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
     """
 
     accel: SecondOrderSet
     decel: SecondOrderSet
     model: Model = "superposed"
+    dead_time_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
 
     @property
     def kind(self) -> str:

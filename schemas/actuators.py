@@ -28,6 +28,11 @@ ModelIn = Annotated[
 ]
 
 
+DeadTime = Annotated[
+    float, Field(ge=0, le=LARGEST, description="Delay of all that the actuator does [s].")
+]
+
+
 class IdealIn(Wire):
     """An actuator that follows its command at once."""
 
@@ -45,6 +50,7 @@ class FirstOrderIn(Wire):
     accel_time_constant_s: TimeConstant
     decel_time_constant_s: TimeConstant
     model: ModelIn = "superposed"
+    dead_time_s: DeadTime = 0.0
 
     def to_design(self) -> FirstOrder:
         """Build the design record."""
@@ -52,6 +58,7 @@ class FirstOrderIn(Wire):
             accel_time_constant_s=self.accel_time_constant_s,
             decel_time_constant_s=self.decel_time_constant_s,
             model=self.model,
+            dead_time_s=self.dead_time_s,
         )
 
 
@@ -84,6 +91,7 @@ class SecondOrderIn(Wire):
     accel: SecondOrderSetIn
     decel: SecondOrderSetIn
     model: ModelIn = "superposed"
+    dead_time_s: DeadTime = 0.0
 
     def to_design(self) -> SecondOrder:
         """Build the design record."""
@@ -91,7 +99,7 @@ class SecondOrderIn(Wire):
             accel = self.accel.to_design()
         with named("decel"):
             decel = self.decel.to_design()
-        return SecondOrder(accel=accel, decel=decel, model=self.model)
+        return SecondOrder(accel=accel, decel=decel, model=self.model, dead_time_s=self.dead_time_s)
 
 
 ActuatorIn = Annotated[IdealIn | FirstOrderIn | SecondOrderIn, Field(discriminator="kind")]

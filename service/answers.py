@@ -12,6 +12,7 @@ from schemas.base import Wire
 from schemas.designs import DesignRequest
 from schemas.fits import FitRequest
 from schemas.sensitivity import SensitivityRequest
+from schemas.simulations import SimulationRequest
 from service import operations
 from service.problems import Problem, problem_of_design, problem_of_validation
 
@@ -28,6 +29,7 @@ OPERATIONS: dict[str, Operation] = {
     "design": Operation(DesignRequest, operations.design_shaper),
     "sensitivity": Operation(SensitivityRequest, operations.sensitivity_curve),
     "fit": Operation(FitRequest, operations.fit_curves),
+    "simulation": Operation(SimulationRequest, operations.simulate),
 }
 
 

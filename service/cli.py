@@ -22,6 +22,7 @@ USAGE = 2
 COMMANDS = {
     "design": ("design", "design one shaper, prove it (POST /v1/designs)"),
     "sensitivity": ("sensitivity", "sensitivity curve of any impulses (POST /v1/sensitivity)"),
+    "simulate": ("simulation", "response to a command over time (POST /v1/simulations)"),
     "fit": ("fit", "curve coefficients over a field of the plant (POST /v1/fits)"),
 }
 PICTURES = {".png": "png", ".svg": "svg"}

@@ -4,18 +4,24 @@ import functools
 import importlib.metadata
 from typing import Literal
 
+import numpy as np
+
 from design.analysis.residual import require_workable, residual_vibration
 from design.analysis.sensitivity import Sensitivity, SensitivityRange, sensitivity
+from design.commands import convolved
 from design.fits import fit, plants_at_ends
+from design.motions import motion
 from design.pipeline import Design, design
 from design.plants import Mode
 from design.shapers.registry import SHAPERS
+from design.types import SMALLEST
 from schemas.base import named
 from schemas.catalogue import Catalogue, CatalogueEntry
 from schemas.designs import DesignRequest, DesignResponse
 from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
 from schemas.sensitivity import SensitivityOut, SensitivityRequest, SensitivityResponse
 from schemas.shapers import MODELS
+from schemas.simulations import SimulationRequest, SimulationResponse
 
 THESIS_CRANE = {
     "plant": {"kind": "pendulum", "cable_length_m": 0.8, "gravity_m_s2": 9.81},
@@ -36,6 +42,9 @@ EXAMPLE_ACTUATORS = {
     },
     "second_order": THESIS_CRANE["actuator"],
 }
+
+AFTERMATH_PERIODS = 3.0
+"""How long a simulation goes on after the last step if no end is given [-]."""
 
 PLANTS = ["mode", "modes", "pendulum"]
 
@@ -134,6 +143,33 @@ def _fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
         plants_at_ends(plant, wanted)
     found = fit(plant, actuator, subject.shaper.registered(), wanted, options)
     return FitOut.from_design(found, subject)
+
+
+def simulate(request: SimulationRequest) -> SimulationResponse:
+    """Play a command, shaped if a shaper is given, and return what happens over time."""
+    with named("plant"):
+        plant = request.plant.to_design()
+    with named("actuator"):
+        actuator = request.actuator.to_design()
+    with named("command"):
+        played = request.command.to_design(request.speed_m_s)
+    if request.shaper is not None:
+        with named("shaper"):
+            options = request.shaper.options()
+        shaper = design(plant, actuator, request.shaper.registered(), options)
+        played = convolved(played, shaper.impulses)
+    end = request.until_s
+    if end is None:
+        end = (
+            float(played.times_s[-1])
+            + actuator.dead_time_s
+            + AFTERMATH_PERIODS * plant.mode.period_s
+        )
+    first = min(0.0, float(played.times_s[0]))
+    times = np.linspace(first, max(end, first + SMALLEST), request.points)
+    return SimulationResponse.from_design(
+        motion(plant, actuator, played, request.speed_m_s, times), played
+    )
 
 
 def shaper_catalogue() -> Catalogue:

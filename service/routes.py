@@ -10,6 +10,7 @@ from schemas.catalogue import Catalogue
 from schemas.designs import DesignResponse
 from schemas.fits import FitOut
 from schemas.sensitivity import SensitivityResponse
+from schemas.simulations import SimulationResponse
 from service import operations
 from service.answers import OPERATIONS, Answer, answer, answer_lines
 from service.bodies import BodyError, answer_line, answer_response, problem_response, read_body
@@ -164,6 +165,18 @@ async def sensitivity(request: Request) -> Response:
 async def fits(request: Request) -> Response:
     """Fit impulse times, and tell the residual that the fitted times leave."""
     return await _answered(request, "fit")
+
+
+@router.post(
+    "/v1/simulations",
+    response_model=SimulationResponse,
+    responses=PROBLEMS,
+    openapi_extra=_documented("simulation"),
+    summary="Response of plant and actuator to a command",
+)
+async def simulations(request: Request) -> Response:
+    """Play a command, shaped or not, exactly, and return what happens over time."""
+    return await _answered(request, "simulation")
 
 
 @router.get("/v1/shapers", summary="Every kind of shaper")

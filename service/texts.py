@@ -8,8 +8,9 @@ from schemas.catalogue import Catalogue
 from schemas.designs import DesignResponse
 from schemas.fits import FitOut
 from schemas.sensitivity import SensitivityOut, SensitivityResponse
+from schemas.simulations import SimulationResponse
 
-Response = DesignResponse | SensitivityResponse | FitOut | Catalogue
+Response = DesignResponse | SensitivityResponse | FitOut | SimulationResponse | Catalogue
 
 
 def as_csv(response: Response) -> str:
@@ -48,6 +49,11 @@ def _rows(response: Response) -> Iterable[Sequence[object]]:
         yield "frequency_ratio", "residual"
         curve = response.sensitivity
         yield from zip(curve.frequency_ratio, curve.residual, strict=True)
+    elif isinstance(response, SimulationResponse):
+        columns = ["times_s", "command_m_s", "velocity_m_s", "deflection_m", "angle_rad"]
+        told = [name for name in columns if getattr(response, name) is not None]
+        yield told
+        yield from zip(*(getattr(response, name) for name in told), strict=True)
     elif isinstance(response, FitOut):
         yield "impulse", *(f"c{power}" for power in range(response.degree + 1))
         for number, row in enumerate(response.coefficients, start=1):
@@ -88,6 +94,8 @@ def _findings(response: Response) -> list[str]:
         ]
     if isinstance(response, FitOut):
         return ["", *_fit(response)]
+    if isinstance(response, SimulationResponse):
+        return ["", *_swings(response)]
     return []
 
 
@@ -99,6 +107,17 @@ def _band(curve: SensitivityOut) -> list[str]:
         f"insensitive {band.lower_ratio:.5g} to {band.upper_ratio:.5g} of the frequency "
         f"at {100 * band.tolerance:g} %, width {band.width:.5f}"
     ]
+
+
+def _swings(response: SimulationResponse) -> list[str]:
+    lines = []
+    for name, swing in (("peak", response.peaks), ("remaining", response.remaining)):
+        if swing is not None:
+            angle = "" if swing.angle_rad is None else f", {swing.angle_rad:.6g} rad"
+            lines.append(f"{name:<11} {swing.deflection_m:.6g} m{angle}")
+    if response.residual is not None:
+        lines.append(f"residual    {100 * response.residual:.4g} % of an unshaped step")
+    return lines
 
 
 def _fit(fit: FitOut) -> list[str]:

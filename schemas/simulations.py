@@ -1,0 +1,163 @@
+"""Wire form of simulations."""
+
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field
+
+from design import commands
+from design.impulses import Impulses
+from design.motions import Motion, Swing
+from schemas.actuators import ActuatorIn
+from schemas.base import Positive, Wire
+from schemas.impulses import ImpulsesWire
+from schemas.plants import PlantIn
+from schemas.shapers import ShaperIn
+
+MOST_POINTS = 20_001
+
+Velocities = Annotated[
+    list[float],
+    Field(min_length=1, max_length=MOST_POINTS, description="Velocities, each held [m/s]."),
+]
+
+
+class StepCommand(Wire):
+    """Full speed from time 0 on."""
+
+    kind: Literal["step"]
+
+    def to_design(self, speed_m_s: float) -> Impulses:  # noqa: ARG002 - others need the speed
+        """Build the design record."""
+        return commands.step()
+
+
+class PulseCommand(Wire):
+    """Full speed for some time."""
+
+    kind: Literal["pulse"]
+    pulse_s: Annotated[Positive, Field(description="From start to stop [s].")]
+
+    def to_design(self, speed_m_s: float) -> Impulses:  # noqa: ARG002
+        """Build the design record."""
+        return commands.pulse(self.pulse_s)
+
+
+class ImpulsesCommand(Wire):
+    """Steps as shares of full speed."""
+
+    kind: Literal["impulses"]
+    impulses: ImpulsesWire
+
+    def to_design(self, speed_m_s: float) -> Impulses:  # noqa: ARG002
+        """Build the design record."""
+        return self.impulses.to_design()
+
+
+class SampledCommand(Wire):
+    """Velocities at a sample time."""
+
+    kind: Literal["sampled"]
+    sample_time_s: Annotated[Positive, Field(description="Time between samples [s].")]
+    velocity_m_s: Velocities
+
+    def to_design(self, speed_m_s: float) -> Impulses:
+        """Build the design record."""
+        velocities = np.array(self.velocity_m_s) / speed_m_s
+        return commands.listed(self.sample_time_s * np.arange(velocities.size), velocities)
+
+
+class ListCommand(Wire):
+    """Velocities at times."""
+
+    kind: Literal["list"]
+    times_s: Annotated[
+        list[float],
+        Field(min_length=1, max_length=MOST_POINTS, description="Times, not decreasing [s]."),
+    ]
+    velocity_m_s: Velocities
+
+    def to_design(self, speed_m_s: float) -> Impulses:
+        """Build the design record."""
+        return commands.listed(np.array(self.times_s), np.array(self.velocity_m_s) / speed_m_s)
+
+
+CommandIn = Annotated[
+    StepCommand | PulseCommand | ImpulsesCommand | SampledCommand | ListCommand,
+    Field(discriminator="kind"),
+]
+
+
+class SimulationRequest(Wire):
+    """Body of `POST /v1/simulations`."""
+
+    plant: PlantIn
+    actuator: ActuatorIn
+    command: CommandIn
+    shaper: Annotated[
+        ShaperIn | None, Field(description="Shapes the command; designed for plant and actuator.")
+    ] = None
+    speed_m_s: Annotated[Positive, Field(description="Full speed [m/s].")] = 1.0
+    until_s: Annotated[
+        Positive | None,
+        Field(description="Last time [s]; three periods after the last step if not given."),
+    ] = None
+    points: Annotated[int, Field(ge=2, le=MOST_POINTS, description="Times, evenly spaced.")] = 1001
+
+
+class SwingOut(Wire):
+    """A swing of the payload against its support."""
+
+    deflection_m: float
+    angle_rad: Annotated[float | None, Field(description="For a pendulum, else null.")]
+
+    @classmethod
+    def from_design(cls, swing: Swing) -> Self:
+        """Wrap the design record."""
+        return cls(deflection_m=swing.deflection_m, angle_rad=swing.angle_rad)
+
+
+class PeaksOut(SwingOut):
+    """Largest magnitudes at the times given."""
+
+    velocity_m_s: float
+
+
+class SimulationResponse(Wire):
+    """Answer of `POST /v1/simulations`."""
+
+    times_s: list[float]
+    command_m_s: list[float]
+    velocity_m_s: list[float]
+    deflection_m: list[float]
+    angle_rad: Annotated[list[float] | None, Field(description="For a pendulum, else null.")]
+    peaks: PeaksOut
+    residual: Annotated[
+        float | None,
+        Field(
+            description="After the last step, a share of one unshaped step; null where the "
+            "actuator rings with the plant [-]."
+        ),
+    ]
+    remaining: Annotated[SwingOut | None, Field(description="The swing of that residual.")]
+    impulses: Annotated[ImpulsesWire, Field(description="The command as it was played.")]
+
+    @classmethod
+    def from_design(cls, motion: Motion, played: Impulses) -> Self:
+        """Wrap the design records."""
+        peak, remaining = motion.peak, motion.remaining
+        return cls(
+            times_s=motion.times_s.tolist(),
+            command_m_s=motion.command_m_s.tolist(),
+            velocity_m_s=motion.velocity_m_s.tolist(),
+            deflection_m=motion.deflection_m.tolist(),
+            angle_rad=None if motion.angle_rad is None else motion.angle_rad.tolist(),
+            peaks=PeaksOut(
+                deflection_m=peak.deflection_m,
+                angle_rad=peak.angle_rad,
+                velocity_m_s=motion.peak_velocity_m_s,
+            ),
+            residual=motion.residual,
+            remaining=None if remaining is None else SwingOut.from_design(remaining),
+            impulses=ImpulsesWire.from_design(played),
+        )
