@@ -116,32 +116,50 @@ class Lag:
             time, shape (m, 2, 2) [-]; with ``corner`` of `corner_rad_s`. A first-order lag uses
             the first entry only, an ideal one is at rest at once.
         """
-        motion = np.zeros((elapsed_s.size, 2, 2))
-        if self.second_s2 == 0.0:
-            if self.first_s > 0:
-                motion[:, 0, 0] = np.exp(-elapsed_s / self.first_s)
-            return motion
-        damping = self.first_s * self.corner_rad_s / 2
-        phase = self.corner_rad_s * elapsed_s
-        root = math.sqrt(abs(damping**2 - 1))
-        if damping < 1:
-            decay = np.exp(-damping * phase)
-            even, odd = decay * np.cos(root * phase), decay * phase * np.sinc(root * phase / np.pi)
-        else:
-            slow = np.exp(-phase / (damping + root))
-            even = slow * (1 + np.exp(-2 * root * phase)) / 2
-            # expm1 keeps the digits of two poles that nearly coincide.
-            odd = slow * (phase if root == 0 else -np.expm1(-2 * root * phase) / (2 * root))
-        motion[:, 0, 0] = even + damping * odd
-        motion[:, 0, 1] = odd
-        motion[:, 1, 0] = -odd
-        motion[:, 1, 1] = even - damping * odd
-        return motion
+        coefficients = np.array([self.first_s]), np.array([self.second_s2])
+        return free_motions(*coefficients, elapsed_s)
 
     @property
     def corner_rad_s(self) -> float:
         """Undamped frequency of a second-order lag; 0 for the others [rad/s]."""
         return self.second_s2**-0.5 if self.second_s2 > 0 else 0.0
+
+
+def free_motions(first_s: FloatArray, second_s2: FloatArray, elapsed_s: FloatArray) -> FloatArray:
+    """Return `Lag.free_motion` of many lags, over times or each over its own.
+
+    Parameters
+    ----------
+    first_s, second_s2
+        Coefficients of the lags, shape (m,) or (1,) [s], [s^2].
+    elapsed_s
+        Times since a moment, shape (m,) or (1,), >= 0 [s].
+
+    Returns
+    -------
+    FloatArray
+        Shape (m, 2, 2) [-].
+    """
+    second_order = second_s2 > 0
+    corner = np.where(second_order, second_s2, 1.0) ** -0.5
+    damping = np.where(second_order, first_s * corner / 2, 1.0)
+    phase = corner * elapsed_s
+    root = np.sqrt(np.abs(damping**2 - 1))
+    turn = root * phase
+    decay = np.exp(-np.minimum(damping, 1.0) * phase)
+    slow = np.exp(-phase / (np.maximum(damping, 1.0) + root))
+    # expm1 keeps the digits of two poles that nearly coincide.
+    apart = np.where(root == 0, phase, -np.expm1(-2 * turn) / np.where(root == 0, 1.0, 2 * root))
+    even = np.where(damping < 1, decay * np.cos(turn), slow * (1 + np.exp(-2 * turn)) / 2)
+    odd = np.where(damping < 1, decay * phase * np.sinc(turn / np.pi), slow * apart)
+    constant = np.where(first_s > 0, first_s, 1.0)
+    alone = np.where(first_s > 0, np.exp(-elapsed_s / constant), 0.0)
+    motion = np.zeros((*even.shape, 2, 2))
+    motion[:, 0, 0] = np.where(second_order, even + damping * odd, alone)
+    motion[:, 0, 1] = np.where(second_order, odd, 0.0)
+    motion[:, 1, 0] = np.where(second_order, -odd, 0.0)
+    motion[:, 1, 1] = np.where(second_order, even - damping * odd, 0.0)
+    return motion
 
 
 IDEAL_LAG = Lag()

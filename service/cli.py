@@ -23,8 +23,12 @@ COMMANDS = {
     "design": ("design", "design one shaper, prove it (POST /v1/designs)"),
     "sensitivity": ("sensitivity", "sensitivity curve of any impulses (POST /v1/sensitivity)"),
     "simulate": ("simulation", "response to a command over time (POST /v1/simulations)"),
+    "map": ("map", "residual over any two fields (POST /v1/maps)"),
     "fit": ("fit", "curve coefficients over a field of the plant (POST /v1/fits)"),
 }
+DRAWN = ("design", "map")
+"""Commands whose answer can be drawn."""
+
 PICTURES = {".png": "png", ".svg": "svg"}
 
 
@@ -69,9 +73,9 @@ def _parser() -> argparse.ArgumentParser:
         command = commands.add_parser(name, help=summary, description=summary)
         command.add_argument("request", metavar="REQUEST.json", help="the request; - reads stdin")
         _add_format(command)
-        if name == "design":
+        if name in DRAWN:
             command.add_argument(
-                "--plot", metavar="FILE", type=Path, help="draw the design: FILE.png or FILE.svg"
+                "--plot", metavar="FILE", type=Path, help="draw it: FILE.png or FILE.svg"
             )
     _add_format(commands.add_parser("shapers", help="every kind of shaper (GET /v1/shapers)"))
     serve = commands.add_parser("serve", help="serve over HTTP")
@@ -103,10 +107,11 @@ def _answer(options: argparse.Namespace) -> int:
         return _tell(response, as_json=options.format == "json")
     if plot is not None:
         from service.files import write_whole  # noqa: PLC0415
-        from service.operations import design_picture  # noqa: PLC0415
+        from service.operations import design_picture, map_picture  # noqa: PLC0415
 
+        draw = design_picture if operation == "design" else map_picture
         request = OPERATIONS[operation].request.model_validate_json(body)
-        write_whole(plot, design_picture(request, PICTURES[plot.suffix]))  # type: ignore[arg-type]
+        write_whole(plot, draw(request, PICTURES[plot.suffix]))  # type: ignore[arg-type]
     _print(response, options.format)  # type: ignore[arg-type]
     return OK
 

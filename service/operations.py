@@ -9,16 +9,21 @@ import numpy as np
 from design.analysis.residual import require_workable, residual_vibration
 from design.analysis.sensitivity import Sensitivity, SensitivityRange, sensitivity
 from design.commands import convolved
+from design.errors import InvalidInputError
 from design.fits import fit, plants_at_ends
+from design.impulses import Impulses
+from design.maps import Axis, ResidualMap, residual_map
 from design.motions import motion
 from design.pipeline import Design, design
 from design.plants import Mode
+from design.shapers.kind import ShaperKind
 from design.shapers.registry import SHAPERS
 from design.types import SMALLEST
 from schemas.base import named
 from schemas.catalogue import Catalogue, CatalogueEntry
 from schemas.designs import DesignRequest, DesignResponse
 from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
+from schemas.maps import MapRequest, MapResponse
 from schemas.sensitivity import SensitivityOut, SensitivityRequest, SensitivityResponse
 from schemas.shapers import MODELS
 from schemas.simulations import SimulationRequest, SimulationResponse
@@ -170,6 +175,44 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
     return SimulationResponse.from_design(
         motion(plant, actuator, played, request.speed_m_s, times), played
     )
+
+
+def residual_over_two_fields(request: MapRequest) -> MapResponse:
+    """Return the residual of a shaper over any two fields."""
+    return MapResponse.from_design(request, *_mapped(request))
+
+
+def map_picture(request: MapRequest, image_format: Literal["png", "svg"]) -> bytes:
+    """Draw the residual of a shaper over any two fields."""
+    from design.pictures.design_sheet import figure_bytes  # noqa: PLC0415
+    from design.pictures.map_sheet import map_sheet  # noqa: PLC0415
+
+    name = "impulses" if request.shaper is None else request.shaper.kind
+    how = "designed anew in each cell" if request.design == "each" else "held"
+    return figure_bytes(map_sheet(f"{name}, {how}", *_mapped(request)), image_format)
+
+
+def _mapped(request: MapRequest) -> tuple[Axis, Axis, ResidualMap]:
+    with named("plant"):
+        plant = request.plant.to_design()
+    with named("actuator"):
+        actuator = request.actuator.to_design()
+    with named("x"):
+        x = request.x.to_design()
+    with named("y"):
+        y = request.y.to_design()
+    shaper: Impulses | tuple[ShaperKind, object]
+    if request.shaper is not None and request.impulses is None:
+        with named("shaper"):
+            kind, options = request.shaper.registered(), request.shaper.options()
+        anew = request.design == "each"
+        shaper = (kind, options) if anew else design(plant, actuator, kind, options).impulses
+    elif request.impulses is not None and request.shaper is None:
+        with named("impulses"):
+            shaper = request.impulses.to_design()
+    else:
+        raise InvalidInputError("shaper", "both or none", "given, or impulses in its place")
+    return x, y, residual_map(plant, actuator, shaper, x, y)
 
 
 def shaper_catalogue() -> Catalogue:

@@ -9,6 +9,7 @@ from starlette.responses import JSONResponse, Response
 from schemas.catalogue import Catalogue
 from schemas.designs import DesignResponse
 from schemas.fits import FitOut
+from schemas.maps import MapResponse
 from schemas.sensitivity import SensitivityResponse
 from schemas.simulations import SimulationResponse
 from service import operations
@@ -177,6 +178,18 @@ async def fits(request: Request) -> Response:
 async def simulations(request: Request) -> Response:
     """Play a command, shaped or not, exactly, and return what happens over time."""
     return await _answered(request, "simulation")
+
+
+@router.post(
+    "/v1/maps",
+    response_model=MapResponse,
+    responses=PROBLEMS,
+    openapi_extra=_documented("map"),
+    summary="Residual of a shaper over any two fields",
+)
+async def maps(request: Request) -> Response:
+    """Hold a shaper, or design it anew in each cell, and return what it leaves."""
+    return await _answered(request, "map")
 
 
 @router.get("/v1/shapers", summary="Every kind of shaper")

@@ -7,10 +7,13 @@ from collections.abc import Iterable, Sequence
 from schemas.catalogue import Catalogue
 from schemas.designs import DesignResponse
 from schemas.fits import FitOut
+from schemas.maps import MapResponse
 from schemas.sensitivity import SensitivityOut, SensitivityResponse
 from schemas.simulations import SimulationResponse
 
-Response = DesignResponse | SensitivityResponse | FitOut | SimulationResponse | Catalogue
+Response = (
+    DesignResponse | SensitivityResponse | FitOut | SimulationResponse | MapResponse | Catalogue
+)
 
 
 def as_csv(response: Response) -> str:
@@ -54,6 +57,10 @@ def _rows(response: Response) -> Iterable[Sequence[object]]:
         told = [name for name in columns if getattr(response, name) is not None]
         yield told
         yield from zip(*(getattr(response, name) for name in told), strict=True)
+    elif isinstance(response, MapResponse):
+        yield f"{response.y.field} by {response.x.field}", *response.x.values
+        for value, cells in zip(response.y.values, response.residual, strict=True):
+            yield value, *("" if cell is None else cell for cell in cells)
     elif isinstance(response, FitOut):
         yield "impulse", *(f"c{power}" for power in range(response.degree + 1))
         for number, row in enumerate(response.coefficients, start=1):

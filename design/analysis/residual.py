@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.actuators import IDEAL_LAG, Actuator
+from design.actuators import IDEAL_LAG, Actuator, Model, free_motions
 from design.errors import InvalidInputError
 from design.impulses import Impulses
 from design.plants import Mode
@@ -143,6 +143,68 @@ def residuals_of_many(
     ]
     residuals: FloatArray = np.abs(np.concatenate(vectors))
     return residuals
+
+
+def residuals_of_cases(
+    impulses: Impulses,
+    poles_rad_s: ComplexArray,
+    first_s: FloatArray,
+    second_s2: FloatArray,
+    model: Model,
+) -> FloatArray:
+    """Return the residual vibration of one command for many plants and actuators.
+
+    Parameters
+    ----------
+    impulses
+        The command.
+    poles_rad_s
+        Poles of the plants, shape (m,) [rad/s].
+    first_s, second_s2
+        Coefficients of the actuators' lags, columns accel and decel, shape (m, 2) [s], [s^2].
+    model
+        Of all actuators.
+
+    Returns
+    -------
+    FloatArray
+        Residual vibration, shape (m,) [-].
+    """
+    s = poles_rad_s[:, None]
+    below = 1 + s * (first_s + s * second_s2)
+    gains = 1 / np.where(np.abs(below) < SMALLEST_DENOMINATOR, SMALLEST_DENOMINATOR, below)
+    vectors = np.zeros(poles_rad_s.size, dtype=np.complex128)
+    error, rate = np.zeros((2, poles_rad_s.size))  # the rate times the time scale of the set
+    before = -1
+    last = impulses.times_s[-1]
+    steps = zip(
+        impulses.times_s.tolist(),
+        impulses.amplitudes.tolist(),
+        impulses.accelerates.tolist(),
+        strict=True,
+    )
+    previous = 0.0
+    for time, amplitude, rising in steps:
+        after = 0 if rising else 1
+        added = amplitude * gains[:, after]
+        if model == "switched":
+            if before >= 0:
+                scale = np.sqrt(second_s2[:, before])
+                gap = np.array([time - previous])
+                motion = free_motions(first_s[:, before], second_s2[:, before], gap)
+                error, rate = (
+                    motion[:, 0, 0] * error + motion[:, 0, 1] * rate,
+                    motion[:, 1, 0] * error + motion[:, 1, 1] * rate,
+                )
+                rate_s = np.where(scale > 0, rate / np.where(scale > 0, scale, 1.0), 0.0)
+                for which, sign in ((after, 1.0), (before, -1.0)):
+                    ringing = second_s2[:, which] * poles_rad_s * rate_s - error
+                    added = added + sign * gains[:, which] * ringing
+                rate = rate_s * np.sqrt(second_s2[:, after])
+            error = error - amplitude
+            before, previous = after, time
+        vectors += added * np.exp(poles_rad_s * (last - time))
+    return np.abs(vectors * below[:, 0])
 
 
 def evenly_spaced_vectors(
