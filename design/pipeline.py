@@ -138,7 +138,7 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
                     residual=residual_vibration(impulses, mode, actuator),
                     certificate=certificate,
                     solver=report,
-                    warnings=tuple(_warnings(impulses, mode, actuator)),
+                    warnings=tuple(warnings_of(impulses, mode, actuator)),
                 )
             unverified = certificate
     except InfeasibleDesignError:
@@ -185,7 +185,8 @@ def _impulses(problem: Problem, gaps_rad: FloatArray) -> Impulses:
     return Impulses(times_s=phases / problem.natural_frequency_rad_s, amplitudes=problem.amplitudes)
 
 
-def _warnings(impulses: Impulses, mode: Mode, actuator: Actuator) -> Iterator[DesignWarning]:
+def warnings_of(impulses: Impulses, mode: Mode, actuator: Actuator) -> Iterator[DesignWarning]:
+    """Yield what to know of a command: switches that come too early, sets that are too slow."""
     gaps = impulses.times_s[1:] - impulses.times_s[:-1]
     steps = zip(gaps.tolist(), impulses.accelerates.tolist(), strict=False)
     for number, (gap, rising) in enumerate(steps, start=1):

@@ -10,9 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.actuators import IDEAL_LAG, Actuator, Lag
+from design.errors import InvalidInputError
 from design.impulses import Impulses
 from design.plants import Mode
 from design.types import ComplexArray, FloatArray
+
+AT_REST = 1e-12
+"""Share of all steps within which their sum counts as 0: rounding of as many additions [-]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,6 +77,48 @@ def _moved(lag: Lag, motion: list[list[float]], error: float, rate_s: float) -> 
     corner = lag.corner_rad_s
     scaled = rate_s / corner if corner > 0 else 0.0
     return a * error + b * scaled, corner * (c * error + d * scaled)
+
+
+def travel(impulses: Impulses, actuator: Actuator) -> float:
+    """Return the distance of a rest-to-rest command at full speed 1: the integral of v [s].
+
+    Exact in both models; times the speed it is a distance.
+
+    Parameters
+    ----------
+    impulses
+        A command that ends at level 0: its amplitudes sum to 0.
+    actuator
+        The actuator; it comes to rest after the last step.
+
+    Raises
+    ------
+    InvalidInputError
+        If the command does not come back to 0: the distance has no end.
+
+    Notes
+    -----
+    A lag's error e = v - u obeys ``e + first v' + second v'' = 0``: over a segment its integral is
+    ``first (e0 - e1) + second (e0' - e1')``. Summed over all, what each step changes is left.
+
+    Examples
+    --------
+    >>> from design.actuators import FirstOrder
+    >>> drive = FirstOrder(accel_time_constant_s=0.3, decel_time_constant_s=0.1)
+    >>> move = Impulses(times_s=np.array([0.0, 2.0]), amplitudes=np.array([1.0, -1.0]))
+    >>> round(travel(move, drive), 12)
+    1.8
+    """
+    end = float(impulses.amplitudes.sum())
+    if abs(end) > AT_REST * float(np.abs(impulses.amplitudes).sum()):
+        raise InvalidInputError("amplitudes", f"a sum of {end:g}", "of sum 0: a command to rest")
+    states = lag_states(impulses, actuator)
+    lags = (actuator.accel_lag, actuator.decel_lag)
+    errors = (states.after - states.before).sum(axis=0)
+    rates = (states.rates_after - states.rates_before).sum(axis=0)
+    lagging = errors @ [lag.first_s for lag in lags] + rates @ [lag.second_s2 for lag in lags]
+    # Times from the first step on: a late clock would only cost digits.
+    return float(lagging - impulses.amplitudes @ (impulses.times_s - impulses.times_s[0]))
 
 
 def ringing_of_lag(

@@ -50,8 +50,8 @@ class SymbolicSet:
     """A lag ``G = 1 / (1 + first s + second s^2)`` whose coefficients are expressions."""
 
     def __init__(self, first: Any, second: Any, s: Complex) -> None:  # noqa: ANN401
-        self._first = first
-        self._second = second
+        self.first = first
+        self.second = second
         below = Complex(1, 0) + s.scaled(first) + (s * s).scaled(second)
         self.gain = Complex(1, 0) / below
 
@@ -60,7 +60,7 @@ class SymbolicSet:
 
         It is ``G (second s rate - error)``.
         """
-        return self.gain * (s.scaled(self._second * rate) - Complex(error, 0))
+        return self.gain * (s.scaled(self.second * rate) - Complex(error, 0))
 
     def free_motion(
         self,
@@ -73,9 +73,9 @@ class SymbolicSet:
         import casadi as ca  # noqa: PLC0415
 
         if order == 1:
-            return error * ca.exp(-gap / ca.fmax(self._first, SHORTEST_TIME_CONSTANT)), rate
-        corner = 1 / ca.sqrt(self._second)
-        damping = self._first * corner / 2
+            return error * ca.exp(-gap / ca.fmax(self.first, SHORTEST_TIME_CONSTANT)), rate
+        corner = 1 / ca.sqrt(self.second)
+        damping = self.first * corner / 2
         phase = corner * gap
         root = ca.fmax(ca.sqrt(ca.fabs(damping * damping - 1)), SMALLEST_ROOT)
         # Either branch must be finite where the other holds: both are computed.
@@ -94,3 +94,74 @@ class SymbolicSet:
             (even + damping * odd) * error + odd * rate / corner,
             -odd * corner * error + (even - damping * odd) * rate,
         )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AlternatingSteps:
+    """What a command of steps +1, -1, +1, ... does, as expressions.
+
+    Attributes
+    ----------
+    w
+        The plant's frequency over its nominal value: a symbol, to be differentiated by and then
+        replaced by 1.
+    vibration
+        ``V(w) exp(s t_n) / G_accel(s)``: in units of the unshaped step, at the last step.
+    travel
+        Integral of the velocity times the plant's frequency, of a command that ends at 0 [rad].
+    """
+
+    w: Any
+    vibration: Complex
+    travel: Any
+
+
+def alternating_steps(gaps: list[Any], lags: Any, switched_order: int) -> AlternatingSteps:  # noqa: ANN401
+    """Return what alternating unit steps leave at the plant's pole, and how far they go.
+
+    A superposed step adds ``A_i G_i(s)``; where one actuator is switched from one set to the
+    other, its state adds what it would leave under the new set less what it would have left under
+    the old.
+
+    Parameters
+    ----------
+    gaps
+        Gaps between the steps, one less than those [rad].
+    lags
+        Damping ratio of the plant, and the coefficients ``first, second`` of both sets' ``1/G``
+        at w = 1, shape (5,).
+    switched_order
+        Order of the lags of a switched actuator, 1 or 2; 0 for superposed steps of any order.
+    """
+    import casadi as ca  # noqa: PLC0415
+
+    z, first_a, second_a, first_d, second_d = ca.vertsplit(lags)
+    w = ca.SX.sym("w")
+    s = Complex(-z * w, w * ca.sqrt(1 - z * z))
+    sets = [SymbolicSet(first_a, second_a, s), SymbolicSet(first_d, second_d, s)]
+    error, rate, travel = ca.SX(0), ca.SX(0), ca.SX(0)
+    vibration = Complex(ca.SX(0), ca.SX(0))
+    for index in range(len(gaps) + 1):
+        amplitude = 1 - 2 * (index % 2)
+        after, before = sets[index % 2], sets[index % 2 - 1]
+        added = after.gain.scaled(amplitude)
+        if switched_order and index > 0:
+            error, rate = before.free_motion(gaps[index - 1], error, rate, switched_order)
+            added = added + after.ringing(error, rate, s) - before.ringing(error, rate, s)
+            travel += (after.first - before.first) * error
+            travel += (after.second - before.second) * rate
+        error = error - amplitude
+        left = sum(gaps[index:], ca.SX(0))
+        vibration = vibration + added * exponential(s.scaled(left))
+        travel += amplitude * (left - after.first)
+    return AlternatingSteps(w=w, vibration=vibration / sets[0].gain, travel=travel)
+
+
+def with_slopes(steps: AlternatingSteps, derivatives: int) -> list[Any]:
+    """Return the equations V = 0, and as many of its derivatives in w, at w = 1."""
+    import casadi as ca  # noqa: PLC0415
+
+    equations = [ca.vertcat(steps.vibration.real, steps.vibration.imag)]
+    for _ in range(derivatives):
+        equations.append(ca.jacobian(equations[-1], steps.w))
+    return [ca.substitute(one, steps.w, 1) for one in equations]

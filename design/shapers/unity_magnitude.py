@@ -13,7 +13,7 @@ from design.actuators import Actuator
 from design.errors import InfeasibleDesignError
 from design.plants import Mode
 from design.shapers.problem import Expressions, Problem, Seed
-from design.shapers.symbolic import Complex, SymbolicSet, exponential
+from design.shapers.symbolic import alternating_steps, with_slopes
 from design.types import FloatArray
 
 PERIOD_RAD = 2 * math.pi
@@ -69,9 +69,7 @@ class UnityMagnitude:
 
         ``V(w) = sum v_i exp(s (t_n - t_i)) / G_accel(s)``, ``s = w (-z + j sqrt(1 - z^2))``: the
         vibration in units of the unshaped step, referred to the last impulse. Where V is zero its
-        zeros and those of dV/dw do not depend on either reference. A superposed step adds
-        ``v_i = A_i G_i(s)``; where one actuator is switched from one set to the other, its state
-        adds what it would leave under the new set less what it would have left under the old.
+        zeros and those of dV/dw do not depend on either reference.
         Parameters are z and the coefficients ``first, second`` of both sets' ``1/G``, at w = 1
         (Kim 2011, eqs. 3.44-3.46; 3.47-3.48 replaced by the exact derivative).
         """
@@ -79,31 +77,12 @@ class UnityMagnitude:
 
         gaps = ca.SX.sym("gaps", self.impulses - 1)
         parameters = ca.SX.sym("parameters", 5)
-        z, first_a, second_a, first_d, second_d = ca.vertsplit(parameters)
-        w = ca.SX.sym("w")
-        s = Complex(-z * w, w * ca.sqrt(1 - z * z))
-        sets = [SymbolicSet(first_a, second_a, s), SymbolicSet(first_d, second_d, s)]
-        until_last = [ca.sum1(gaps[index:]) for index in range(self.impulses - 1)] + [ca.SX(0)]
-        error, rate = ca.SX(0), ca.SX(0)
-        vibration = Complex(ca.SX(0), ca.SX(0))
-        for index, left in enumerate(until_last):
-            amplitude = 1 - 2 * (index % 2)
-            after, before = sets[index % 2], sets[index % 2 - 1]
-            added = after.gain.scaled(amplitude)
-            if self.switched_order and index > 0:
-                error, rate = before.free_motion(gaps[index - 1], error, rate, self.switched_order)
-                added = added + after.ringing(error, rate, s) - before.ringing(error, rate, s)
-            error = error - amplitude
-            vibration = vibration + added * exponential(s.scaled(left))
-        vibration = vibration / sets[0].gain
-        equations = [ca.vertcat(vibration.real, vibration.imag)]
-        for _ in range(self.derivatives):
-            equations.append(ca.jacobian(equations[-1], w))
+        steps = alternating_steps(ca.vertsplit(gaps), parameters, self.switched_order)
         return Expressions(
             unknowns=gaps,
             parameters=parameters,
             objective=ca.sum1(gaps),
-            equations=ca.substitute(ca.vertcat(*equations), w, 1),
+            equations=ca.vertcat(*with_slopes(steps, self.derivatives)),
         )
 
 
@@ -111,11 +90,19 @@ ZERO_VIBRATION = UnityMagnitude(impulses=3, derivatives=0)
 ZERO_VIBRATION_DERIVATIVE = UnityMagnitude(impulses=5, derivatives=1)
 
 
-def _behind(model: UnityMagnitude, actuator: Actuator) -> UnityMagnitude:
-    """Return the family for this kind of actuator."""
+def switched_order(actuator: Actuator) -> int:
+    """Return the order of a switched actuator's lags, 0 for superposed steps."""
     if actuator.model == "superposed":
-        return model
-    return replace(model, switched_order=2 if actuator.accel_lag.second_s2 > 0 else 1)
+        return 0
+    return 2 if actuator.accel_lag.second_s2 > 0 else 1
+
+
+def lag_parameters(mode: Mode, actuator: Actuator) -> FloatArray:
+    """Return z and ``first, second`` of both sets at w = 1: accel, decel; shape (5,) [-]."""
+    w = mode.natural_frequency_rad_s
+    lags = (actuator.accel_lag, actuator.decel_lag)
+    scaled = [part for lag in lags for part in (lag.first_s * w, lag.second_s2 * w * w)]
+    return np.array([mode.damping_ratio, *scaled])
 
 
 def alternating(impulses: int) -> FloatArray:
@@ -153,11 +140,6 @@ def unity_magnitude_problem(
 ) -> Problem:
     """Formulate a unity-magnitude shaper for one mode behind one actuator."""
     w = mode.natural_frequency_rad_s
-    scaled = [
-        part
-        for lag in (actuator.accel_lag, actuator.decel_lag)
-        for part in (lag.first_s * w, lag.second_s2 * w * w)
-    ]
     shortest = settling_gaps_rad(mode, actuator, model.impulses, settle=settle)
     horizon = max_duration_periods * PERIOD_RAD
     if shortest.sum() > horizon:
@@ -166,8 +148,8 @@ def unity_magnitude_problem(
             f"more than max_duration_periods = {max_duration_periods:g}"
         )
     return Problem(
-        model=_behind(model, actuator),
-        parameters=np.array([mode.damping_ratio, *scaled]),
+        model=replace(model, switched_order=switched_order(actuator)),
+        parameters=lag_parameters(mode, actuator),
         amplitudes=alternating(model.impulses),
         natural_frequency_rad_s=w,
         shortest_gaps_rad=shortest,

@@ -1,0 +1,255 @@
+"""Whole moves of one mode from rest to rest: start, cruise, stop, over an exact distance."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from design.actuators import Actuator, FirstOrder, SecondOrder
+from design.analysis.certificate import Certificate, certify
+from design.analysis.residual import residual_vibration
+from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
+from design.impulses import Impulses
+from design.pipeline import DesignWarning, design, warnings_of
+from design.plants import Mode, Plant
+from design.responses import travel
+from design.rest_to_rest import Parts, over_distance, over_pulse
+from design.shapers.kind import SettleOptions, ShaperKind
+from design.shapers.unity_magnitude import PERIOD_RAD
+from design.types import LARGEST, SMALLEST, require_scale
+
+LONGEST_PERIODS = 500.0
+"""Longest pulse: up to it the certificate's slope, by differencing, stays clear of rounding [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Maneuver:
+    """A verified move from rest to rest.
+
+    Attributes
+    ----------
+    start
+        Its steps up to the speed, the first at 0; amplitudes +1, -1, ..., +1, shares of the speed
+        in the direction of travel.
+    stop
+        The steps back to rest, times from the first step of the start; amplitudes -1, +1, ..., -1.
+    command
+        Both, in order of time; the level stays within 0 and 1.
+    direction
+        +1 in +x, -1 in -x: the command, the velocity and the swing are all mirrored.
+    speed_m_s
+        Full speed, > 0 [m/s].
+    pulse_s
+        From the first step of the start to the first step of the stop [s].
+    distance_m
+        How far it goes, signed, as recomputed from the command [m].
+    residual
+        What it leaves with the actuator given, a share of one unshaped step [-].
+    certificate
+        The claims of the shaper, recomputed for the whole move, for the actuator that the shaper
+        was designed for.
+    joint
+        Whether start and stop would overlap, and the move was solved as one.
+    warnings
+        What to know besides.
+    """
+
+    start: Impulses
+    stop: Impulses
+    command: Impulses
+    direction: int
+    speed_m_s: float
+    pulse_s: float
+    distance_m: float
+    residual: float
+    certificate: Certificate
+    joint: bool
+    warnings: tuple[DesignWarning, ...]
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first step to the last [s]."""
+        return self.command.duration_s
+
+
+def maneuver(
+    plant: Plant,
+    actuator: Actuator,
+    kind: ShaperKind,
+    *,
+    speed_m_s: float,
+    pulse_s: float | None = None,
+    distance_m: float | None = None,
+    options: Any = None,  # noqa: ANN401
+) -> Maneuver:
+    """Design a move from rest to rest and prove it as a whole.
+
+    The first step of a stop decreases the command: the stop is the start of an actuator whose sets
+    have changed places. Superposed, start and stop may then be put one after the other; a switched
+    actuator may not be at rest between them, and the stop is solved for the state it finds.
+
+    Parameters
+    ----------
+    plant
+        What moves.
+    actuator
+        What drives it.
+    kind
+        Entry of the registry: a shaper of unity magnitude.
+    speed_m_s
+        Full speed, > 0; with ``pulse_s`` a negative one moves in -x [m/s].
+    pulse_s
+        Time from the first step of the start to the first step of the stop, > 0 [s]. A pulse so
+        short that they overlap stands for its travel: that which start and stop, superposed,
+        would make.
+    distance_m
+        How far, not 0; negative moves in -x [m]. Exactly one of ``pulse_s`` and ``distance_m``.
+    options
+        Parameters of the shaper, an instance of ``kind.options``; its defaults if not given.
+
+    Returns
+    -------
+    Maneuver
+        The first candidate that the certificate verifies.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule.
+    InfeasibleDesignError
+        If no such move was found; says how far was searched.
+    SolverFailedError
+        If the certificate did not verify the whole.
+
+    Examples
+    --------
+    >>> from design.actuators import Ideal
+    >>> from design.plants import Pendulum
+    >>> from design.shapers.registry import SHAPERS
+    >>> crane = Pendulum(cable_length_m=0.8)
+    >>> move = maneuver(crane, Ideal(), SHAPERS["umzvd"], speed_m_s=0.2, distance_m=-0.42)
+    >>> move.direction, round(move.distance_m, 12), round(move.pulse_s, 12), move.joint
+    (-1, -0.42, 2.1, False)
+    """
+    direction = _direction(plant.mode, speed_m_s, pulse_s, distance_m)
+    parts = _parts(plant, actuator, kind, kind.options() if options is None else options)
+    if pulse_s is None:
+        wanted_s = abs(distance_m or 0.0) / speed_m_s
+        command, joint = over_distance(parts, wanted_s)
+    else:
+        command, joint = over_pulse(parts, pulse_s)
+    certificate = certify(command, parts.mode, parts.designed_for, kind.claims)
+    if not certificate.verified:
+        raise SolverFailedError(
+            f"the whole move of {kind.name} was not verified: {_shortfall(certificate)}"
+        )
+    # The start ends at level 1, so its steps are odd in number: half of them, or one more.
+    split = (command.times_s.size // 2) | 1
+    start, stop = (
+        Impulses(times_s=command.times_s[part], amplitudes=command.amplitudes[part])
+        for part in (slice(None, split), slice(split, None))
+    )
+    return Maneuver(
+        start=start,
+        stop=stop,
+        command=command,
+        direction=direction,
+        speed_m_s=abs(speed_m_s),
+        pulse_s=float(stop.times_s[0] - start.times_s[0]),
+        distance_m=direction * abs(speed_m_s) * travel(command, actuator),
+        residual=residual_vibration(command, parts.mode, actuator),
+        certificate=certificate,
+        joint=joint,
+        warnings=tuple(warnings_of(command, parts.mode, actuator)),
+    )
+
+
+def mirrored_stop(start: Impulses) -> Impulses:
+    """Return the stop that mirrors a start: its gaps in reverse order.
+
+    It stops a symmetric actuator without vibration, an asymmetric one not (Kim 2011, 3.56-3.59:
+    t7 = t6 + t5 - t4, ...). `maneuver` solves the stop instead.
+
+    Parameters
+    ----------
+    start
+        The start.
+
+    Returns
+    -------
+    Impulses
+        The first step at 0, the amplitudes negated and in reverse order.
+    """
+    return Impulses(
+        times_s=(start.times_s[-1] - start.times_s)[::-1], amplitudes=-start.amplitudes[::-1]
+    )
+
+
+def swapped(actuator: Actuator) -> Actuator:
+    """Return the actuator with its acceleration and deceleration sets in each other's place."""
+    if isinstance(actuator, FirstOrder):
+        return replace(
+            actuator,
+            accel_time_constant_s=actuator.decel_time_constant_s,
+            decel_time_constant_s=actuator.accel_time_constant_s,
+        )
+    if isinstance(actuator, SecondOrder):
+        return replace(actuator, accel=actuator.decel, decel=actuator.accel)
+    return actuator
+
+
+def _shortfall(certificate: Certificate) -> str:
+    return ", ".join(
+        f"the {claim.quantity} is {claim.value:.3g}, allowed {claim.limit:g}"
+        for claim in certificate.claims
+        if not claim.holds
+    )
+
+
+def _direction(
+    mode: Mode, speed_m_s: float, pulse_s: float | None, distance_m: float | None
+) -> int:
+    """Check the numbers of a move; return its sign."""
+    if (pulse_s is None) == (distance_m is None):
+        given = "neither" if pulse_s is None else "both"
+        raise InvalidInputError("pulse_s", given, "given, or distance_m in its place")
+    if pulse_s is not None:
+        require_scale("pulse_s", pulse_s)
+        if not SMALLEST <= abs(speed_m_s) <= LARGEST:
+            raise InvalidInputError(
+                "speed_m_s", speed_m_s, f"{SMALLEST:g} to {LARGEST:g}, or minus"
+            )
+        _require_provable("pulse_s", pulse_s, pulse_s, mode)
+        return 1 if speed_m_s > 0 else -1
+    require_scale("speed_m_s", speed_m_s)
+    distance = 0.0 if distance_m is None else distance_m
+    if not SMALLEST <= abs(distance) <= LARGEST:
+        raise InvalidInputError(
+            "distance_m", distance_m, f"between {SMALLEST:g} and {LARGEST:g} either way, not 0"
+        )
+    _require_provable("distance_m", distance, abs(distance) / speed_m_s, mode)
+    return 1 if distance > 0 else -1
+
+
+def _require_provable(name: str, value: float, travel_s: float, mode: Mode) -> None:
+    if travel_s > LONGEST_PERIODS * mode.period_s:
+        raise InvalidInputError(
+            name, value, f"no longer at this speed than {LONGEST_PERIODS:g} periods of the plant"
+        )
+
+
+def _parts(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any) -> Parts:  # noqa: ANN401
+    start = design(plant, actuator, kind, options).impulses
+    try:
+        stop = design(plant, swapped(actuator), kind, options).impulses
+    except InfeasibleDesignError as error:
+        raise InfeasibleDesignError(f"the start exists, the stop does not: {error}") from error
+    settling = options if isinstance(options, SettleOptions) else SettleOptions()
+    return Parts(
+        mode=plant.mode,
+        actuator=actuator,
+        designed_for=kind.formulate(plant.mode, actuator, options).designed_for,
+        claims=kind.claims,
+        settle=settling.settle,
+        horizon_rad=2 * settling.max_duration_periods * PERIOD_RAD,
+        start=start,
+        stop=Impulses(times_s=stop.times_s, amplitudes=-stop.amplitudes),
+    )

@@ -1,0 +1,250 @@
+"""Start and stop of a move put together: in turn, or solved as one where they overlap."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from design.actuators import Actuator
+from design.analysis.certificate import certify
+from design.errors import InfeasibleDesignError
+from design.impulses import Impulses
+from design.plants import Mode
+from design.responses import travel
+from design.shapers.kind import Quantity
+from design.shapers.problem import Problem, Seed
+from design.shapers.unity_magnitude import lag_parameters, settling_gaps_rad, switched_order
+from design.shapers.whole_move import WholeMove, whole_move_problem
+from design.solvers import newton
+from design.solvers.moves import MoveCandidate, move_candidates
+from design.types import FloatArray
+
+REST_TIME_CONSTANTS = 50.0
+"""Time constants after which a lag is at rest to rounding: e^-50 [-]."""
+
+TRAVEL_TOLERANCE = 1e-14
+"""Relative error of the travel at which its iteration ends [-]."""
+
+TRAVEL_ITERATIONS = 8
+"""The travel changes by nearly as much as what is asked of it: three do."""
+
+LARGEST_TRAVEL_ERROR = 1e-12
+"""Relative error of the distance beyond which a move is not returned [-]."""
+
+COMPRESSED = 0.95
+"""Share of the pulse into which a compressed start is squeezed [-]."""
+
+SMALLEST_SLOPE = 0.1
+"""Change of travel per travel asked below which the secant is not trusted [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Parts:
+    """Start and stop of a move as designed apart, each from rest, and what binds them.
+
+    Attributes
+    ----------
+    mode, actuator
+        The plant's mode and its drive.
+    designed_for
+        The actuator of the shaper's claims: an ideal one for shapers that know no actuator.
+    claims
+        What the whole move must leave zero.
+    settle
+        Whether each step must settle before the next.
+    horizon_rad
+        Longest move beyond its travel [rad].
+    start, stop
+        The parts, the first step of each at 0; the stop's amplitudes begin with -1.
+    """
+
+    mode: Mode
+    actuator: Actuator
+    designed_for: Actuator
+    claims: tuple[Quantity, ...]
+    settle: bool
+    horizon_rad: float
+    start: Impulses
+    stop: Impulses
+
+    @property
+    def derivatives(self) -> int:
+        """How many derivatives of the vibration vanish too."""
+        return int("slope" in self.claims)
+
+    @property
+    def steps(self) -> int:
+        """Number of steps of both."""
+        return self.start.times_s.size + self.stop.times_s.size
+
+    @property
+    def shortest_pulse_s(self) -> float:
+        """The pulse below which start and stop overlap, or do not settle where asked."""
+        gaps = settling_gaps_rad(self.mode, self.designed_for, self.steps, settle=self.settle)
+        between = float(gaps[self.start.times_s.size - 1])
+        return self.start.duration_s + between / self.mode.natural_frequency_rad_s
+
+    def whole(self, pulse_s: float) -> Impulses:
+        """Both parts, the stop ``pulse_s`` after the start; out of range where they overlap."""
+        times = np.concatenate((self.start.times_s, pulse_s + self.stop.times_s))
+        amplitudes = np.concatenate((self.start.amplitudes, self.stop.amplitudes))
+        order = np.argsort(times, kind="stable")
+        return Impulses(times_s=times[order], amplitudes=amplitudes[order])
+
+    def verified(self, command: Impulses) -> bool:
+        """Whether the certificate finds every claim to hold for a whole command."""
+        return certify(command, self.mode, self.designed_for, self.claims).verified
+
+    def lead_s(self) -> float:
+        """Travel beyond the pulse where the actuator is at rest between start and stop [s]."""
+        slowest = max(
+            lag.first_s + math.sqrt(lag.second_s2)
+            for lag in (self.actuator.accel_lag, self.actuator.decel_lag)
+        )
+        pulse_s = self.start.duration_s + REST_TIME_CONSTANTS * slowest
+        return travel(self.whole(pulse_s), self.actuator) - pulse_s
+
+
+def over_pulse(parts: Parts, pulse_s: float) -> tuple[Impulses, bool]:
+    """Return the command of a pulse, and whether it was solved as one."""
+    if pulse_s >= parts.shortest_pulse_s:
+        command = _with_solved_stop(parts, pulse_s, None)
+        if command is not None:
+            return command, False
+    wanted_s = pulse_s + parts.lead_s()
+    if wanted_s <= 0:
+        raise InfeasibleDesignError(
+            f"a pulse of {pulse_s:g} s goes nowhere: the actuator takes {pulse_s - wanted_s:.4g} s "
+            "off its travel"
+        )
+    return _as_one(parts, wanted_s, pulse_s), True
+
+
+def over_distance(parts: Parts, wanted_s: float) -> tuple[Impulses, bool]:
+    """Return the command that travels ``wanted_s`` times the speed."""
+    pulse_s = wanted_s - parts.lead_s()
+    if pulse_s >= parts.shortest_pulse_s:
+        for _ in range(TRAVEL_ITERATIONS):
+            miss = wanted_s - travel(parts.whole(pulse_s), parts.actuator)
+            pulse_s += miss
+            if abs(miss) <= TRAVEL_TOLERANCE * wanted_s:
+                break
+    if pulse_s >= parts.shortest_pulse_s:
+        command = _with_solved_stop(parts, pulse_s, wanted_s)
+        if command is not None:
+            return command, False
+    return _as_one(parts, wanted_s, pulse_s), True
+
+
+def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> Impulses | None:
+    """Return the start as designed, then a stop for the state that it finds.
+
+    None where Newton's method finds no such stop in order: the move must be solved as one.
+    """
+    command = parts.whole(pulse_s)
+    if parts.designed_for.model == "superposed":
+        return command
+    # With a travel to meet, the gap between start and stop is unknown too.
+    given = parts.start.times_s.size - (wanted_s is not None)
+    w = parts.mode.natural_frequency_rad_s
+    gaps = w * np.diff(command.times_s)
+    model = WholeMove(
+        steps=parts.steps,
+        derivatives=parts.derivatives,
+        switched_order=switched_order(parts.designed_for),
+        given=given,
+        travels=wanted_s is not None,
+    )
+    parameters = np.array([
+        *lag_parameters(parts.mode, parts.designed_for), w * (wanted_s or 1.0), *gaps[:given]
+    ])  # fmt: skip
+    gaps[given:] = newton.root(model, gaps[given:], parameters)
+    shortest = settling_gaps_rad(parts.mode, parts.designed_for, parts.steps, settle=parts.settle)
+    if not (gaps[given:] >= shortest[given:]).all():  # not a number is not
+        return None
+    solved = _command(gaps, command.amplitudes, w)
+    return solved if parts.verified(solved) and _travels(parts, solved, wanted_s) else None
+
+
+def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> Impulses:
+    """Return the fastest move found on levels 0 and 1 that travels ``wanted_s``.
+
+    A shaper that knows no actuator is solved with ideal lags, while the distance is met with the
+    actuator given: the travel asked of the ideal one is corrected until it is (secant method).
+    """
+    seeds = _overlapping_seeds(parts, pulse_s)
+    target_s, last_s, last_miss_s = wanted_s, 0.0, wanted_s
+    for _ in range(TRAVEL_ITERATIONS):
+        candidate, command = _fastest(parts, target_s, seeds)
+        miss_s = wanted_s - travel(command, parts.actuator)
+        if abs(miss_s) <= LARGEST_TRAVEL_ERROR * wanted_s:
+            return command
+        slope = (last_miss_s - miss_s) / (target_s - last_s) if target_s != last_s else 1.0
+        last_s, last_miss_s = target_s, miss_s
+        target_s += miss_s / (slope if slope > SMALLEST_SLOPE else 1.0)
+        if target_s <= 0:
+            break
+        seeds = (Seed(name="last", gaps_rad=candidate.gaps_rad),)
+    raise InfeasibleDesignError(
+        f"no move on levels 0 and 1 was found whose travel is {wanted_s:.6g} s times its speed "
+        "behind the actuator given"
+    )
+
+
+def _fastest(
+    parts: Parts, travel_s: float, seeds: tuple[Seed, ...]
+) -> tuple[MoveCandidate, Impulses]:
+    """Return the first verified candidate, of a usual duration if there is one.
+
+    The usual: start, stop and twice the travel. A local minimum may be several periods longer.
+    """
+    w = parts.mode.natural_frequency_rad_s
+    usual = w * (parts.start.duration_s + float(parts.stop.times_s[-1]) + 2 * travel_s)
+    longest = parts.horizon_rad + w * travel_s
+    problem = whole_move_problem(
+        parts.mode,
+        parts.designed_for,
+        steps=seeds[0].gaps_rad.size + 1,
+        derivatives=parts.derivatives,
+        travel_s=travel_s,
+        settle=parts.settle,
+        horizon_rad=longest,
+        seeds=seeds,
+    )
+    try:
+        return _first_verified(parts, replace(problem, horizon_rad=min(usual, longest)))
+    except InfeasibleDesignError:
+        return _first_verified(parts, problem)
+
+
+def _first_verified(parts: Parts, problem: Problem) -> tuple[MoveCandidate, Impulses]:
+    commands = (
+        (found, _command(found.gaps_rad, found.problem.amplitudes, problem.natural_frequency_rad_s))
+        for found in move_candidates(problem)
+    )
+    return next((found, command) for found, command in commands if parts.verified(command))
+
+
+def _overlapping_seeds(parts: Parts, pulse_s: float) -> tuple[Seed, ...]:
+    """Start and stop merged in order of time; both squeezed into the pulse."""
+    pulse_s = max(pulse_s, 0.0)
+    squeeze = min(1.0, COMPRESSED * pulse_s / parts.start.duration_s)
+    squeezed = np.concatenate((
+        squeeze * parts.start.times_s,
+        pulse_s + squeeze * parts.stop.times_s,
+    ))
+    w = parts.mode.natural_frequency_rad_s
+    return (
+        Seed(name="merged", gaps_rad=w * np.diff(parts.whole(pulse_s).times_s)),
+        Seed(name="squeezed", gaps_rad=w * np.diff(squeezed)),
+    )
+
+
+def _command(gaps_rad: FloatArray, amplitudes: FloatArray, w: float) -> Impulses:
+    return Impulses(times_s=np.concatenate(([0.0], np.cumsum(gaps_rad))) / w, amplitudes=amplitudes)
+
+
+def _travels(parts: Parts, command: Impulses, wanted_s: float | None) -> bool:
+    if wanted_s is None:
+        return True
+    return abs(travel(command, parts.actuator) - wanted_s) <= LARGEST_TRAVEL_ERROR * wanted_s

@@ -1,0 +1,105 @@
+"""From a whole move to candidates: seeds and pulse trains by IPOPT, coinciding steps dropped."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from design.errors import InfeasibleDesignError
+from design.shapers.problem import Problem
+from design.shapers.unity_magnitude import PERIOD_RAD
+from design.shapers.whole_move import WholeMove, pulse_trains
+from design.solvers import ipopt
+from design.solvers.outcome import Status
+from design.types import FloatArray
+
+COINCIDE_RAD = 1e-4
+"""Steps closer than this are one: a sixtieth of a thousandth of a period [rad]."""
+
+FEWEST_STEPS = 2
+"""Up and down."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class MoveCandidate:
+    """A move by the solver's word, not yet verified.
+
+    Attributes
+    ----------
+    problem
+        What it solves: that asked for, or the same with fewer steps.
+    gaps_rad
+        Gaps between its steps, shape (steps - 1,) [rad].
+    """
+
+    problem: Problem
+    gaps_rad: FloatArray
+
+
+class _Search:
+    """Starts of one search, counted."""
+
+    def __init__(self) -> None:
+        self.starts = 0
+
+    def solved(self, problem: Problem, seeds: list[FloatArray]) -> Iterator[FloatArray]:
+        """Yield the ends of the runs that the solver calls solved."""
+        for seed in seeds:
+            self.starts += 1
+            outcome = ipopt.solve(problem, np.maximum(seed, problem.shortest_gaps_rad))
+            in_time = outcome.unknowns.sum() <= problem.horizon_rad
+            if outcome.status is Status.SOLVE_SUCCEEDED and in_time:
+                yield outcome.unknowns
+
+    def with_fewer_steps(self, problem: Problem, gaps_rad: FloatArray) -> Iterator[MoveCandidate]:
+        """Yield the move without its coinciding steps, if that can be solved, then as it is.
+
+        Steps up and down at one moment leave something only in the superposed model, where each
+        is answered by another set: no drive can follow them.
+        """
+        steps = gaps_rad.size + 1
+        if gaps_rad.min() <= COINCIDE_RAD and steps > FEWEST_STEPS:
+            fewer = _with_two_steps_fewer(problem)
+            for end in self.solved(fewer, [_without_shortest(gaps_rad), *pulse_trains(fewer)]):
+                yield from self.with_fewer_steps(fewer, end)
+        yield MoveCandidate(problem=problem, gaps_rad=gaps_rad)
+
+
+def move_candidates(problem: Problem) -> Iterator[MoveCandidate]:
+    """Yield moves, the likeliest minimum first.
+
+    IPOPT starts at the problem's own seeds, then at trains of pulses. Where two steps coincide, the
+    move is solved again without them.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        When all candidates, if any, are used up: says how many starts were tried.
+    """
+    search = _Search()
+    seeds = [seed.gaps_rad for seed in problem.seeds]
+    for end in search.solved(problem, [*seeds, *pulse_trains(problem)]):
+        yield from search.with_fewer_steps(problem, end)
+    travel_s = float(problem.parameters[5]) / problem.natural_frequency_rad_s
+    raise InfeasibleDesignError(
+        f"no move on levels 0 and 1 was found that travels {travel_s:.6g} s times its speed within "
+        f"{problem.horizon_rad / PERIOD_RAD:.4g} periods, in {search.starts} starts"
+    )
+
+
+def _with_two_steps_fewer(problem: Problem) -> Problem:
+    if not isinstance(problem.model, WholeMove):
+        raise TypeError("only whole moves may lose steps")
+    return replace(
+        problem,
+        model=replace(problem.model, steps=problem.model.steps - 2),
+        amplitudes=problem.amplitudes[:-2],
+        shortest_gaps_rad=problem.shortest_gaps_rad[:-2],
+    )
+
+
+def _without_shortest(gaps_rad: FloatArray) -> FloatArray:
+    """Return the gaps without the two steps around the shortest of them."""
+    times = np.concatenate(([0.0], np.cumsum(gaps_rad)))
+    first = int(np.argmin(gaps_rad))
+    return np.diff(np.delete(times, [first, first + 1]))
