@@ -11,6 +11,7 @@ from design.errors import DesignError
 from schemas.base import Wire
 from schemas.designs import DesignRequest
 from schemas.fits import FitRequest
+from schemas.maneuvers import ManeuverRequest
 from schemas.maps import MapRequest
 from schemas.sensitivity import SensitivityRequest
 from schemas.simulations import SimulationRequest
@@ -30,6 +31,7 @@ OPERATIONS: dict[str, Operation] = {
     "design": Operation(DesignRequest, operations.design_shaper),
     "sensitivity": Operation(SensitivityRequest, operations.sensitivity_curve),
     "fit": Operation(FitRequest, operations.fit_curves),
+    "maneuver": Operation(ManeuverRequest, operations.whole_move),
     "map": Operation(MapRequest, operations.residual_over_two_fields),
     "simulation": Operation(SimulationRequest, operations.simulate),
 }

@@ -23,6 +23,7 @@ COMMANDS = {
     "design": ("design", "design one shaper, prove it (POST /v1/designs)"),
     "sensitivity": ("sensitivity", "sensitivity curve of any impulses (POST /v1/sensitivity)"),
     "simulate": ("simulation", "response to a command over time (POST /v1/simulations)"),
+    "maneuver": ("maneuver", "a whole move from rest to rest (POST /v1/maneuvers)"),
     "map": ("map", "residual over any two fields (POST /v1/maps)"),
     "fit": ("fit", "curve coefficients over a field of the plant (POST /v1/fits)"),
 }

@@ -8,10 +8,11 @@ import numpy as np
 
 from design.analysis.residual import require_workable, residual_vibration
 from design.analysis.sensitivity import Sensitivity, SensitivityRange, sensitivity
-from design.commands import convolved
+from design.commands import convolved, program
 from design.errors import InvalidInputError
 from design.fits import fit, plants_at_ends
 from design.impulses import Impulses
+from design.maneuvers import maneuver
 from design.maps import Axis, ResidualMap, residual_map
 from design.motions import motion
 from design.pipeline import Design, design
@@ -23,6 +24,7 @@ from schemas.base import named
 from schemas.catalogue import Catalogue, CatalogueEntry
 from schemas.designs import DesignRequest, DesignResponse
 from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
+from schemas.maneuvers import ManeuverRequest, ManeuverResponse, ProgramOut
 from schemas.maps import MapRequest, MapResponse
 from schemas.sensitivity import SensitivityOut, SensitivityRequest, SensitivityResponse
 from schemas.shapers import MODELS
@@ -175,6 +177,30 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
     return SimulationResponse.from_design(
         motion(plant, actuator, played, request.speed_m_s, times), played
     )
+
+
+def whole_move(request: ManeuverRequest) -> ManeuverResponse:
+    """Design a move from rest to rest, and its program where asked."""
+    with named("plant"):
+        plant = request.plant.to_design()
+    with named("actuator"):
+        actuator = request.actuator.to_design()
+    with named("shaper"):
+        options = request.shaper.options()
+    move = maneuver(
+        plant,
+        actuator,
+        request.shaper.registered(),
+        speed_m_s=request.speed_m_s,
+        pulse_s=request.pulse_s,
+        distance_m=request.distance_m,
+        options=options,
+    )
+    told = None
+    if request.sample_time_s is not None:
+        signed = move.direction * move.speed_m_s
+        told = ProgramOut.from_design(program(move.command, signed, request.sample_time_s))
+    return ManeuverResponse.from_design(request.shaper.kind, move, told, version())
 
 
 def residual_over_two_fields(request: MapRequest) -> MapResponse:

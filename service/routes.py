@@ -9,6 +9,7 @@ from starlette.responses import JSONResponse, Response
 from schemas.catalogue import Catalogue
 from schemas.designs import DesignResponse
 from schemas.fits import FitOut
+from schemas.maneuvers import ManeuverResponse
 from schemas.maps import MapResponse
 from schemas.sensitivity import SensitivityResponse
 from schemas.simulations import SimulationResponse
@@ -178,6 +179,18 @@ async def fits(request: Request) -> Response:
 async def simulations(request: Request) -> Response:
     """Play a command, shaped or not, exactly, and return what happens over time."""
     return await _answered(request, "simulation")
+
+
+@router.post(
+    "/v1/maneuvers",
+    response_model=ManeuverResponse,
+    responses=PROBLEMS,
+    openapi_extra=_documented("maneuver"),
+    summary="A whole move from rest to rest",
+)
+async def maneuvers(request: Request) -> Response:
+    """Start, cruise and stop over an exact distance, proven as a whole."""
+    return await _answered(request, "maneuver")
 
 
 @router.post(

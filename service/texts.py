@@ -7,12 +7,19 @@ from collections.abc import Iterable, Sequence
 from schemas.catalogue import Catalogue
 from schemas.designs import DesignResponse
 from schemas.fits import FitOut
+from schemas.maneuvers import ManeuverResponse
 from schemas.maps import MapResponse
 from schemas.sensitivity import SensitivityOut, SensitivityResponse
 from schemas.simulations import SimulationResponse
 
 Response = (
-    DesignResponse | SensitivityResponse | FitOut | SimulationResponse | MapResponse | Catalogue
+    DesignResponse
+    | SensitivityResponse
+    | FitOut
+    | SimulationResponse
+    | ManeuverResponse
+    | MapResponse
+    | Catalogue
 )
 
 
@@ -57,6 +64,8 @@ def _rows(response: Response) -> Iterable[Sequence[object]]:
         told = [name for name in columns if getattr(response, name) is not None]
         yield told
         yield from zip(*(getattr(response, name) for name in told), strict=True)
+    elif isinstance(response, ManeuverResponse):
+        yield from _move_rows(response)
     elif isinstance(response, MapResponse):
         yield f"{response.y.field} by {response.x.field}", *response.x.values
         for value, cells in zip(response.y.values, response.residual, strict=True):
@@ -75,6 +84,18 @@ def _rows(response: Response) -> Iterable[Sequence[object]]:
                 entry.summary,
                 entry.source,
             )
+
+
+def _move_rows(response: ManeuverResponse) -> Iterable[Sequence[object]]:
+    """Yield the program where there is one, else the steps of the command."""
+    program, command = response.program, response.command
+    if program is not None:
+        yield "time_s", "velocity_m_s", "position_m"
+        yield from zip(program.times_s, program.velocity_m_s, program.position_m, strict=True)
+    else:
+        yield "step", "time_s", "amplitude"
+        steps = zip(command.times_s, command.amplitudes, strict=True)
+        yield from ((number, *step) for number, step in enumerate(steps, start=1))
 
 
 def _findings(response: Response) -> list[str]:
@@ -101,6 +122,15 @@ def _findings(response: Response) -> list[str]:
         ]
     if isinstance(response, FitOut):
         return ["", *_fit(response)]
+    if isinstance(response, ManeuverResponse):
+        verified = "verified" if response.certificate.verified else "NOT VERIFIED"
+        return [
+            "",
+            f"move        {response.distance_m:.9g} m in {response.duration_s:.9g} s, "
+            f"pulse {response.pulse_s:.9g} s{', solved as one' if response.joint else ''}",
+            f"certificate {verified}, of the whole move",
+            f"residual    {100 * response.residual:.4g} % with the actuator given",
+        ]
     if isinstance(response, SimulationResponse):
         return ["", *_swings(response)]
     return []

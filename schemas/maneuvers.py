@@ -1,0 +1,92 @@
+"""Wire form of whole moves."""
+
+from typing import Annotated, Self
+
+from pydantic import Field
+
+from design.commands import Program
+from design.maneuvers import Maneuver
+from schemas.actuators import ActuatorIn
+from schemas.base import Positive, Wire
+from schemas.designs import CertificateOut, WarningOut
+from schemas.impulses import ImpulsesWire
+from schemas.plants import PlantIn
+from schemas.shapers import ShaperIn
+
+
+class ManeuverRequest(Wire):
+    """Body of `POST /v1/maneuvers`: `pulse_s` or `distance_m`."""
+
+    plant: PlantIn
+    actuator: ActuatorIn
+    shaper: ShaperIn
+    speed_m_s: Annotated[float, Field(description="Full speed; negative, by pulse, in -x [m/s].")]
+    pulse_s: Annotated[
+        float | None, Field(description="From the first step of the start to that of the stop [s].")
+    ] = None
+    distance_m: Annotated[float | None, Field(description="How far; negative in -x [m].")] = None
+    sample_time_s: Annotated[
+        Positive | None, Field(description="For a program that a controller replays [s].")
+    ] = None
+
+
+class ProgramOut(Wire):
+    """The command as a controller replays it."""
+
+    times_s: list[float]
+    velocity_m_s: Annotated[
+        list[float], Field(description="Mean over the sample that follows [m/s].")
+    ]
+    position_m: Annotated[list[float], Field(description="Of the command, exact [m].")]
+
+    @classmethod
+    def from_design(cls, program: Program) -> Self:
+        """Wrap the design record."""
+        return cls(
+            times_s=program.times_s.tolist(),
+            velocity_m_s=program.velocity_m_s.tolist(),
+            position_m=program.position_m.tolist(),
+        )
+
+
+class ManeuverResponse(Wire):
+    """Answer of `POST /v1/maneuvers`."""
+
+    kind: str
+    direction: Annotated[int, Field(description="+1 in +x, -1 in -x: all is mirrored.")]
+    start: Annotated[ImpulsesWire, Field(description="Shares of the speed, in the direction.")]
+    stop: ImpulsesWire
+    command: ImpulsesWire
+    pulse_s: float
+    duration_s: float
+    distance_m: Annotated[float, Field(description="Of the actuator, signed, recomputed [m].")]
+    residual: Annotated[
+        float, Field(description="Of the whole move, a share of one unshaped step [-].")
+    ]
+    certificate: CertificateOut
+    joint: Annotated[bool, Field(description="Whether start and stop overlap: solved as one.")]
+    program: ProgramOut | None
+    warnings: list[WarningOut]
+    version: str
+
+    @classmethod
+    def from_design(
+        cls, kind: str, move: Maneuver, program: ProgramOut | None, version: str
+    ) -> Self:
+        """Wrap the design record."""
+        return cls(
+            kind=kind,
+            direction=move.direction,
+            start=ImpulsesWire.from_design(move.start),
+            stop=ImpulsesWire.from_design(move.stop),
+            command=ImpulsesWire.from_design(move.command),
+            pulse_s=move.pulse_s,
+            duration_s=move.duration_s,
+            distance_m=move.distance_m,
+            residual=move.residual,
+            certificate=CertificateOut.from_design(move.certificate),
+            joint=move.joint,
+            program=program,
+            warnings=[WarningOut(code=one.code, detail=one.detail) for one in move.warnings],
+            version=version,
+        )
