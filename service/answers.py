@@ -9,31 +9,70 @@ from pydantic import BaseModel, ValidationError
 
 from design.errors import DesignError
 from schemas.base import Wire
-from schemas.designs import DesignRequest
-from schemas.fits import FitRequest
-from schemas.maneuvers import ManeuverRequest
-from schemas.maps import MapRequest
-from schemas.sensitivity import SensitivityRequest
-from schemas.simulations import SimulationRequest
+from schemas.designs import DesignRequest, DesignResponse
+from schemas.fits import FitOut, FitRequest
+from schemas.maneuvers import ManeuverRequest, ManeuverResponse
+from schemas.maps import MapRequest, MapResponse
+from schemas.sensitivity import SensitivityRequest, SensitivityResponse
+from schemas.simulations import SimulationRequest, SimulationResponse
 from service import operations
 from service.problems import Problem, problem_of_design, problem_of_validation
 
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """A use case that takes a body."""
+    """A use case that takes a body: one row here is its route and its documentation."""
 
+    path: str
+    summary: str
     request: type[Wire]
+    response: type[Wire]
     run: Callable[[Any], BaseModel]
 
 
 OPERATIONS: dict[str, Operation] = {
-    "design": Operation(DesignRequest, operations.design_shaper),
-    "sensitivity": Operation(SensitivityRequest, operations.sensitivity_curve),
-    "fit": Operation(FitRequest, operations.fit_curves),
-    "maneuver": Operation(ManeuverRequest, operations.whole_move),
-    "map": Operation(MapRequest, operations.residual_over_two_fields),
-    "simulation": Operation(SimulationRequest, operations.simulate),
+    "design": Operation(
+        "/v1/designs",
+        "Design one shaper, prove it, add its sensitivity curve and curve coefficients",
+        DesignRequest,
+        DesignResponse,
+        operations.design_shaper,
+    ),
+    "sensitivity": Operation(
+        "/v1/sensitivity",
+        "Sensitivity curve and insensitivity of any impulses",
+        SensitivityRequest,
+        SensitivityResponse,
+        operations.sensitivity_curve,
+    ),
+    "fit": Operation(
+        "/v1/fits",
+        "Curve coefficients of a shaper over one field, and what the fitted times leave",
+        FitRequest,
+        FitOut,
+        operations.fit_curves,
+    ),
+    "maneuver": Operation(
+        "/v1/maneuvers",
+        "A whole move from rest to rest over an exact distance, proven as a whole",
+        ManeuverRequest,
+        ManeuverResponse,
+        operations.whole_move,
+    ),
+    "simulation": Operation(
+        "/v1/simulations",
+        "Response of plant and actuator to a command, shaped or not, exact at each time",
+        SimulationRequest,
+        SimulationResponse,
+        operations.simulate,
+    ),
+    "map": Operation(
+        "/v1/maps",
+        "Residual of a shaper, held or designed anew in each cell, over any two fields",
+        MapRequest,
+        MapResponse,
+        operations.residual_over_two_fields,
+    ),
 }
 
 

@@ -2,10 +2,11 @@
 
 import functools
 import importlib.metadata
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
+from design.actuators import Actuator
 from design.analysis.residual import require_workable, residual_vibration
 from design.analysis.sensitivity import Sensitivity, SensitivityRange, sensitivity
 from design.commands import convolved, program
@@ -16,16 +17,18 @@ from design.maneuvers import maneuver
 from design.maps import Axis, ResidualMap, residual_map
 from design.motions import motion
 from design.pipeline import Design, design
-from design.plants import Mode
+from design.plants import Mode, Plant
 from design.shapers.kind import ShaperKind
 from design.shapers.registry import SHAPERS
 from design.types import SMALLEST
+from schemas.actuators import ActuatorIn
 from schemas.base import named
 from schemas.catalogue import Catalogue, CatalogueEntry
 from schemas.designs import DesignRequest, DesignResponse
 from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
 from schemas.maneuvers import ManeuverRequest, ManeuverResponse, ProgramOut
 from schemas.maps import MapRequest, MapResponse
+from schemas.plants import PlantIn
 from schemas.sensitivity import SensitivityOut, SensitivityRequest, SensitivityResponse
 from schemas.shapers import MODELS
 from schemas.simulations import SimulationRequest, SimulationResponse
@@ -94,11 +97,28 @@ def design_picture(request: DesignRequest, image_format: Literal["png", "svg"]) 
     )
 
 
-def _designed(request: DesignRequest) -> tuple[Mode, Design, Sensitivity | None]:
+class Subject(Protocol):
+    """A request about a plant and its actuator."""
+
+    @property
+    def plant(self) -> PlantIn:
+        """What moves."""
+
+    @property
+    def actuator(self) -> ActuatorIn:
+        """What drives it."""
+
+
+def _subject(request: Subject) -> tuple[Plant, Actuator]:
     with named("plant"):
         plant = request.plant.to_design()
     with named("actuator"):
         actuator = request.actuator.to_design()
+    return plant, actuator
+
+
+def _designed(request: DesignRequest) -> tuple[Mode, Design, Sensitivity | None]:
+    plant, actuator = _subject(request)
     with named("shaper"):
         options = request.shaper.options()
     curve_range = None
@@ -118,10 +138,8 @@ def _designed(request: DesignRequest) -> tuple[Mode, Design, Sensitivity | None]
 
 def sensitivity_curve(request: SensitivityRequest) -> SensitivityResponse:
     """Return the sensitivity curve of any impulses."""
-    with named("plant"):
-        mode = request.plant.to_design().mode
-    with named("actuator"):
-        actuator = request.actuator.to_design()
+    plant, actuator = _subject(request)
+    mode = plant.mode
     with named("impulses"):
         impulses = request.impulses.to_design()
     require_workable(mode, actuator)
@@ -139,10 +157,7 @@ def fit_curves(request: FitRequest) -> FitOut:
 
 
 def _fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
-    with named("plant"):
-        plant = subject.plant.to_design()
-    with named("actuator"):
-        actuator = subject.actuator.to_design()
+    plant, actuator = _subject(subject)
     with named("shaper"):
         options = subject.shaper.options()
     with named("fit"):
@@ -154,10 +169,7 @@ def _fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
 
 def simulate(request: SimulationRequest) -> SimulationResponse:
     """Play a command, shaped if a shaper is given, and return what happens over time."""
-    with named("plant"):
-        plant = request.plant.to_design()
-    with named("actuator"):
-        actuator = request.actuator.to_design()
+    plant, actuator = _subject(request)
     with named("command"):
         played = request.command.to_design(request.speed_m_s)
     if request.shaper is not None:
@@ -181,10 +193,7 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
 
 def whole_move(request: ManeuverRequest) -> ManeuverResponse:
     """Design a move from rest to rest, and its program where asked."""
-    with named("plant"):
-        plant = request.plant.to_design()
-    with named("actuator"):
-        actuator = request.actuator.to_design()
+    plant, actuator = _subject(request)
     with named("shaper"):
         options = request.shaper.options()
     move = maneuver(
@@ -219,10 +228,7 @@ def map_picture(request: MapRequest, image_format: Literal["png", "svg"]) -> byt
 
 
 def _mapped(request: MapRequest) -> tuple[Axis, Axis, ResidualMap]:
-    with named("plant"):
-        plant = request.plant.to_design()
-    with named("actuator"):
-        actuator = request.actuator.to_design()
+    plant, actuator = _subject(request)
     with named("x"):
         x = request.x.to_design()
     with named("y"):

@@ -1,18 +1,13 @@
 """HTTP routes: each parses, calls one operation, returns."""
 
 import asyncio
+from collections.abc import Awaitable, Callable
 from typing import Any
 
 from fastapi import APIRouter, Request
 from starlette.responses import JSONResponse, Response
 
 from schemas.catalogue import Catalogue
-from schemas.designs import DesignResponse
-from schemas.fits import FitOut
-from schemas.maneuvers import ManeuverResponse
-from schemas.maps import MapResponse
-from schemas.sensitivity import SensitivityResponse
-from schemas.simulations import SimulationResponse
 from service import operations
 from service.answers import OPERATIONS, Answer, answer, answer_lines
 from service.bodies import BodyError, answer_line, answer_response, problem_response, read_body
@@ -68,28 +63,34 @@ def _pool(request: Request) -> WorkerPool:
     return pool
 
 
-async def _answered(request: Request, operation: str) -> Response:
-    request_id: str = request.state.request_id
-    try:
-        body = await read_body(
-            request, limit_bytes=_settings(request).max_body_bytes, media_types=JSON
-        )
-        done: Answer = await _pool(request).run(answer, operation, body)
-    except (BodyError, TaskError) as error:
-        return problem_response(error.problem, request_id)
-    return answer_response(done, request_id)
+def _answering(operation: str) -> Callable[[Request], Awaitable[Response]]:
+    """Return the route of an operation: read the body, have a worker answer it, return."""
+
+    async def answering(request: Request) -> Response:
+        request_id: str = request.state.request_id
+        try:
+            body = await read_body(
+                request, limit_bytes=_settings(request).max_body_bytes, media_types=JSON
+            )
+            done: Answer = await _pool(request).run(answer, operation, body)
+        except (BodyError, TaskError) as error:
+            return problem_response(error.problem, request_id)
+        return answer_response(done, request_id)
+
+    return answering
 
 
-@router.post(
-    "/v1/designs",
-    response_model=DesignResponse,
-    responses=PROBLEMS,
-    openapi_extra=_documented("design"),
-    summary="Design one shaper and prove it",
-)
-async def designs(request: Request) -> Response:
-    """Design one shaper, prove it, and add its sensitivity curve and curve coefficients."""
-    return await _answered(request, "design")
+for _name, _operation in OPERATIONS.items():
+    router.add_api_route(
+        _operation.path,
+        _answering(_name),
+        methods=["POST"],
+        name=_name,
+        response_model=_operation.response,
+        responses=PROBLEMS,
+        openapi_extra=_documented(_name),
+        summary=_operation.summary,
+    )
 
 
 @router.post(
@@ -143,66 +144,6 @@ async def _part_answered(pool: WorkerPool, lines: list[bytes]) -> list[Answer]:
         alone = await asyncio.gather(*(_part_answered(pool, [line]) for line in lines))
         return [one for part in alone for one in part]
     return done
-
-
-@router.post(
-    "/v1/sensitivity",
-    response_model=SensitivityResponse,
-    responses=PROBLEMS,
-    openapi_extra=_documented("sensitivity"),
-    summary="Sensitivity curve of any impulses",
-)
-async def sensitivity(request: Request) -> Response:
-    """Return the residual over frequency ratios, and the insensitivity."""
-    return await _answered(request, "sensitivity")
-
-
-@router.post(
-    "/v1/fits",
-    response_model=FitOut,
-    responses=PROBLEMS,
-    openapi_extra=_documented("fit"),
-    summary="Curve coefficients of a shaper over one field of the plant",
-)
-async def fits(request: Request) -> Response:
-    """Fit impulse times, and tell the residual that the fitted times leave."""
-    return await _answered(request, "fit")
-
-
-@router.post(
-    "/v1/simulations",
-    response_model=SimulationResponse,
-    responses=PROBLEMS,
-    openapi_extra=_documented("simulation"),
-    summary="Response of plant and actuator to a command",
-)
-async def simulations(request: Request) -> Response:
-    """Play a command, shaped or not, exactly, and return what happens over time."""
-    return await _answered(request, "simulation")
-
-
-@router.post(
-    "/v1/maneuvers",
-    response_model=ManeuverResponse,
-    responses=PROBLEMS,
-    openapi_extra=_documented("maneuver"),
-    summary="A whole move from rest to rest",
-)
-async def maneuvers(request: Request) -> Response:
-    """Start, cruise and stop over an exact distance, proven as a whole."""
-    return await _answered(request, "maneuver")
-
-
-@router.post(
-    "/v1/maps",
-    response_model=MapResponse,
-    responses=PROBLEMS,
-    openapi_extra=_documented("map"),
-    summary="Residual of a shaper over any two fields",
-)
-async def maps(request: Request) -> Response:
-    """Hold a shaper, or design it anew in each cell, and return what it leaves."""
-    return await _answered(request, "map")
 
 
 @router.get("/v1/shapers", summary="Every kind of shaper")
