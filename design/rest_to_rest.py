@@ -1,7 +1,7 @@
 """Start and stop of a move put together: in turn, or solved as one where they overlap."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from design.impulses import Impulses
 from design.plants import Mode
 from design.responses import travel
 from design.shapers.kind import Quantity
-from design.shapers.problem import Problem, Seed
+from design.shapers.problem import Seed
 from design.shapers.unity_magnitude import lag_parameters, settling_gaps_rad, switched_order
 from design.shapers.whole_move import WholeMove, whole_move_problem
 from design.solvers import newton
@@ -196,11 +196,9 @@ def _fastest(
 ) -> tuple[MoveCandidate, Impulses]:
     """Return the first verified candidate, of a usual duration if there is one.
 
-    The usual: start, stop and twice the travel. A local minimum may be several periods longer.
+    The usual: start, stop and twice the travel.
     """
     w = parts.mode.natural_frequency_rad_s
-    usual = w * (parts.start.duration_s + float(parts.stop.times_s[-1]) + 2 * travel_s)
-    longest = parts.horizon_rad + w * travel_s
     problem = whole_move_problem(
         parts.mode,
         parts.designed_for,
@@ -208,20 +206,15 @@ def _fastest(
         derivatives=parts.derivatives,
         travel_s=travel_s,
         settle=parts.settle,
-        horizon_rad=longest,
+        horizon_rad=parts.horizon_rad + w * travel_s,
         seeds=seeds,
     )
-    try:
-        return _first_verified(parts, replace(problem, horizon_rad=min(usual, longest)))
-    except InfeasibleDesignError:
-        return _first_verified(parts, problem)
-
-
-def _first_verified(parts: Parts, problem: Problem) -> tuple[MoveCandidate, Impulses]:
+    usual_s = parts.start.duration_s + float(parts.stop.times_s[-1]) + 2 * travel_s
     commands = (
-        (found, _command(found.gaps_rad, found.problem.amplitudes, problem.natural_frequency_rad_s))
-        for found in move_candidates(problem)
+        (found, _command(found.gaps_rad, found.problem.amplitudes, w))
+        for found in move_candidates(problem, w * usual_s)
     )
+    # The candidates never end: they raise.
     return next((found, command) for found, command in commands if parts.verified(command))
 
 

@@ -65,11 +65,19 @@ class _Search:
         yield MoveCandidate(problem=problem, gaps_rad=gaps_rad)
 
 
-def move_candidates(problem: Problem) -> Iterator[MoveCandidate]:
+def move_candidates(problem: Problem, usual_rad: float) -> Iterator[MoveCandidate]:
     """Yield moves, the likeliest minimum first.
 
     IPOPT starts at the problem's own seeds, then at trains of pulses. Where two steps coincide, the
     move is solved again without them.
+
+    Parameters
+    ----------
+    problem
+        A whole move.
+    usual_rad
+        What the move should not take longer than: local minima may be several periods longer, and
+        are looked at only if there is nothing else [rad].
 
     Raises
     ------
@@ -77,9 +85,11 @@ def move_candidates(problem: Problem) -> Iterator[MoveCandidate]:
         When all candidates, if any, are used up: says how many starts were tried.
     """
     search = _Search()
-    seeds = [seed.gaps_rad for seed in problem.seeds]
-    for end in search.solved(problem, [*seeds, *pulse_trains(problem)]):
-        yield from search.with_fewer_steps(problem, end)
+    seeds = [*(seed.gaps_rad for seed in problem.seeds), *pulse_trains(problem)]
+    for horizon_rad in (min(usual_rad, problem.horizon_rad), problem.horizon_rad):
+        within = replace(problem, horizon_rad=horizon_rad)
+        for end in search.solved(within, seeds):
+            yield from search.with_fewer_steps(within, end)
     travel_s = float(problem.parameters[5]) / problem.natural_frequency_rad_s
     raise InfeasibleDesignError(
         f"no move on levels 0 and 1 was found that travels {travel_s:.6g} s times its speed within "
