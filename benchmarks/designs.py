@@ -14,6 +14,8 @@ from design.analysis.residual import evenly_spaced_vectors
 from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.commands import convolved, pulse
 from design.impulses import Impulses
+from design.maneuvers import maneuver
+from design.maps import Axis, residual_map
 from design.motions import motion
 from design.pipeline import design
 from design.plants import Pendulum
@@ -141,3 +143,33 @@ def _curves(shaper: Impulses) -> Iterator[Figure]:
         limit="<= 5 ms",
         met=milliseconds <= 5,
     )
+    yield from _moves_and_maps()
+
+
+def _moves_and_maps() -> Iterator[Figure]:
+    """Measure a move too short for start and stop, and a map."""
+    kind = SHAPERS["numzvd"]
+    shaper = design(CRANE, ACTUATOR, kind).impulses
+    x = Axis(
+        path=("actuator", "accel", "natural_frequency_rad_s"), values=np.linspace(10.0, 60.0, 100)
+    )
+    y = Axis(path=("plant", "cable_length_m"), values=np.linspace(0.4, 1.4, 100))
+    seconds = alternating_medians(
+        {
+            "move": lambda: maneuver(CRANE, ACTUATOR, kind, speed_m_s=0.2, distance_m=0.05),
+            "map": lambda: residual_map(CRANE, ACTUATOR, shaper, x, y),
+        },
+        rounds=5,
+        calls=2,
+    )
+    for name, what, limit_s in (
+        ("move", "short move, start and stop solved as one", 0.1),
+        ("map", "map of 100 x 100", 0.5),
+    ):
+        took = median(seconds[name])
+        yield Figure(
+            what=what,
+            value=f"{1e3 * took:.0f} ms",
+            limit=f"<= {1e3 * limit_s:.0f} ms",
+            met=took <= limit_s,
+        )
