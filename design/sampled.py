@@ -46,6 +46,9 @@ Method = Literal["exact_positive", "split", "unity_on_grid"]
 EXACT = 1e-13
 """Largest equation that counts as zero: a few hundred roundings of terms of size one [-]."""
 
+SMALLEST_SHARE = 1e-10
+"""Share of a shaper that is none: `Impulses` would take it for a step that does not accelerate."""
+
 WIDEST_REACH = 4
 """Samples on each side of an impulse that are looked at [-]."""
 
@@ -273,6 +276,7 @@ def _left(
     times_s: FloatArray, amplitudes: FloatArray, mode: Mode, actuator: Actuator, *, slope: bool
 ) -> FloatArray:
     """Return what `unity_on_grid` minimises of many shapers, times of shape (m, n): shape (m,)."""
+    lag = actuator.accel_lag
 
     def vibration(ratio: float) -> ComplexArray:
         pole = mode.pole_rad_s * ratio
@@ -283,7 +287,6 @@ def _left(
         vectors: ComplexArray = vectors_of_many(times_s, amplitudes, poles, actuator) * turn * unit
         return vectors
 
-    lag = actuator.accel_lag
     left: FloatArray = np.abs(vibration(1.0))
     if slope:
         change = vibration(1 + DIFFERENCE) - vibration(1 - DIFFERENCE)
@@ -309,17 +312,18 @@ def _choices(centres: IntArray) -> IntArray:
 def _nonnegative(equations: FloatArray, wanted: FloatArray, start: FloatArray) -> FloatArray:
     """Amplitudes that solve the equations, near to ``start``, shape (k,).
 
-    The nearest ones, but for the most negative, which is left out until none is. Where too few
-    remain the equations are missed, or a negative stays: for the caller to see.
+    The nearest ones, but for the least, which is left out until all others are above 0. Where too
+    few remain the equations are missed: for the caller to see.
     """
-    kept = np.ones(start.size, dtype=bool)
+    kept = np.arange(start.size)
     while True:
-        amplitudes = np.zeros(start.size)
         missing = wanted - equations[:, kept] @ start[kept]
-        amplitudes[kept] = start[kept] + np.linalg.lstsq(equations[:, kept], missing)[0]
-        if amplitudes.min() >= 0 or kept.sum() <= wanted.size:
+        values = start[kept] + np.linalg.lstsq(equations[:, kept], missing)[0]
+        if values.min() > SMALLEST_SHARE or kept.size == 1:
+            amplitudes: FloatArray = np.zeros(start.size)
+            amplitudes[kept] = values
             return amplitudes
-        kept[np.argmin(amplitudes)] = False
+        kept = np.delete(kept, np.argmin(values))
 
 
 def _of_one_sign(impulses: Impulses) -> bool:

@@ -177,6 +177,19 @@ def test_a_positive_shaper_is_exact_behind_any_actuator(actuator: Actuator) -> N
         assert claims[1].holds == (steps == 3)
 
 
+@pytest.mark.parametrize("half_period", [3.0, 3.5, 6.5, 20.0, 20.5, 50.0 + 1e-8, 50.5 - 1e-8])
+def test_no_share_is_so_small_that_it_counts_as_a_step_that_does_not_accelerate(
+    half_period: float,
+) -> None:
+    # Where some or all impulses fall on samples, amplitudes beside them come out as rounding.
+    mode = Mode(natural_frequency_rad_s=math.pi / half_period)
+    actuator = FirstOrder(accel_time_constant_s=1.0, decel_time_constant_s=0.3, model="switched")
+    for steps in (2, 3, 4):
+        exact = exact_positive(positive_shaper(mode, steps), mode, actuator, 1.0, slope=steps > 2)
+        assert exact.accelerates.all()
+        assert residual_vibration(exact, mode, actuator) <= EXACT
+
+
 def test_a_robust_shaper_keeps_its_impulses_where_only_the_residual_is_asked() -> None:
     zvd = positive_shaper(PRINTER, 3)
     exact = exact_positive(zvd, PRINTER, Ideal(), SAMPLE_S)
@@ -288,12 +301,12 @@ def test_what_the_crane_s_shapers_leave_falls_with_the_sample_time(
     assert 100 * found[0.01].residual == pytest.approx(expected[0], abs=5e-5)
     assert 100 * found[0.001].residual == pytest.approx(expected[1], abs=5e-5)
     assert found[0.0001].residual < 2e-4
-    worst = [
-        left["residual"] + 0.05 * left["slope"]
-        for left in (measured(result, actuator) for result in found.values())
-    ]
-    if kind == "numzvd":  # what was minimised; a finer grid that contains the coarser is no worse
-        assert worst[0] + EXACT >= worst[1] >= worst[2] - EXACT >= worst[3] - EXACT >= worst[4]
+    # What was minimised. No law on every grid, but these lie one within the other.
+    weight = 0.05 if kind == "numzvd" else 0.0
+    each = [measured(result, actuator) for result in found.values()]
+    minimised = [left["residual"] + weight * left["slope"] for left in each]
+    for coarser, finer in itertools.pairwise(minimised):
+        assert finer <= coarser + 1e-10  # rounding of the simulation
 
 
 def measured(result: Sampled, actuator: Actuator) -> dict[str, float]:
