@@ -13,7 +13,7 @@ from design.actuators import IDEAL_LAG, Actuator, Lag
 from design.errors import InvalidInputError
 from design.impulses import Impulses
 from design.plants import Mode
-from design.types import ComplexArray, FloatArray
+from design.types import BoolArray, ComplexArray, FloatArray
 
 AT_REST = 1e-12
 """Share of all steps within which their sum counts as 0: rounding of as many additions [-]."""
@@ -23,7 +23,8 @@ AT_REST = 1e-12
 class LagStates:
     """Velocity less command, and its rate, around each of n steps; columns: accel, decel set.
 
-    A switched actuator has one state, which stands in the column of the set in force.
+    A switched actuator has one state, which stands in the column of the set in force. Of many
+    commands, each array has one more axis, ahead of the others.
 
     Attributes
     ----------
@@ -70,6 +71,52 @@ def lag_states(impulses: Impulses, actuator: Actuator) -> LagStates:
     if IDEAL_LAG not in lags:
         jumps[:] = 0.0  # but for rounding
     return LagStates(before[0], before[1], after[0], after[1], jumps)
+
+
+def switched_states_of_many(
+    times_s: FloatArray, amplitudes: FloatArray, accelerates: BoolArray, actuator: Actuator
+) -> LagStates:
+    """Return the `lag_states` of many commands of a switched actuator at once.
+
+    Parameters
+    ----------
+    times_s
+        Times of the steps, shape (m, n), not decreasing along a row [s].
+    amplitudes, accelerates
+        Heights of the steps and which increase the command, the same for all, shape (n,).
+    actuator
+        The actuator, switched.
+
+    Returns
+    -------
+    LagStates
+        Arrays of shape (m, n, 2), the jumps (m, n).
+    """
+    lags = (actuator.accel_lag, actuator.decel_lag)
+    shape = (*times_s.shape, 2)
+    before, rates_before = np.zeros(shape), np.zeros(shape)
+    after, rates_after = np.zeros(shape), np.zeros(shape)
+    error = rate = np.zeros(len(times_s))
+    force = 0
+    for index, rising in enumerate(accelerates.tolist()):
+        if index > 0:
+            lag = lags[force]
+            motion = lag.free_motion(times_s[:, index] - times_s[:, index - 1])
+            scaled = rate / lag.corner_rad_s if lag.corner_rad_s > 0 else rate
+            error, rate = (
+                motion[:, 0, 0] * error + motion[:, 0, 1] * scaled,
+                lag.corner_rad_s * (motion[:, 1, 0] * error + motion[:, 1, 1] * scaled),
+            )
+            before[:, index, force], rates_before[:, index, force] = error, rate
+        force = 0 if rising else 1
+        error = error - amplitudes[index]
+        if lags[force] == IDEAL_LAG:
+            error = rate = np.zeros(len(times_s))
+        after[:, index, force], rates_after[:, index, force] = error, rate
+    jumps = amplitudes + (after - before).sum(axis=-1)
+    if IDEAL_LAG not in lags:
+        jumps[:] = 0.0  # but for rounding
+    return LagStates(before, rates_before, after, rates_after, jumps)
 
 
 def _moved(lag: Lag, motion: list[list[float]], error: float, rate_s: float) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from design.actuators import IDEAL_LAG, Actuator, Model, free_motions
 from design.errors import InvalidInputError
 from design.impulses import Impulses
 from design.plants import Mode
-from design.responses import lag_states
+from design.responses import LagStates, lag_states, switched_states_of_many
 from design.types import ComplexArray, FloatArray
 
 SLOWEST = 100.0
@@ -69,20 +69,23 @@ def step_contributions(impulses: Impulses, actuator: Actuator) -> StepContributi
     A superposed step adds its height by its own set. Where one actuator is switched, its state is
     taken from the old set and given to the new, and each would let it ring in its own way.
     """
-    columns = np.zeros((impulses.times_s.size, 4))
     if actuator.model == "superposed":
+        columns: FloatArray = np.zeros((impulses.times_s.size, 4))
         columns[:, 0] = np.where(impulses.accelerates, impulses.amplitudes, 0.0)
         columns[:, 1] = impulses.amplitudes - columns[:, 0]
     else:
-        states = lag_states(impulses, actuator)
-        lags = (actuator.accel_lag, actuator.decel_lag)
-        columns[:, :2] = states.before - states.after
-        columns[:, 2:] = (states.rates_after - states.rates_before) * [
-            lag.second_s2 for lag in lags
-        ]
-        # A set that follows at once moves the velocity itself: a lag with G = 1.
-        columns[:, 0 if lags[0] == IDEAL_LAG else 1] += states.velocity_jumps
+        columns = _switched_columns(lag_states(impulses, actuator), actuator)
     return StepContributions(impulses.times_s[-1] - impulses.times_s, columns)
+
+
+def _switched_columns(states: LagStates, actuator: Actuator) -> FloatArray:
+    """Columns of `StepContributions` of one command or many, shape (..., n, 4)."""
+    lags = (actuator.accel_lag, actuator.decel_lag)
+    gains = states.before - states.after
+    # A set that follows at once moves the velocity itself: a lag with G = 1.
+    gains[..., 0 if lags[0] == IDEAL_LAG else 1] += states.velocity_jumps
+    rates = (states.rates_after - states.rates_before) * [lag.second_s2 for lag in lags]
+    return np.concatenate((gains, rates), axis=-1)
 
 
 def residual_vectors(
@@ -112,7 +115,17 @@ def residual_vectors(
 def residuals_of_many(
     times_s: FloatArray, amplitudes: FloatArray, poles_rad_s: ComplexArray, actuator: Actuator
 ) -> FloatArray:
-    """Return the residual vibration of many commands, each at a pole of its own.
+    """Return the residual vibration of many commands, each at a pole of its own, shape (m,) [-].
+
+    Its parameters are those of `vectors_of_many`.
+    """
+    return np.abs(vectors_of_many(times_s, amplitudes, poles_rad_s, actuator))
+
+
+def vectors_of_many(
+    times_s: FloatArray, amplitudes: FloatArray, poles_rad_s: ComplexArray, actuator: Actuator
+) -> ComplexArray:
+    """Return `residual_vectors` of many commands, each at a pole of its own.
 
     Parameters
     ----------
@@ -127,22 +140,19 @@ def residuals_of_many(
 
     Returns
     -------
-    FloatArray
-        Residual vibration, shape (m,) [-].
+    ComplexArray
+        Vibration vector over that of the unshaped step, shape (m,) [-].
     """
+    # The signs of the changes are the same for all, whatever their times.
+    first = Impulses(times_s=np.zeros(amplitudes.size), amplitudes=amplitudes)
+    swings = np.exp(poles_rad_s[:, None] * (times_s[:, -1:] - times_s))
     if actuator.model == "superposed":
-        # The columns are the same for all, whatever their times.
-        first = Impulses(times_s=np.zeros(amplitudes.size), amplitudes=amplitudes)
-        swings = np.exp(poles_rad_s[:, None] * (times_s[:, -1:] - times_s))
-        columns = step_contributions(first, actuator).columns.astype(np.complex128)
-        return np.abs(_joined(swings @ columns, poles_rad_s, actuator))
-    commands = [Impulses(times_s=row, amplitudes=amplitudes) for row in times_s]
-    vectors = [
-        residual_vectors(command, poles_rad_s[index : index + 1], actuator)
-        for index, command in enumerate(commands)
-    ]
-    residuals: FloatArray = np.abs(np.concatenate(vectors))
-    return residuals
+        columns = step_contributions(first, actuator).columns
+    else:
+        states = switched_states_of_many(times_s, amplitudes, first.accelerates, actuator)
+        columns = _switched_columns(states, actuator)
+    sums = (swings[:, None, :] @ columns.astype(np.complex128))[:, 0]
+    return _joined(sums, poles_rad_s, actuator)
 
 
 def residuals_of_cases(
