@@ -7,15 +7,17 @@ magnitude only as good as whole samples allow. All of it is for one mode.
 
 import itertools
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from design.actuators import Actuator
+from design.analysis.certificate import LIMITS, Certificate, Claim, certify
 from design.analysis.residual import require_workable, residual_vibration, vectors_of_many
-from design.errors import InfeasibleDesignError, InvalidInputError
+from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
+from design.pipeline import Design
 from design.plants import Mode
 from design.sample_grid import (
     IntArray,
@@ -36,6 +38,7 @@ __all__ = [
     "exact_positive",
     "nearest",
     "sample",
+    "sampled_design",
     "split",
     "unity_on_grid",
 ]
@@ -63,6 +66,10 @@ DIFFERENCE = 1e-5
 
 TIE = 1e-12
 """Shapers this near in what they leave are equally good: it is rounding [-]."""
+
+
+AGREEMENT = 1e-9
+"""Relative difference of two routes to one residual that is rounding [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -161,6 +168,36 @@ def sample(
         residual=residual_vibration(found, mode, actuator),
         continuous_residual=residual_vibration(impulses, mode, actuator),
     )
+
+
+def sampled_design(
+    continuous: Design,
+    mode: Mode,
+    actuator: Actuator,
+    sample_time_s: float,
+    claims: Collection[Quantity],
+) -> tuple[Design, Sampled]:
+    """Return a design brought to a sample grid, its certificate proving the residual it tells.
+
+    What a sampled shaper leaves is told by formula; the certificate recomputes it by simulation,
+    with the actuator given.
+    """
+    sampled = sample(continuous.impulses, mode, actuator, sample_time_s, claims)
+    (simulated,) = certify(sampled.impulses, mode, actuator, ("residual",)).claims
+    limit = sampled.residual * (1 + AGREEMENT) + LIMITS["residual"]
+    claim = Claim(quantity="residual", value=simulated.value, limit=limit)
+    proven = replace(
+        continuous,
+        impulses=sampled.impulses,
+        residual=sampled.residual,
+        certificate=Certificate(claims=(claim,)),
+    )
+    if not proven.certificate.verified:
+        raise SolverFailedError(
+            f"the residual of the sampled shaper, {sampled.residual:.3g}, is {claim.value:.3g} "
+            "when simulated"
+        )
+    return proven, sampled
 
 
 def exact_positive(

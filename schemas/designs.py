@@ -35,6 +35,16 @@ class ShaperOut(Wire):
     duration_s: Annotated[float, Field(description="Time that it adds to a move [s].")]
 
 
+class SampledOut(Wire):
+    """What it cost to bring the shaper to a sample grid."""
+
+    sample_time_s: float
+    method: Annotated[str, Field(description="split, exact_positive or unity_on_grid.")]
+    samples: Annotated[list[int], Field(description="Sample number of each impulse.")]
+    continuous_times_s: Annotated[list[float], Field(description="Before [s].")]
+    continuous_residual: Annotated[float, Field(description="Left before, likewise [-].")]
+
+
 class ClaimOut(Wire):
     """One promise of the shaper, recomputed."""
 
@@ -86,6 +96,10 @@ class DesignResponse(Wire):
     """Answer of `POST /v1/designs`."""
 
     shaper: ShaperOut
+    sampled: Annotated[
+        SampledOut | None,
+        Field(description="With sample_time_s: the certificate then proves the residual told."),
+    ]
     residual: Annotated[
         float,
         Field(description="Left with the plant and actuator given, share of an unshaped step [-]."),
@@ -102,6 +116,7 @@ class DesignResponse(Wire):
         cls,
         kind: str,
         design: Design,
+        sampled: SampledOut | None,
         sensitivity: SensitivityOut | None,
         fit: FitOut | None,
         version: str,
@@ -114,6 +129,7 @@ class DesignResponse(Wire):
                 impulses=ImpulsesWire.from_design(design.impulses),
                 duration_s=design.impulses.duration_s,
             ),
+            sampled=sampled,
             residual=design.residual,
             certificate=CertificateOut.from_design(design.certificate),
             sensitivity=sensitivity,

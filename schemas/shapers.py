@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, create_model
 
+from design.errors import InvalidInputError
 from design.shapers.kind import ShaperKind
 from design.shapers.registry import SHAPERS
-from schemas.base import Wire
+from schemas.base import Positive, Wire
 
 
 class ShaperRequest(Wire):
@@ -17,6 +18,11 @@ class ShaperRequest(Wire):
 
     if TYPE_CHECKING:
         kind: str
+
+    sample_time_s: Annotated[
+        Positive | None,
+        Field(description="Brings the impulses to a controller's samples [s]; designs only."),
+    ] = None
 
     def registered(self) -> ShaperKind:
         """Return the registry's entry."""
@@ -26,6 +32,16 @@ class ShaperRequest(Wire):
         """Build the record of its parameters."""
         names = [field.name for field in dataclasses.fields(self.registered().options)]
         return self.registered().options(**{name: getattr(self, name) for name in names})
+
+    def continuous_options(self) -> Any:  # noqa: ANN401
+        """Build the record of its parameters where no sample grid is served."""
+        if self.sample_time_s is not None:
+            raise InvalidInputError(
+                "sample_time_s",
+                self.sample_time_s,
+                "left out: for designs and simulations only",
+            )
+        return self.options()
 
 
 def shaper_model(kind: ShaperKind) -> type[ShaperRequest]:

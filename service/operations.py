@@ -18,13 +18,14 @@ from design.maps import Axis, ResidualMap, residual_map
 from design.motions import motion
 from design.pipeline import Design, design
 from design.plants import Mode, Plant
+from design.sampled import sample, sampled_design
 from design.shapers.kind import ShaperKind
 from design.shapers.registry import SHAPERS
 from design.types import SMALLEST
 from schemas.actuators import ActuatorIn
 from schemas.base import named
 from schemas.catalogue import Catalogue, CatalogueEntry
-from schemas.designs import DesignRequest, DesignResponse
+from schemas.designs import DesignRequest, DesignResponse, SampledOut
 from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
 from schemas.maneuvers import ManeuverRequest, ManeuverResponse, ProgramOut
 from schemas.maps import MapRequest, MapResponse
@@ -67,7 +68,7 @@ def version() -> str:
 
 def design_shaper(request: DesignRequest) -> DesignResponse:
     """Design one shaper, prove it, and add its curve and its coefficients where asked."""
-    _, found, curve = _designed(request)
+    _, found, curve, sampled = _designed(request)
     fitted = None
     if request.fit is not None:
         subject = FitDesign(plant=request.plant, actuator=request.actuator, shaper=request.shaper)
@@ -75,6 +76,7 @@ def design_shaper(request: DesignRequest) -> DesignResponse:
     return DesignResponse.from_design(
         request.shaper.kind,
         found,
+        sampled,
         None if curve is None else SensitivityOut.from_design(curve),
         fitted,
         version(),
@@ -88,7 +90,7 @@ def design_picture(request: DesignRequest, image_format: Literal["png", "svg"]) 
         figure_bytes,
     )
 
-    mode, found, curve = _designed(request)
+    mode, found, curve, _ = _designed(request)
     actuator = request.actuator.to_design()
     if curve is None:
         curve = sensitivity(found.impulses, mode, actuator, SensitivityRange())
@@ -117,7 +119,9 @@ def _subject(request: Subject) -> tuple[Plant, Actuator]:
     return plant, actuator
 
 
-def _designed(request: DesignRequest) -> tuple[Mode, Design, Sensitivity | None]:
+def _designed(
+    request: DesignRequest,
+) -> tuple[Mode, Design, Sensitivity | None, SampledOut | None]:
     plant, actuator = _subject(request)
     with named("shaper"):
         options = request.shaper.options()
@@ -129,11 +133,24 @@ def _designed(request: DesignRequest) -> tuple[Mode, Design, Sensitivity | None]
     if request.fit is not None:
         with named("fit"):
             plants_at_ends(plant, request.fit.to_design(request.plant.kind))
-    found = design(plant, actuator, request.shaper.registered(), options)
+    kind = request.shaper.registered()
+    found, told = design(plant, actuator, kind, options), None
+    sample_time_s = request.shaper.sample_time_s
+    if sample_time_s is not None:
+        continuous = found
+        with named("shaper"):
+            found, method = sampled_design(found, plant.mode, actuator, sample_time_s, kind.claims)
+        told = SampledOut.model_construct(
+            sample_time_s=sample_time_s,
+            method=method.method,
+            samples=list(method.samples),
+            continuous_times_s=continuous.impulses.times_s.tolist(),
+            continuous_residual=method.continuous_residual,
+        )
     curve = None
     if curve_range is not None:
         curve = sensitivity(found.impulses, plant.mode, actuator, curve_range)
-    return plant.mode, found, curve
+    return plant.mode, found, curve, told
 
 
 def sensitivity_curve(request: SensitivityRequest) -> SensitivityResponse:
@@ -159,7 +176,7 @@ def fit_curves(request: FitRequest) -> FitOut:
 def _fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
     plant, actuator = _subject(subject)
     with named("shaper"):
-        options = subject.shaper.options()
+        options = subject.shaper.continuous_options()
     with named("fit"):
         wanted = fit_in.to_design(subject.plant.kind)
         plants_at_ends(plant, wanted)
@@ -175,8 +192,14 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
     if request.shaper is not None:
         with named("shaper"):
             options = request.shaper.options()
-        shaper = design(plant, actuator, request.shaper.registered(), options)
-        played = convolved(played, shaper.impulses)
+        kind = request.shaper.registered()
+        shaper = design(plant, actuator, kind, options).impulses
+        if request.shaper.sample_time_s is not None:
+            with named("shaper"):
+                shaper = sample(
+                    shaper, plant.mode, actuator, request.shaper.sample_time_s, kind.claims
+                ).impulses
+        played = convolved(played, shaper)
     end = request.until_s
     if end is None:
         end = (
@@ -195,7 +218,7 @@ def whole_move(request: ManeuverRequest) -> ManeuverResponse:
     """Design a move from rest to rest, and its program where asked."""
     plant, actuator = _subject(request)
     with named("shaper"):
-        options = request.shaper.options()
+        options = request.shaper.continuous_options()
     move = maneuver(
         plant,
         actuator,
@@ -236,7 +259,7 @@ def _mapped(request: MapRequest) -> tuple[Axis, Axis, ResidualMap]:
     shaper: Impulses | tuple[ShaperKind, object]
     if request.shaper is not None and request.impulses is None:
         with named("shaper"):
-            kind, options = request.shaper.registered(), request.shaper.options()
+            kind, options = request.shaper.registered(), request.shaper.continuous_options()
         anew = request.design == "each"
         shaper = (kind, options) if anew else design(plant, actuator, kind, options).impulses
     elif request.impulses is not None and request.shaper is None:
