@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from design.errors import InfeasibleDesignError
+from design.errors import InfeasibleDesignError, TimeLimitError
 from design.shapers.problem import Problem
 from design.shapers.unity_magnitude import PERIOD_RAD
 from design.shapers.whole_move import WholeMove, pulse_trains
@@ -53,6 +53,8 @@ class _Search:
         for seed in seeds:
             self.starts += 1
             outcome = ipopt.solve(problem, np.maximum(seed, problem.shortest_gaps_rad))
+            if outcome.status is Status.TIME_LIMIT:
+                raise TimeLimitError(f"ipopt ran past its time at start {self.starts} of a move")
             in_time = outcome.unknowns.sum() <= problem.horizon_rad
             if outcome.status is Status.SOLVE_SUCCEEDED and in_time:
                 yield outcome.unknowns
@@ -100,6 +102,8 @@ def move_candidates(problem: Problem, usual_rad: float) -> Iterator[MoveCandidat
     ------
     InfeasibleDesignError
         When all candidates, if any, are used up: says how many starts were tried.
+    TimeLimitError
+        If the solver ran past its time.
     """
     search = _Search()
     usual_rad = min(usual_rad, problem.horizon_rad)
