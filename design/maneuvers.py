@@ -8,7 +8,7 @@ from design.analysis.certificate import Certificate, certify
 from design.analysis.residual import residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
-from design.pipeline import DesignWarning, design, warnings_of
+from design.pipeline import DesignWarning, design, shortfall_of, warnings_of
 from design.plants import Mode, Plant
 from design.responses import travel
 from design.rest_to_rest import Parts, over_distance, over_pulse
@@ -38,7 +38,8 @@ class Maneuver:
     speed_m_s
         Full speed, > 0 [m/s].
     pulse_s
-        From the first step of the start to the first step of the stop [s].
+        From the first step of the start to the first step of the stop [s]. Where ``joint``, start
+        and stop are the halves of the command, and this is not the pulse that was asked for.
     distance_m
         How far it goes, signed, as recomputed from the command [m].
     residual
@@ -139,7 +140,7 @@ def maneuver(
     certificate = certify(command, parts.mode, parts.designed_for, kind.claims)
     if not certificate.verified:
         raise SolverFailedError(
-            f"the whole move of {kind.name} was not verified: {_shortfall(certificate)}"
+            f"the whole move of {kind.name} was not verified: {shortfall_of(certificate)}"
         )
     # The start ends at level 1, so its steps are odd in number: half of them, or one more.
     split = (command.times_s.size // 2) | 1
@@ -194,14 +195,6 @@ def swapped(actuator: Actuator) -> Actuator:
     if isinstance(actuator, SecondOrder):
         return replace(actuator, accel=actuator.decel, decel=actuator.accel)
     return actuator
-
-
-def _shortfall(certificate: Certificate) -> str:
-    return ", ".join(
-        f"the {claim.quantity} is {claim.value:.3g}, allowed {claim.limit:g}"
-        for claim in certificate.claims
-        if not claim.holds
-    )
 
 
 def _direction(

@@ -148,11 +148,12 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
         if unverified is None:
             raise
     raise SolverFailedError(
-        f"no solution of {kind.name} was verified; of the last one {_shortfall(unverified)}"
+        f"no solution of {kind.name} was verified; of the last one {shortfall_of(unverified)}"
     )
 
 
-def _shortfall(certificate: Certificate | None) -> str:
+def shortfall_of(certificate: Certificate | None) -> str:
+    """Return what does not hold, in words."""
     claims = () if certificate is None else certificate.claims
     return ", ".join(
         f"the {claim.quantity} is {claim.value:.3g}, allowed {claim.limit:g}"

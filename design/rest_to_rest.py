@@ -26,7 +26,10 @@ TRAVEL_TOLERANCE = 1e-14
 """Relative error of the travel at which its iteration ends [-]."""
 
 TRAVEL_ITERATIONS = 8
-"""The travel changes by nearly as much as what is asked of it: three do."""
+"""The travel changes by nearly as much as what is asked of it: three do [-]."""
+
+PULSE_ITERATIONS = 60
+"""Where a slow actuator barely comes to rest within the pulse, an iteration gains little [-]."""
 
 LARGEST_TRAVEL_ERROR = 1e-12
 """Relative error of the distance beyond which a move is not returned [-]."""
@@ -124,7 +127,7 @@ def over_distance(parts: Parts, wanted_s: float) -> tuple[Impulses, bool]:
     """Return the command that travels ``wanted_s`` times the speed."""
     pulse_s = wanted_s - parts.lead_s()
     if pulse_s >= parts.shortest_pulse_s:
-        for _ in range(TRAVEL_ITERATIONS):
+        for _ in range(PULSE_ITERATIONS):
             miss = wanted_s - travel(parts.whole(pulse_s), parts.actuator)
             pulse_s += miss
             if abs(miss) <= TRAVEL_TOLERANCE * wanted_s:
@@ -143,7 +146,7 @@ def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> I
     """
     command = parts.whole(pulse_s)
     if parts.designed_for.model == "superposed":
-        return command
+        return command if _travels(parts, command, wanted_s) else None
     # With a travel to meet, the gap between start and stop is unknown too.
     given = parts.start.times_s.size - (wanted_s is not None)
     w = parts.mode.natural_frequency_rad_s

@@ -49,6 +49,11 @@ class WholeMove:
     given: int = 0
     travels: bool = True
 
+    @property
+    def equations(self) -> int:
+        """How many equations it has."""
+        return 2 * (1 + self.derivatives) + self.travels
+
     def expressions(self) -> Expressions:
         """Build V = 0, its derivatives, and the travel over that wanted, less 1.
 

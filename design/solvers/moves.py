@@ -5,19 +5,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from design.errors import InfeasibleDesignError
+from design.errors import InfeasibleDesignError, TimeLimitError
 from design.shapers.problem import Problem
 from design.shapers.unity_magnitude import PERIOD_RAD
 from design.shapers.whole_move import WholeMove, pulse_trains
 from design.solvers import ipopt
 from design.solvers.outcome import Status
+from design.solvers.search import spread_starts
 from design.types import FloatArray
 
 COINCIDE_RAD = 1e-4
 """Steps closer than this are one: a sixtieth of a thousandth of a period [rad]."""
 
-FEWEST_STEPS = 2
-"""Up and down."""
+SPREAD_STARTS = 12
+"""Starts spread over the usual duration, where a move with fewer steps is looked for."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -35,6 +36,11 @@ class MoveCandidate:
     problem: Problem
     gaps_rad: FloatArray
 
+    @property
+    def duration_rad(self) -> float:
+        """From the first step to the last [rad]."""
+        return float(self.gaps_rad.sum())
+
 
 class _Search:
     """Starts of one search, counted."""
@@ -47,6 +53,8 @@ class _Search:
         for seed in seeds:
             self.starts += 1
             outcome = ipopt.solve(problem, np.maximum(seed, problem.shortest_gaps_rad))
+            if outcome.status is Status.TIME_LIMIT:
+                raise TimeLimitError(f"ipopt ran past its time at start {self.starts} of a move")
             in_time = outcome.unknowns.sum() <= problem.horizon_rad
             if outcome.status is Status.SOLVE_SUCCEEDED and in_time:
                 yield outcome.unknowns
@@ -57,19 +65,30 @@ class _Search:
         Steps up and down at one moment leave something only in the superposed model, where each
         is answered by another set: no drive can follow them.
         """
-        steps = gaps_rad.size + 1
-        if gaps_rad.min() <= COINCIDE_RAD and steps > FEWEST_STEPS:
-            fewer = _with_two_steps_fewer(problem)
-            for end in self.solved(fewer, [_without_shortest(gaps_rad), *pulse_trains(fewer)]):
+        fewer = _with_two_steps_fewer(problem)
+        if gaps_rad.min() <= COINCIDE_RAD and fewer is not None:
+            for end in self.solved(fewer, [_without_shortest(gaps_rad)]):
                 yield from self.with_fewer_steps(fewer, end)
         yield MoveCandidate(problem=problem, gaps_rad=gaps_rad)
+
+    def everywhere(self, problem: Problem, usual_rad: float) -> Iterator[MoveCandidate]:
+        """Yield what seeds and trains lead to, then what fewer steps do."""
+        seeds = [*(seed.gaps_rad for seed in problem.seeds), *pulse_trains(problem)]
+        for end in self.solved(problem, seeds):
+            yield from self.with_fewer_steps(problem, end)
+        fewer = _with_two_steps_fewer(problem)
+        while fewer is not None:
+            spread = spread_starts(replace(fewer, horizon_rad=usual_rad))[:SPREAD_STARTS]
+            for end in self.solved(fewer, [*pulse_trains(fewer), *spread]):
+                yield MoveCandidate(problem=fewer, gaps_rad=end)
+            fewer = _with_two_steps_fewer(fewer)
 
 
 def move_candidates(problem: Problem, usual_rad: float) -> Iterator[MoveCandidate]:
     """Yield moves, the likeliest minimum first.
 
-    IPOPT starts at the problem's own seeds, then at trains of pulses. Where two steps coincide, the
-    move is solved again without them.
+    IPOPT starts at the problem's own seeds, then at trains of pulses, then with fewer steps. Where
+    two steps coincide, the move is solved again without them.
 
     Parameters
     ----------
@@ -77,19 +96,26 @@ def move_candidates(problem: Problem, usual_rad: float) -> Iterator[MoveCandidat
         A whole move.
     usual_rad
         What the move should not take longer than: local minima may be several periods longer, and
-        are looked at only if there is nothing else [rad].
+        come last, with what has coinciding steps still [rad].
 
     Raises
     ------
     InfeasibleDesignError
         When all candidates, if any, are used up: says how many starts were tried.
+    TimeLimitError
+        If the solver ran past its time.
     """
     search = _Search()
-    seeds = [*(seed.gaps_rad for seed in problem.seeds), *pulse_trains(problem)]
-    for horizon_rad in (min(usual_rad, problem.horizon_rad), problem.horizon_rad):
-        within = replace(problem, horizon_rad=horizon_rad)
-        for end in search.solved(within, seeds):
-            yield from search.with_fewer_steps(within, end)
+    usual_rad = min(usual_rad, problem.horizon_rad)
+    put_off = []
+    for candidate in search.everywhere(problem, usual_rad):
+        if candidate.gaps_rad.min() > COINCIDE_RAD and candidate.duration_rad <= usual_rad:
+            yield candidate
+        else:
+            put_off.append(candidate)
+    yield from sorted(
+        put_off, key=lambda one: (one.gaps_rad.min() <= COINCIDE_RAD, one.duration_rad)
+    )
     travel_s = float(problem.parameters[5]) / problem.natural_frequency_rad_s
     raise InfeasibleDesignError(
         f"no move on levels 0 and 1 was found that travels {travel_s:.6g} s times its speed within "
@@ -97,12 +123,14 @@ def move_candidates(problem: Problem, usual_rad: float) -> Iterator[MoveCandidat
     )
 
 
-def _with_two_steps_fewer(problem: Problem) -> Problem:
-    if not isinstance(problem.model, WholeMove):
-        raise TypeError("only whole moves may lose steps")
+def _with_two_steps_fewer(problem: Problem) -> Problem | None:
+    """Return the same move with two steps less; None if there would be more equations than gaps."""
+    model = problem.model
+    if not isinstance(model, WholeMove) or model.steps - 2 <= model.equations:
+        return None
     return replace(
         problem,
-        model=replace(problem.model, steps=problem.model.steps - 2),
+        model=replace(model, steps=model.steps - 2),
         amplitudes=problem.amplitudes[:-2],
         shortest_gaps_rad=problem.shortest_gaps_rad[:-2],
     )

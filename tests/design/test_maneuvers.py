@@ -355,3 +355,15 @@ def test_bad_numbers_are_refused_by_name(arguments: dict[str, float], name: str)
 def test_the_ideal_actuators_pulse_is_its_travel() -> None:
     move = maneuver(CRANE, IDEAL, NUMZVD, speed_m_s=SPEED_M_S, pulse_s=2.1)
     assert move.distance_m == pytest.approx(0.42, rel=1e-14)
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("distance_m", [3.0, 100.0])
+def test_a_drive_that_hardly_comes_to_rest_goes_as_far_as_asked(
+    model: Model, distance_m: float
+) -> None:
+    slow = FirstOrder(accel_time_constant_s=3.0, decel_time_constant_s=2.0, model=model)
+    for kind in (UMZVD, NUMZV):
+        move = maneuver(CRANE, slow, kind, speed_m_s=SPEED_M_S, distance_m=distance_m)
+        assert move.certificate.verified
+        assert move.distance_m == pytest.approx(distance_m, rel=1e-12)
