@@ -21,6 +21,7 @@ STATUS = {
 OPTIONS: dict[str, Any] = {
     "print_time": False,
     "calc_lam_p": False,
+    "show_eval_warnings": False,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     # The default leaves residuals near 1e-9, which is the limit of the certificate.
