@@ -55,18 +55,16 @@ def _dynamics(actuator: Actuator, frequencies_rad_s: FloatArray, damping_ratio: 
         lags, coupled, jumps, kept = _side_by_side(both, scale)
     size = lags.shape[-1]
     w = frequencies_rad_s
-    matrices = np.zeros((2, w.size, size + 2, size + 2))
+    matrices = np.zeros((len(lags), w.size, size + 2, size + 2))
     matrices[:, :, :size, :size] = lags[:, None]
     matrices[:, :, -1, coupled] = w[:, None]
     matrices[:, :, -2, -1] = w
     matrices[:, :, -1, -2] = -w
     matrices[:, :, -1, -1] = -2 * damping_ratio * w
-    return _Dynamics(
-        matrices,
-        np.concatenate((jumps, [[1.0, 0.0], [1.0, 0.0]]), axis=1),
-        np.concatenate((kept, np.ones((2, 2))), axis=1),
-        coupled,
-    )
+    taken, left = np.zeros((2, size + 2)), np.ones((2, size + 2))
+    taken[:, :size], left[:, :size] = jumps, kept
+    taken[:, -2] = 1.0  # q is measured from the command
+    return _Dynamics(np.broadcast_to(matrices, (2, *matrices.shape[1:])), taken, left, coupled)
 
 
 def _side_by_side(
@@ -85,7 +83,7 @@ def _side_by_side(
             jumps[which, start] = 1.0
             coupled.append(start)
         start += order
-    return np.stack([matrix, matrix]), coupled, jumps, np.ones_like(jumps)
+    return matrix[None], coupled, jumps, np.ones_like(jumps)
 
 
 def _one_state(
@@ -145,34 +143,36 @@ def ringing_after(
     """
     dynamics = _dynamics(actuator, frequencies_rad_s, damping_ratio)
     final = _states_after_steps(impulses, dynamics)[-1]
-    last, rising = _left_eigenvectors(
-        dynamics, [int(impulses.accelerates[-1]), 1], frequencies_rad_s, damping_ratio
-    )
+    rising = _left_eigenvectors(dynamics, 1, frequencies_rad_s, damping_ratio)
+    last = rising
+    if not impulses.accelerates[-1]:
+        last = _left_eigenvectors(dynamics, 0, frequencies_rad_s, damping_ratio)
     unit = -dynamics.jumps[1] * dynamics.kept[1]
     return (last * final).sum(axis=1), rising @ unit
 
 
 def _left_eigenvectors(
-    dynamics: _Dynamics, sets: list[int], frequencies_rad_s: FloatArray, damping_ratio: float
+    dynamics: _Dynamics, force: int, frequencies_rad_s: FloatArray, damping_ratio: float
 ) -> ComplexArray:
-    """Left eigenvectors of the mode in the coupled system of each set, shape (sets, f, n).
+    """Left eigenvectors of the mode in the coupled system of one set, shape (f, n).
 
     ``l A = s l`` with ``l = [l_lags, -1, s/w]``, from the bottom block upward.
     """
-    matrices = dynamics.matrices[sets]
+    matrices = dynamics.matrices[force]
     size = matrices.shape[-1]
     lags = size - 2
     unit_pole = complex(-damping_ratio, (1 - damping_ratio**2) ** 0.5)
-    left = np.empty((len(sets), frequencies_rad_s.size, size), dtype=np.complex128)
-    left[..., -2] = -1.0
-    left[..., -1] = unit_pole
+    left = np.empty((frequencies_rad_s.size, size), dtype=np.complex128)
+    left[:, -2] = -1.0
+    left[:, -1] = unit_pole
     if lags:
         poles = (unit_pole * frequencies_rad_s)[:, None, None]
-        shifted = poles * np.eye(lags) - matrices[..., :lags, :lags].swapaxes(-1, -2)
-        drive = matrices[..., -1, :lags] * unit_pole
-        left[..., :lags] = np.linalg.solve(shifted, drive[..., None])[..., 0]
+        shifted = poles * np.eye(lags) - matrices[:, :lags, :lags].swapaxes(1, 2)
+        drive = matrices[:, -1, :lags] * unit_pole
         # A set that brings a lag to rest at once: nothing of it rings.
-        left[..., :lags] *= dynamics.kept[sets][:, None, :lags]
+        left[:, :lags] = (
+            np.linalg.solve(shifted, drive[..., None])[..., 0] * dynamics.kept[force, :lags]
+        )
     return left
 
 
