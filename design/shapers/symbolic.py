@@ -49,18 +49,20 @@ def exponential(exponent: Complex) -> Complex:
 class SymbolicSet:
     """A lag ``G = 1 / (1 + first s + second s^2)`` whose coefficients are expressions."""
 
-    def __init__(self, first: Any, second: Any, s: Complex) -> None:  # noqa: ANN401
+    def __init__(self, first: Any, second: Any) -> None:  # noqa: ANN401
         self.first = first
         self.second = second
-        below = Complex(1, 0) + s.scaled(first) + (s * s).scaled(second)
-        self.gain = Complex(1, 0) / below
+
+    def denominator(self, s: Complex) -> Complex:
+        """Return ``1 / G`` at a pole."""
+        return Complex(1, 0) + s.scaled(self.first) + (s * s).scaled(self.second)
 
     def ringing(self, error: Any, rate: Any, s: Complex) -> Complex:  # noqa: ANN401
-        """Return what an error and its rate leave if this set stays in force.
+        """Return, over G, what an error and its rate leave if this set stays in force.
 
-        It is ``G (second s rate - error)``.
+        It is ``second s rate - error``.
         """
-        return self.gain * (s.scaled(self.second * rate) - Complex(error, 0))
+        return s.scaled(self.second * rate) - Complex(error, 0)
 
     def free_motion(
         self,
@@ -138,23 +140,27 @@ def alternating_steps(gaps: list[Any], lags: Any, switched_order: int) -> Altern
     z, first_a, second_a, first_d, second_d = ca.vertsplit(lags)
     w = ca.SX.sym("w")
     s = Complex(-z * w, w * ca.sqrt(1 - z * z))
-    sets = [SymbolicSet(first_a, second_a, s), SymbolicSet(first_d, second_d, s)]
+    sets = [SymbolicSet(first_a, second_a), SymbolicSet(first_d, second_d)]
+    # Over G_accel: a constant 1 for its own steps halves the expression.
+    gains = [Complex(ca.SX(1), ca.SX(0)), sets[0].denominator(s) / sets[1].denominator(s)]
     error, rate, travel = ca.SX(0), ca.SX(0), ca.SX(0)
     vibration = Complex(ca.SX(0), ca.SX(0))
     for index in range(len(gaps) + 1):
         amplitude = 1 - 2 * (index % 2)
         after, before = sets[index % 2], sets[index % 2 - 1]
-        added = after.gain.scaled(amplitude)
+        gain_after, gain_before = gains[index % 2], gains[index % 2 - 1]
+        added = gain_after.scaled(amplitude)
         if switched_order and index > 0:
             error, rate = before.free_motion(gaps[index - 1], error, rate, switched_order)
-            added = added + after.ringing(error, rate, s) - before.ringing(error, rate, s)
+            gained = gain_after * after.ringing(error, rate, s)
+            added = added + gained - gain_before * before.ringing(error, rate, s)
             travel += (after.first - before.first) * error
             travel += (after.second - before.second) * rate
         error = error - amplitude
         left = sum(gaps[index:], ca.SX(0))
         vibration = vibration + added * exponential(s.scaled(left))
         travel += amplitude * (left - after.first)
-    return AlternatingSteps(w=w, vibration=vibration / sets[0].gain, travel=travel)
+    return AlternatingSteps(w=w, vibration=vibration, travel=travel)
 
 
 def with_slopes(steps: AlternatingSteps, derivatives: int) -> list[Any]:
