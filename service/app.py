@@ -1,5 +1,6 @@
 """The one place that wires the parts of the service."""
 
+import gc
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from http import HTTPStatus
@@ -39,6 +40,7 @@ def create_app(settings: Settings) -> FastAPI:
             max_pending=settings.max_pending,
         )
         app.state.pool = pool
+        gc.freeze()  # what is built now stays: collections need not look at it again
         yield
         await pool.close()
 

@@ -199,6 +199,8 @@ class WorkerPool:
         return bool(self._built) and self.pending < self.max_pending
 
     async def _idle_worker(self) -> Worker:
+        if not self._idle.empty():
+            return self._idle.get_nowait()
         try:
             async with asyncio.timeout(LONGEST_WAIT_S):
                 return await self._idle.get()
