@@ -5,7 +5,9 @@ from typing import Annotated, Self
 from pydantic import Field
 
 from design.analysis.certificate import Certificate
+from design.impulses import Impulses
 from design.pipeline import Design
+from design.sampled import Sampled
 from schemas.actuators import ActuatorIn
 from schemas.base import Wire
 from schemas.fits import FitIn, FitOut
@@ -43,6 +45,17 @@ class SampledOut(Wire):
     samples: Annotated[list[int], Field(description="Sample number of each impulse.")]
     continuous_times_s: Annotated[list[float], Field(description="Before [s].")]
     continuous_residual: Annotated[float, Field(description="Left before, likewise [-].")]
+
+    @classmethod
+    def from_design(cls, sampled: Sampled, continuous: Impulses) -> Self:
+        """Wrap the design records."""
+        return cls.model_construct(
+            sample_time_s=sampled.sample_time_s,
+            method=sampled.method,
+            samples=list(sampled.samples),
+            continuous_times_s=continuous.times_s.tolist(),
+            continuous_residual=sampled.continuous_residual,
+        )
 
 
 class ClaimOut(Wire):

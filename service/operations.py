@@ -131,22 +131,18 @@ def _designed(
         with named("sensitivity"):
             curve_range = request.sensitivity.to_design()
     if request.fit is not None:
+        with named("shaper"):
+            request.shaper.continuous_options()
         with named("fit"):
             plants_at_ends(plant, request.fit.to_design(request.plant.kind))
     kind = request.shaper.registered()
     found, told = design(plant, actuator, kind, options), None
     sample_time_s = request.shaper.sample_time_s
     if sample_time_s is not None:
-        continuous = found
+        continuous = found.impulses
         with named("shaper"):
-            found, method = sampled_design(found, plant.mode, actuator, sample_time_s, kind.claims)
-        told = SampledOut.model_construct(
-            sample_time_s=sample_time_s,
-            method=method.method,
-            samples=list(method.samples),
-            continuous_times_s=continuous.impulses.times_s.tolist(),
-            continuous_residual=method.continuous_residual,
-        )
+            found, sampled = sampled_design(found, plant.mode, actuator, sample_time_s, kind.claims)
+        told = SampledOut.from_design(sampled, continuous)
     curve = None
     if curve_range is not None:
         curve = sensitivity(found.impulses, plant.mode, actuator, curve_range)

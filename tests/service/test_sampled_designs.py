@@ -48,6 +48,10 @@ def test_a_faulty_sample_time_is_named(client: httpx.Client, sample_time: Any) -
     ("path", "extra"),
     [
         ("/v1/fits", {"fit": {"over": "/plant/cable_length_m", "from": 1, "to": 2, "degree": 2}}),
+        (
+            "/v1/designs",
+            {"fit": {"over": "/plant/cable_length_m", "from": 1, "to": 2, "degree": 2}},
+        ),
         ("/v1/maneuvers", {"speed_m_s": 0.2, "distance_m": 0.4}),
     ],
 )
