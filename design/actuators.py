@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Literal, overload
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss
 
 from design.errors import InvalidInputError
 from design.types import (
@@ -27,8 +28,17 @@ of the command's magnitude (Kim 2011, 4.2-4.8 and 4.23-4.28).
 SMALLEST_DAMPING_RATIO = 0.1
 LARGEST_DAMPING_RATIO = 5.0
 
+GENTLE_RAMP = 0.1
+"""Turn of a lag's fastest mode over a ramp up to which four Gauss nodes are exact [rad].
+
+Their error is ``turn^8 / 2e9``; the closed form of longer ramps loses a digit to subtraction.
+"""
+
 CRITICAL_PHASE = 1e-6
 """Below it, sin(x)/x and cos(x) are 1 to 1e-12: the lag counts as critically damped [rad]."""
+
+GAUSS = tuple((part + 1) / 2 if which == 0 else part / 2 for which, part in enumerate(leggauss(4)))
+"""Nodes and weights of Gauss and Legendre on [0, 1] [-]."""
 
 SETTLED_SHARE = 0.8
 """Share of a step after which a step counts as settled (Kim 2011, eq. 3.40) [-]."""
@@ -131,14 +141,14 @@ def free_motions(first_s: FloatArray, second_s2: FloatArray, elapsed_s: FloatArr
     Parameters
     ----------
     first_s, second_s2
-        Coefficients of the lags, shape (m,) or (1,) [s], [s^2].
+        Coefficients of the lags [s], [s^2].
     elapsed_s
-        Times since a moment, shape (m,) or (1,), >= 0 [s].
+        Times since a moment, >= 0; its shape and those of the lags broadcast to (...) [s].
 
     Returns
     -------
     FloatArray
-        Shape (m, 2, 2) [-].
+        Shape (..., 2, 2) [-].
     """
     second_order = second_s2 > 0
     corner = np.where(second_order, second_s2, 1.0) ** -0.5
@@ -155,11 +165,48 @@ def free_motions(first_s: FloatArray, second_s2: FloatArray, elapsed_s: FloatArr
     constant = np.where(first_s > 0, first_s, 1.0)
     alone = np.where(first_s > 0, np.exp(-elapsed_s / constant), 0.0)
     motion = np.zeros((*even.shape, 2, 2))
-    motion[:, 0, 0] = np.where(second_order, even + damping * odd, alone)
-    motion[:, 0, 1] = np.where(second_order, odd, 0.0)
-    motion[:, 1, 0] = np.where(second_order, -odd, 0.0)
-    motion[:, 1, 1] = np.where(second_order, even - damping * odd, 0.0)
+    motion[..., 0, 0] = np.where(second_order, even + damping * odd, alone)
+    motion[..., 0, 1] = np.where(second_order, odd, 0.0)
+    motion[..., 1, 0] = np.where(second_order, -odd, 0.0)
+    motion[..., 1, 1] = np.where(second_order, even - damping * odd, 0.0)
     return motion
+
+
+def ramp_responses(first_s: FloatArray, second_s2: FloatArray, ramps_s: FloatArray) -> FloatArray:
+    """Return the errors of lags at the end of ramps of their input, each from 1 below to 0.
+
+    The mean of the free motion of a unit error over the ramp: 1 and 0 for a step.
+
+    Parameters
+    ----------
+    first_s, second_s2
+        Coefficients of the lags [s], [s^2].
+    ramps_s
+        Durations of the ramps, >= 0; its shape and those of the lags broadcast to (...) [s].
+
+    Returns
+    -------
+    FloatArray
+        Of the state ``[error, rate]``, shape (..., 2) [-], [1/s]; 0 for an ideal lag.
+    """
+    corner = np.where(second_s2 > 0, np.where(second_s2 > 0, second_s2, 1.0) ** -0.5, 0.0)
+    slowness = np.where(second_s2 > 0, second_s2, first_s)
+    fastest = np.where(second_s2 > 0, first_s, 1.0) / np.where(slowness > 0, slowness, 1.0) + corner
+    gentle = fastest * ramps_s <= GENTLE_RAMP
+    mean = np.zeros((*gentle.shape, 2))
+    for node, weight in zip(*GAUSS, strict=True):
+        motion = free_motions(first_s, second_s2, node * ramps_s)
+        mean[..., 0] += weight * motion[..., 0, 0]
+        mean[..., 1] += weight * corner * motion[..., 1, 0]
+    # e + first e' + second e'' = 0, integrated over the ramp.
+    last = free_motions(first_s, second_s2, ramps_s)
+    lost = 1 - last[..., 0, 0]
+    long = np.where(gentle, 1.0, ramps_s)
+    closed = np.stack(
+        ((first_s * lost - second_s2 * corner * last[..., 1, 0]) / long, -lost / long), axis=-1
+    )
+    closed[..., 1] *= second_s2 > 0
+    return np.where(gentle[..., None], mean, closed)
 
 
 IDEAL_LAG = Lag()
@@ -318,4 +365,86 @@ class SecondOrder:
         }
 
 
-Actuator = Ideal | FirstOrder | SecondOrder
+Unlimited = Ideal | FirstOrder | SecondOrder
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RateLimited:
+    """A limit to acceleration and one to deceleration, and what follows the limited command.
+
+    The command's steps become ramps, steep as the limits allow: the first while the reference's
+    magnitude grows, the second while it falls. A command that changes before its ramp is over
+    turns the ramp; one that reverses passes zero.
+
+    Attributes
+    ----------
+    accel_limit_m_s2, decel_limit_m_s2
+        Largest rates of the reference, > 0 [m/s^2].
+    speed_m_s
+        Full speed: what a command of 1 stands for, > 0 [m/s].
+    then
+        What follows the ramps; its sets are those of the reference's latest change.
+    dead_time_s
+        Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
+    """
+
+    accel_limit_m_s2: float
+    decel_limit_m_s2: float
+    speed_m_s: float
+    then: Unlimited = field(default_factory=Ideal)
+    dead_time_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("accel_limit_m_s2", "decel_limit_m_s2", "speed_m_s"):
+            require_scale(name, getattr(self, name))
+        require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
+        if self.then.dead_time_s != 0:
+            raise InvalidInputError(
+                "then.dead_time_s", self.then.dead_time_s, "0: dead_time_s beside it is the delay"
+            )
+
+    @property
+    def kind(self) -> str:
+        """Its ``kind`` on the wire."""
+        return "rate_limited"
+
+    @property
+    def model(self) -> Model:
+        """How the two sets of what follows share the actuator."""
+        return self.then.model
+
+    @property
+    def accel_lag(self) -> Lag:
+        """Response to a reference whose magnitude grows."""
+        return self.then.accel_lag
+
+    @property
+    def decel_lag(self) -> Lag:
+        """Response to a reference whose magnitude falls."""
+        return self.then.decel_lag
+
+    @property
+    def unit_ramps_s(self) -> tuple[float, float]:
+        """Time to full speed and from it [s]."""
+        return self.speed_m_s / self.accel_limit_m_s2, self.speed_m_s / self.decel_limit_m_s2
+
+    @property
+    def corner_frequencies_rad_s(self) -> dict[str, float]:
+        """Corner frequency of each set that has one [rad/s]."""
+        return self.then.corner_frequencies_rad_s
+
+
+Actuator = Unlimited | RateLimited
+
+
+def unit_ramps_s(actuator: Actuator) -> tuple[float, float]:
+    """Return the time that the reference takes to full speed and from it; 0 without limits [s]."""
+    return actuator.unit_ramps_s if isinstance(actuator, RateLimited) else (0.0, 0.0)
+
+
+def require_speed(actuator: Actuator, speed_m_s: float) -> None:
+    """Raise InvalidInputError if the limits of a rate-limited actuator are for another speed."""
+    if isinstance(actuator, RateLimited) and abs(speed_m_s) != actuator.speed_m_s:
+        raise InvalidInputError(
+            "speed_m_s", speed_m_s, f"the actuator's own speed_m_s, {actuator.speed_m_s!r}"
+        )

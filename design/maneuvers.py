@@ -3,7 +3,14 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
-from design.actuators import Actuator, FirstOrder, SecondOrder
+from design.actuators import (
+    Actuator,
+    FirstOrder,
+    RateLimited,
+    SecondOrder,
+    Unlimited,
+    require_speed,
+)
 from design.analysis.certificate import Certificate, certify
 from design.analysis.residual import residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
@@ -130,6 +137,7 @@ def maneuver(
     >>> move.direction, round(move.distance_m, 12), round(move.pulse_s, 12), move.joint
     (-1, -0.42, 2.1, False)
     """
+    require_speed(actuator, speed_m_s)
     direction = _direction(plant.mode, speed_m_s, pulse_s, distance_m)
     parts = _parts(plant, actuator, kind, kind.options() if options is None else options)
     if pulse_s is None:
@@ -186,6 +194,17 @@ def mirrored_stop(start: Impulses) -> Impulses:
 
 def swapped(actuator: Actuator) -> Actuator:
     """Return the actuator with its acceleration and deceleration sets in each other's place."""
+    if isinstance(actuator, RateLimited):
+        return replace(
+            actuator,
+            accel_limit_m_s2=actuator.decel_limit_m_s2,
+            decel_limit_m_s2=actuator.accel_limit_m_s2,
+            then=_sets_swapped(actuator.then),
+        )
+    return _sets_swapped(actuator)
+
+
+def _sets_swapped(actuator: Unlimited) -> Unlimited:
     if isinstance(actuator, FirstOrder):
         return replace(
             actuator,

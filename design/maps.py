@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from design.actuators import Actuator
-from design.analysis.residual import residuals_of_cases
+from design.actuators import Actuator, RateLimited
+from design.analysis.residual import residual_vibration, residuals_of_cases
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.impulses import Impulses
 from design.pipeline import design
@@ -131,6 +131,9 @@ def _held(shaper: Impulses, cells: list[dict[str, Any]]) -> FloatArray:
     """Return the residuals of one shaper for many plants and actuators, at once."""
     modes = [cell["plant"].mode for cell in cells]
     drives = [cell["actuator"] for cell in cells]
+    if isinstance(drives[0], RateLimited):
+        pairs = zip(modes, drives, strict=True)
+        return np.array([residual_vibration(shaper, mode, drive) for mode, drive in pairs])
     lags = [(drive.accel_lag, drive.decel_lag) for drive in drives]
     return residuals_of_cases(
         shaper,

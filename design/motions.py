@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.actuators import Actuator
+from design.actuators import Actuator, require_speed
 from design.analysis.residual import RESONANCE, residual_vibration
 from design.impulses import Impulses
 from design.plants import Pendulum, Plant
@@ -82,6 +82,7 @@ def motion(
         Times, shape (n,) [s].
     """
     require_scale("speed_m_s", speed_m_s)
+    require_speed(actuator, speed_m_s)
     mode = plant.mode
     length_m = plant.cable_length_m if isinstance(plant, Pendulum) else None
     lags = (actuator.accel_lag, actuator.decel_lag)

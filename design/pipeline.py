@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from design.actuators import SETTLED_SHARE, Actuator
+from design.actuators import SETTLED_SHARE, Actuator, unit_ramps_s
 from design.analysis.certificate import Certificate, certify
 from design.analysis.residual import require_workable, residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
@@ -192,10 +192,11 @@ def _impulses(problem: Problem, gaps_rad: FloatArray) -> Impulses:
 def warnings_of(impulses: Impulses, mode: Mode, actuator: Actuator) -> Iterator[DesignWarning]:
     """Yield what to know of a command: switches that come too early, sets that are too slow."""
     gaps = impulses.times_s[1:] - impulses.times_s[:-1]
+    ramps_s = dict(zip(("accel", "decel"), unit_ramps_s(actuator), strict=True))
     steps = zip(gaps.tolist(), impulses.accelerates.tolist(), strict=False)
     for number, (gap, rising) in enumerate(steps, start=1):
         name, lag = ("accel", actuator.accel_lag) if rising else ("decel", actuator.decel_lag)
-        error = lag.step_error(gap)
+        error = lag.step_error(max(gap - ramps_s[name], 0.0))
         if abs(error) > 1 - SETTLED_SHARE + SETTLED_MARGIN:
             yield DesignWarning(
                 code="actuator_not_settled",

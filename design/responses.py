@@ -1,7 +1,8 @@
-"""Exact response of actuator and mode to a stepped command, in closed form.
+"""Exact response of actuator and mode to a command, in closed form.
 
-Between two steps every lag moves freely and the mode rings; `Lag.free_motion` and one complex
-exponential say how, for any damping. Nothing is stepped through time.
+Between two changes of the reference every lag moves freely and the mode rings;
+`design.actuators.free_motions` and one complex exponential say how, for any damping. Nothing is
+stepped through time.
 """
 
 import math
@@ -9,11 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.actuators import IDEAL_LAG, Actuator, Lag
+from design.actuators import Actuator, Lag, Model, free_motions, ramp_responses
 from design.errors import InvalidInputError
 from design.impulses import Impulses
 from design.plants import Mode
-from design.types import BoolArray, ComplexArray, FloatArray
+from design.references import Reference, ramp_factors, reference
+from design.types import ComplexArray, FloatArray
 
 AT_REST = 1e-12
 """Share of all steps within which their sum counts as 0: rounding of as many additions [-]."""
@@ -21,109 +23,96 @@ AT_REST = 1e-12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LagStates:
-    """Velocity less command, and its rate, around each of n steps; columns: accel, decel set.
+    """Velocity less reference, and the velocity's rate, just before each of n changes.
 
-    A switched actuator has one state, which stands in the column of the set in force. Of many
-    commands, each array has one more axis, ahead of the others.
+    Of m commands or actuators; columns: accel, decel set. A switched actuator has one state, which
+    stands in the column of the set in force until then.
 
     Attributes
     ----------
-    before, rates_before
-        Just before each step, shape (n, 2) [-], [1/s].
-    after, rates_after
-        Just after it, shape (n, 2) [-], [1/s].
-    velocity_jumps
-        By how much the velocity itself jumps, into a set that follows at once, shape (n,) [-].
+    errors
+        Shape (m, n, 2) [-].
+    rates_s
+        Shape (m, n, 2); 0 for lags of first order [1/s].
     """
 
-    before: FloatArray
-    rates_before: FloatArray
-    after: FloatArray
-    rates_after: FloatArray
-    velocity_jumps: FloatArray
+    errors: FloatArray
+    rates_s: FloatArray
 
 
-def lag_states(impulses: Impulses, actuator: Actuator) -> LagStates:
-    """Return the states of the actuator around each step of a command."""
-    lags = (actuator.accel_lag, actuator.decel_lag)
-    gaps = impulses.times_s[1:] - impulses.times_s[:-1]
-    motions = [lag.free_motion(gaps).tolist() for lag in lags]
-    switched = actuator.model == "switched"
-    count = impulses.times_s.size
-    before, after = np.zeros((2, count, 2)), np.zeros((2, count, 2))
-    state = [(0.0, 0.0), (0.0, 0.0)]  # error and rate of either set
-    steps = zip(impulses.accelerates.tolist(), impulses.amplitudes.tolist(), strict=True)
-    for index, (rising, amplitude) in enumerate(steps):
-        if index > 0:
-            state = [
-                _moved(lag, motion[index - 1], *one)
-                for lag, motion, one in zip(lags, motions, state, strict=True)
-            ]
-        before[:, index] = np.transpose(state)
-        force = 0 if rising else 1
-        error, rate = state[force]
-        if switched and state[1 - force] != (0.0, 0.0):
-            error, rate = state[1 - force]
-            state[1 - force] = (0.0, 0.0)
-        state[force] = (error - amplitude, rate) if lags[force] != IDEAL_LAG else (0.0, 0.0)
-        after[:, index] = np.transpose(state)
-    jumps = impulses.amplitudes + (after[0] - before[0]).sum(axis=1)
-    if IDEAL_LAG not in lags:
-        jumps[:] = 0.0  # but for rounding
-    return LagStates(before[0], before[1], after[0], after[1], jumps)
-
-
-def switched_states_of_many(
-    times_s: FloatArray, amplitudes: FloatArray, accelerates: BoolArray, actuator: Actuator
+def lag_states(
+    changes: Reference, first_s: FloatArray, second_s2: FloatArray, model: Model
 ) -> LagStates:
-    """Return the `lag_states` of many commands of a switched actuator at once.
+    """Return the states of lags just before each change of their reference.
 
     Parameters
     ----------
-    times_s
-        Times of the steps, shape (m, n), not decreasing along a row [s].
-    amplitudes, accelerates
-        Heights of the steps and which increase the command, the same for all, shape (n,).
-    actuator
-        The actuator, switched.
-
-    Returns
-    -------
-    LagStates
-        Arrays of shape (m, n, 2), the jumps (m, n).
+    changes
+        What they follow; times and ramps of shape (n,), or (m, n) for m references whose changes
+        differ in time alone.
+    first_s, second_s2
+        Coefficients, columns accel and decel, shape (m, 2) or (1, 2) [s], [s^2].
+    model
+        Of all actuators.
     """
+    times, ramps = np.atleast_2d(changes.times_s), np.atleast_2d(changes.ramps_s)
+    many = max(len(times), len(first_s))
+    gaps = times[:, 1:] - times[:, :-1]
+    forces = np.where(changes.accelerates, 0, 1)[:-1]
+    states = LagStates(*np.zeros((2, many, forces.size + 1, 2)))
+    chains = [forces] if model == "switched" else [np.full_like(forces, one) for one in (0, 1)]
+    for chain in chains:
+        driven = np.where(chain == forces, changes.changes[:-1], 0.0)
+        of_chain = first_s[:, chain], second_s2[:, chain]
+        moved = _carried(*of_chain, gaps, ramps[:, :-1], driven)
+        after = np.arange(1, forces.size + 1)
+        states.errors[:, after, chain], states.rates_s[:, after, chain] = moved
+    return states
+
+
+def states_of(changes: Reference, actuator: Actuator) -> LagStates:
+    """Return the `lag_states` of one actuator."""
+    return lag_states(changes, *_coefficients(actuator), actuator.model)
+
+
+def _coefficients(actuator: Actuator) -> tuple[FloatArray, FloatArray]:
     lags = (actuator.accel_lag, actuator.decel_lag)
-    shape = (*times_s.shape, 2)
-    before, rates_before = np.zeros(shape), np.zeros(shape)
-    after, rates_after = np.zeros(shape), np.zeros(shape)
-    error = rate = np.zeros(len(times_s))
-    force = 0
-    for index, rising in enumerate(accelerates.tolist()):
-        if index > 0:
-            lag = lags[force]
-            motion = lag.free_motion(times_s[:, index] - times_s[:, index - 1])
-            scaled = rate / lag.corner_rad_s if lag.corner_rad_s > 0 else rate
-            error, rate = (
-                motion[:, 0, 0] * error + motion[:, 0, 1] * scaled,
-                lag.corner_rad_s * (motion[:, 1, 0] * error + motion[:, 1, 1] * scaled),
-            )
-            before[:, index, force], rates_before[:, index, force] = error, rate
-        force = 0 if rising else 1
-        error = error - amplitudes[index]
-        if lags[force] == IDEAL_LAG:
-            error = rate = np.zeros(len(times_s))
-        after[:, index, force], rates_after[:, index, force] = error, rate
-    jumps = amplitudes + (after - before).sum(axis=-1)
-    if IDEAL_LAG not in lags:
-        jumps[:] = 0.0  # but for rounding
-    return LagStates(before, rates_before, after, rates_after, jumps)
+    return np.array([[lag.first_s for lag in lags]]), np.array([[lag.second_s2 for lag in lags]])
 
 
-def _moved(lag: Lag, motion: list[list[float]], error: float, rate_s: float) -> tuple[float, float]:
-    (a, b), (c, d) = motion
-    corner = lag.corner_rad_s
-    scaled = rate_s / corner if corner > 0 else 0.0
-    return a * error + b * scaled, corner * (c * error + d * scaled)
+def _carried(
+    first_s: FloatArray,
+    second_s2: FloatArray,
+    gaps_s: FloatArray,
+    ramps_s: FloatArray,
+    driven: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Carry lags from rest over gaps, each begun by a change ``driven``: shape (m, gaps) each."""
+    flows = _flows(first_s, second_s2, gaps_s)
+    pulls = flows[..., 0]
+    if ramps_s.any():
+        held = _flows(first_s, second_s2, np.maximum(gaps_s - ramps_s, 0.0))
+        pulls = (held @ ramp_responses(first_s, second_s2, ramps_s)[..., None])[..., 0]
+    moves = np.concatenate((flows.reshape(*flows.shape[:2], 4), pulls), axis=-1)
+    # Plain numbers where there is one: five times as fast as arrays of one.
+    each = moves[0].tolist() if len(moves) == 1 else moves.transpose(1, 2, 0)
+    error = rate = 0.0
+    errors, rates = [], []
+    for (a, b, c, d, p, q), change in zip(each, driven.tolist(), strict=True):
+        error, rate = a * error + b * rate - change * p, c * error + d * rate - change * q
+        errors.append(error)
+        rates.append(rate)
+    shape = flows.shape[1::-1]
+    return np.array(errors).reshape(shape).T, np.array(rates).reshape(shape).T
+
+
+def _flows(first_s: FloatArray, second_s2: FloatArray, elapsed_s: FloatArray) -> FloatArray:
+    """Return the free motion of ``[error, rate]`` in [-] and [1/s], shape (..., 2, 2)."""
+    flows = free_motions(first_s, second_s2, elapsed_s)
+    corner = np.where(second_s2 > 0, second_s2, 1.0) ** -0.5
+    flows[..., 0, 1] /= corner
+    flows[..., 1, 0] *= corner
+    return flows
 
 
 def travel(impulses: Impulses, actuator: Actuator) -> float:
@@ -145,8 +134,8 @@ def travel(impulses: Impulses, actuator: Actuator) -> float:
 
     Notes
     -----
-    A lag's error e = v - u obeys ``e + first v' + second v'' = 0``: over a segment its integral is
-    ``first (e0 - e1) + second (e0' - e1')``. Summed over all, what each step changes is left.
+    A lag obeys ``v - r + first v' + second v'' = 0``: over a segment of one set the integral of
+    v - r is ``first (v0 - v1) + second (v0' - v1')``.
 
     Examples
     --------
@@ -159,13 +148,20 @@ def travel(impulses: Impulses, actuator: Actuator) -> float:
     end = float(impulses.amplitudes.sum())
     if abs(end) > AT_REST * float(np.abs(impulses.amplitudes).sum()):
         raise InvalidInputError("amplitudes", f"a sum of {end:g}", "of sum 0: a command to rest")
-    states = lag_states(impulses, actuator)
-    lags = (actuator.accel_lag, actuator.decel_lag)
-    errors = (states.after - states.before).sum(axis=0)
-    rates = (states.rates_after - states.rates_before).sum(axis=0)
-    lagging = errors @ [lag.first_s for lag in lags] + rates @ [lag.second_s2 for lag in lags]
+    changes = reference(impulses, actuator)
+    forces = np.where(changes.accelerates, 0, 1)
+    first, second = (part[0] for part in _coefficients(actuator))
+    if actuator.model == "superposed":
+        lagging = float(first[forces] @ changes.changes)
+    else:
+        states = states_of(changes, actuator)
+        levels = np.concatenate(([0.0], np.cumsum(changes.changes)[:-1]))
+        velocities = np.append(levels + states.errors[0].sum(axis=1), 0.0)
+        rates = np.append(states.rates_s[0].sum(axis=1), 0.0)
+        lagging = float(first[forces] @ np.diff(velocities) + second[forces] @ np.diff(rates))
     # Times from the first step on: a late clock would only cost digits.
-    return float(lagging - impulses.amplitudes @ (impulses.times_s - impulses.times_s[0]))
+    middles = changes.times_s - changes.times_s[0] + changes.ramps_s / 2
+    return -float(changes.changes @ middles) - lagging
 
 
 def ringing_of_lag(
@@ -222,47 +218,81 @@ def history(impulses: Impulses, mode: Mode, actuator: Actuator, times_s: FloatAr
     coordinate ``(v - q) + s/w p``, with what the lags will still leave added, rings as exp(s t).
     """
     lags = (actuator.accel_lag, actuator.decel_lag)
-    states = lag_states(impulses, actuator)
+    changes = reference(impulses, actuator)
+    states = states_of(changes, actuator)
     pole = mode.pole_rad_s
-    segment = np.searchsorted(impulses.times_s, times_s, side="right") - 1
+    switched = actuator.model == "switched"
+    segment = np.searchsorted(changes.times_s, times_s, side="right") - 1
     moving = segment >= 0
     started = np.maximum(segment, 0)
-    elapsed = np.where(moving, times_s - impulses.times_s[started], 0.0)
-    ringing = _ringing_after_steps(impulses, states, lags, pole)[started] * np.exp(pole * elapsed)
+    elapsed = np.where(moving, times_s - changes.times_s[started], 0.0)
+    forces = np.where(changes.accelerates, 0, 1)
+    ramps = np.minimum(elapsed, changes.ramps_s[started])
+    whole = changes.ramps_s[started] == ramps
+    done = changes.changes[started] * np.where(
+        whole, 1.0, ramps / np.where(whole, 1.0, changes.ramps_s[started])
+    )
+    gains = 1 / np.array([lag.denominator(pole) for lag in lags])
+    forced = gains[forces[started]] * done * ramp_factors(np.array([pole]), ramps)
+    before = _ringing_before_changes(changes, states, lags, pole, switched=switched)
+    ringing = (before[started] + forced) * np.exp(pole * elapsed)
     error = np.zeros(times_s.size)
     for column, lag in enumerate(lags):
-        motion = lag.free_motion(elapsed)
-        corner = lag.corner_rad_s
-        first = states.after[started, column]
-        second = states.rates_after[started, column] / corner if corner > 0 else 0.0
-        now = motion[:, 0, 0] * first + motion[:, 0, 1] * second
-        rate = corner * (motion[:, 1, 0] * first + motion[:, 1, 1] * second)
-        error += now
-        ringing -= ringing_of_lag(lag, now, rate, pole)
-    command = np.where(moving, np.cumsum(impulses.amplitudes)[started], 0.0)
+        own = forces[started] == column
+        start = [part[0, :, column] for part in (states.errors, states.rates_s)]
+        if switched:
+            start = [part[0].sum(axis=1) for part in (states.errors, states.rates_s)]
+        state = np.stack([part[started] for part in start], axis=-1)
+        push = np.where(own, done, 0.0)
+        coefficients = np.array(lag.first_s), np.array(lag.second_s2)
+        flow = _flows(*coefficients, elapsed)
+        if changes.ramps_s.any():
+            pull = push[:, None] * ramp_responses(*coefficients, ramps)
+            now = flow @ state[..., None] - _flows(*coefficients, elapsed - ramps) @ pull[..., None]
+        else:
+            state[:, 0] -= push
+            now = flow @ state[..., None]
+        now = np.where((own | (not switched))[:, None], now[..., 0], 0.0)
+        error += now[:, 0]
+        ringing -= ringing_of_lag(lag, now[:, 0], now[:, 1], pole)
+    levels, reached = (
+        np.concatenate(([0.0], np.cumsum(steps)))
+        for steps in (impulses.amplitudes, changes.changes)
+    )
     return History(
         times_s=times_s,
-        command=command,
-        velocity=command + np.where(moving, error, 0.0),
+        command=levels[np.searchsorted(impulses.times_s, times_s, side="right")],
+        velocity=np.where(moving, reached[started] + done + error, 0.0),
         deflection=np.where(moving, -ringing.imag / math.sqrt(1 - mode.damping_ratio**2), 0.0),
     )
 
 
-def _ringing_after_steps(
-    impulses: Impulses, states: LagStates, lags: tuple[Lag, Lag], pole_rad_s: complex
+def _ringing_before_changes(
+    changes: Reference,
+    states: LagStates,
+    lags: tuple[Lag, Lag],
+    pole_rad_s: complex,
+    *,
+    switched: bool,
 ) -> ComplexArray:
-    """Modal coordinate just after each step, the lags' future share included, shape (n,)."""
-    added = states.velocity_jumps.astype(np.complex128)
-    for column, lag in enumerate(lags):
-        added += ringing_of_lag(
-            lag, states.after[:, column], states.rates_after[:, column], pole_rad_s
-        ) - ringing_of_lag(
-            lag, states.before[:, column], states.rates_before[:, column], pole_rad_s
-        )
-    # Summed at the last step, where no exponential overflows, and carried on step by step.
-    turns = np.exp(pole_rad_s * np.diff(impulses.times_s, prepend=impulses.times_s[0])).tolist()
+    """Modal coordinate as each change begins, the lags' future share included, shape (n,).
+
+    A switched lag's state passes to the new set, and each would let it ring in its own way.
+    """
+    gains = [1 / lag.denominator(pole_rad_s) for lag in lags]
+    factors = ramp_factors(np.array([pole_rad_s]), changes.ramps_s).tolist()
+    turns = np.exp(pole_rad_s * np.diff(changes.times_s, prepend=changes.times_s[0])).tolist()
+    passed = np.zeros(changes.changes.size, dtype=np.complex128)
+    if switched:
+        errors, rates = (part[0].sum(axis=1) for part in (states.errors, states.rates_s))
+        left = np.array([ringing_of_lag(lag, errors, rates, pole_rad_s) for lag in lags])
+        forces = np.where(changes.accelerates, 0, 1)
+        each = np.arange(1, forces.size)
+        passed[1:] = left[forces[1:], each] - left[forces[:-1], each]
     ringing, summed = [], 0j
-    for turn, one in zip(turns, added.tolist(), strict=True):
+    steps = zip(turns, passed.tolist(), changes.changes.tolist(), changes.accelerates, strict=True)
+    for (turn, one, change, rising), factor in zip(steps, factors, strict=True):
         summed = summed * turn + one
         ringing.append(summed)
+        summed += change * factor * gains[0 if rising else 1]
     return np.array(ringing)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.actuators import Actuator
+from design.actuators import Actuator, RateLimited, unit_ramps_s
 from design.analysis.certificate import certify
 from design.errors import InfeasibleDesignError
 from design.impulses import Impulses
@@ -104,7 +104,8 @@ class Parts:
             lag.first_s + math.sqrt(lag.second_s2)
             for lag in (self.actuator.accel_lag, self.actuator.decel_lag)
         )
-        pulse_s = self.start.duration_s + REST_TIME_CONSTANTS * slowest
+        ramp_s = max(unit_ramps_s(self.actuator))
+        pulse_s = self.start.duration_s + ramp_s + REST_TIME_CONSTANTS * slowest
         return travel(self.whole(pulse_s), self.actuator) - pulse_s
 
 
@@ -157,6 +158,7 @@ def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> I
         switched_order=switched_order(parts.designed_for),
         given=given,
         travels=wanted_s is not None,
+        ramped=isinstance(parts.designed_for, RateLimited),
     )
     parameters = np.array([
         *lag_parameters(parts.mode, parts.designed_for), w * (wanted_s or 1.0), *gaps[:given]

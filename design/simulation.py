@@ -4,7 +4,8 @@ The state is the distance to the equilibrium of the present command::
 
     [accel lag (0-2 states), decel lag (0-2 states), q, q'/w],   q'' + 2 z w q' + w^2 q = w^2 v
 
-so that it is free between the steps, ``e(t + d) = expm(A d) e(t)``, and jumps at each. The
+so that it is free between the steps, ``e(t + d) = expm(A d) e(t)``, and jumps by J at each; a ramp
+of the reference takes J off at a constant rate, one more column of A. The
 deflection of the payload under the acceleration v' is ``-q'/w^2``: driving q by v instead keeps
 every jump finite, an ideal actuator's included.
 """
@@ -13,12 +14,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.actuators import Actuator, Lag
+from design.actuators import Actuator, Lag, RateLimited
 from design.exponential import exponentials
 from design.impulses import Impulses
 from design.plants import Mode
+from design.references import Reference, reference
 from design.responses import History
 from design.types import ComplexArray, FloatArray
+
+UNIT_STEP = Impulses(times_s=np.zeros(1), amplitudes=np.ones(1))
 
 
 def _lag_matrix(lag: Lag, scale_rad_s: float) -> FloatArray:
@@ -102,19 +106,47 @@ def _one_state(
     return matrices, [0] if order else [], jumps, kept
 
 
-def _states_after_steps(impulses: Impulses, dynamics: _Dynamics) -> FloatArray:
-    """Error states just after each step, shape (steps, f, n)."""
-    gaps = impulses.times_s[1:] - impulses.times_s[:-1]
-    sets = impulses.accelerates.astype(int)
-    carried = exponentials(dynamics.matrices[sets[:-1]] * gaps[:, None, None, None])
-    jumps = impulses.amplitudes[:, None] * dynamics.jumps[sets]
+def _states_at_changes(changes: Reference, dynamics: _Dynamics) -> tuple[FloatArray, FloatArray]:
+    """Error states as each change begins, in its own set, and where its ramp ends.
+
+    Shape (changes, f, n) each; of a step the second is just after it.
+    """
+    held = changes.times_s[1:] - changes.times_s[:-1] - changes.ramps_s[:-1]
+    sets = changes.accelerates.astype(int)
+    carried = (
+        exponentials(dynamics.matrices[sets[:-1]] * held[:, None, None, None])
+        if held.size
+        else held
+    )
     kept = dynamics.kept[sets]
-    states = np.empty((gaps.size + 1, *dynamics.matrices.shape[1:3]))
-    states[0] = -jumps[0] * kept[0]
-    for index in range(gaps.size):
-        moved = (carried[index] @ states[index][..., None])[..., 0]
-        states[index + 1] = (moved - jumps[index + 1]) * kept[index + 1]
-    return states
+    jumps = changes.changes[:, None] * dynamics.jumps[sets] * kept
+    ramps = _ramps(dynamics.matrices[sets], changes.ramps_s, jumps) if changes.ramps_s.any() else ()
+    before = np.zeros((sets.size, *dynamics.matrices.shape[1:3]))
+    after = np.empty_like(before)
+    for index in range(sets.size):
+        if index > 0:
+            before[index] = (carried[index - 1] @ after[index - 1][..., None])[..., 0] * kept[index]
+        if ramps:
+            flows, pulls = ramps
+            after[index] = (flows[index] @ before[index][..., None])[..., 0] + pulls[index]
+        else:
+            after[index] = before[index] - jumps[index]
+    return before, after
+
+
+def _ramps(
+    matrices: FloatArray, ramps_s: FloatArray, jumps: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return what ramps do: the flow of the state, and what they take off one at rest.
+
+    ``matrices`` of shape (r, f, n, n), ``jumps`` (r, n): taken off at a constant rate.
+    """
+    size = matrices.shape[-1]
+    augmented = np.zeros((*matrices.shape[:2], size + 1, size + 1))
+    augmented[..., :size, :size] = matrices * ramps_s[:, None, None, None]
+    augmented[..., :size, size] = -jumps[:, None]
+    both = exponentials(augmented)
+    return both[..., :size, :size], both[..., :size, size]
 
 
 def ringing_after(
@@ -142,13 +174,23 @@ def ringing_after(
         coupled system.
     """
     dynamics = _dynamics(actuator, frequencies_rad_s, damping_ratio)
-    final = _states_after_steps(impulses, dynamics)[-1]
     rising = _left_eigenvectors(dynamics, 1, frequencies_rad_s, damping_ratio)
-    last = rising
-    if not impulses.accelerates[-1]:
-        last = _left_eigenvectors(dynamics, 0, frequencies_rad_s, damping_ratio)
-    unit = -dynamics.jumps[1] * dynamics.kept[1]
-    return (last * final).sum(axis=1), rising @ unit
+    poles = complex(-damping_ratio, (1 - damping_ratio**2) ** 0.5) * frequencies_rad_s
+
+    def ringing(command: Impulses) -> ComplexArray:
+        changes = reference(command, actuator)
+        final = _states_at_changes(changes, dynamics)[1][-1]
+        last = rising
+        if not changes.accelerates[-1]:
+            last = _left_eigenvectors(dynamics, 0, frequencies_rad_s, damping_ratio)
+        # Back from the end of the last ramp.
+        late = changes.times_s[-1] + changes.ramps_s[-1] - command.times_s[-1]
+        left: ComplexArray = (last * final).sum(axis=1) * np.exp(-poles * late)
+        return left
+
+    if isinstance(actuator, RateLimited):
+        return ringing(impulses), ringing(UNIT_STEP)
+    return ringing(impulses), rising @ (-dynamics.jumps[1] * dynamics.kept[1])
 
 
 def _left_eigenvectors(
@@ -191,18 +233,32 @@ def simulated_history(
         Times, shape (n,) [s]; before the first step all is at rest.
     """
     dynamics = _dynamics(actuator, np.array([mode.natural_frequency_rad_s]), mode.damping_ratio)
-    after = _states_after_steps(impulses, dynamics)[:, 0]
-    segment = np.searchsorted(impulses.times_s, times_s, side="right") - 1
+    changes = reference(impulses, actuator)
+    before, after = (states[:, 0] for states in _states_at_changes(changes, dynamics))
+    segment = np.searchsorted(changes.times_s, times_s, side="right") - 1
     moving = segment >= 0
     started = np.maximum(segment, 0)
-    elapsed = np.where(moving, times_s - impulses.times_s[started], 0.0)
-    matrices = dynamics.matrices[impulses.accelerates.astype(int), 0]
-    flow = exponentials(matrices[started] * elapsed[:, None, None])
-    states = np.where(moving[:, None], (flow @ after[started][..., None])[..., 0], 0.0)
-    command = np.where(moving, np.cumsum(impulses.amplitudes)[started], 0.0)
+    ramps = changes.ramps_s[started]
+    elapsed = np.where(moving, times_s - changes.times_s[started], 0.0)
+    sets = changes.accelerates.astype(int)[started]
+    matrices = dynamics.matrices[sets]
+    held = np.maximum(elapsed - ramps, 0.0)
+    flow = exponentials(matrices[:, 0] * held[:, None, None])
+    states = (flow @ after[started][..., None])[..., 0]
+    reached = np.cumsum(changes.changes)[started]
+    (during,) = np.nonzero(elapsed < ramps)
+    if during.size:
+        share = elapsed[during] / ramps[during]
+        whole = changes.changes[started[during]]
+        reached[during] -= (1 - share) * whole
+        jumps = (share * whole)[:, None] * (dynamics.jumps * dynamics.kept)[sets[during]]
+        flows, pulls = _ramps(matrices[during], elapsed[during], jumps)
+        states[during] = (flows[:, 0] @ before[started[during]][..., None])[..., 0] + pulls[:, 0]
+    states = np.where(moving[:, None], states, 0.0)
+    command = np.concatenate(([0.0], np.cumsum(impulses.amplitudes)))
     return History(
         times_s=times_s,
-        command=command,
-        velocity=command + states[:, dynamics.coupled].sum(axis=1),
+        command=command[np.searchsorted(impulses.times_s, times_s, side="right")],
+        velocity=np.where(moving, reached, 0.0) + states[:, dynamics.coupled].sum(axis=1),
         deflection=-states[:, -1],
     )

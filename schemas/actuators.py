@@ -10,6 +10,7 @@ from design.actuators import (
     FirstOrder,
     Ideal,
     Model,
+    RateLimited,
     SecondOrder,
     SecondOrderSet,
 )
@@ -102,4 +103,36 @@ class SecondOrderIn(Wire):
         return SecondOrder(accel=accel, decel=decel, model=self.model, dead_time_s=self.dead_time_s)
 
 
-ActuatorIn = Annotated[IdealIn | FirstOrderIn | SecondOrderIn, Field(discriminator="kind")]
+class RateLimitedIn(Wire):
+    """Limits to acceleration and deceleration, and what follows the limited command."""
+
+    kind: Literal["rate_limited"]
+    accel_limit_m_s2: Annotated[
+        Positive, Field(description="Of a command whose magnitude grows [m/s^2].")
+    ]
+    decel_limit_m_s2: Annotated[
+        Positive, Field(description="Of a command whose magnitude falls [m/s^2].")
+    ]
+    speed_m_s: Annotated[Positive, Field(description="What a command of 1 stands for [m/s].")]
+    then: Annotated[
+        IdealIn | FirstOrderIn | SecondOrderIn,
+        Field(discriminator="kind", description="What follows the limited command."),
+    ] = IdealIn(kind="ideal")
+    dead_time_s: DeadTime = 0.0
+
+    def to_design(self) -> RateLimited:
+        """Build the design record."""
+        with named("then"):
+            then = self.then.to_design()
+        return RateLimited(
+            accel_limit_m_s2=self.accel_limit_m_s2,
+            decel_limit_m_s2=self.decel_limit_m_s2,
+            speed_m_s=self.speed_m_s,
+            then=then,
+            dead_time_s=self.dead_time_s,
+        )
+
+
+ActuatorIn = Annotated[
+    IdealIn | FirstOrderIn | SecondOrderIn | RateLimitedIn, Field(discriminator="kind")
+]

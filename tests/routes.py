@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from design.actuators import Actuator, FirstOrder, Ideal, SecondOrder
+from design.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder
 from design.impulses import Impulses
 from design.plants import Mode
 from design.types import FloatArray
@@ -78,6 +78,8 @@ def integrate(impulses: Impulses, mode: Mode, actuator: Actuator, until_s: float
     """
     from scipy.integrate import solve_ivp
 
+    if isinstance(actuator, RateLimited):
+        return _integrate_limited(impulses, mode, actuator, until_s)
     if not isinstance(actuator, Ideal) and actuator.model == "switched":
         return _integrate_switched(impulses, mode, actuator, until_s)
     w, z = mode.natural_frequency_rad_s, mode.damping_ratio
@@ -161,6 +163,78 @@ def _integrate_switched(
             run = solve_ivp(rates, (start, end), state, method="DOP853", rtol=1e-11, atol=1e-13)
             state = run.y[:, -1]
     return state[:3]
+
+
+def _integrate_limited(
+    impulses: Impulses, mode: Mode, actuator: RateLimited, until_s: float
+) -> FloatArray:
+    """Integrate payload, drive and a reference that chases the command within two rates.
+
+    Each phase, in which the reference rises, falls or holds, ends by an event of the integrator.
+    """
+    from scipy.integrate import solve_ivp
+
+    w, z = mode.natural_frequency_rad_s, mode.damping_ratio
+    lags = _lag_parts(actuator.then)
+    limits = [actuator.decel_limit_m_s2, actuator.accel_limit_m_s2]
+    share = [limit / actuator.speed_m_s for limit in limits]
+    switched = not isinstance(actuator.then, Ideal) and actuator.then.model == "switched"
+    # d, d', the reference, the part of it that either set follows, v and v' of either.
+    state = np.zeros(9)
+    force, slope, target, command = 1, 0.0, 0.0, 0.0
+
+    def rates(_: float, x: FloatArray) -> FloatArray:
+        out = np.zeros(9)
+        out[2] = slope
+        out[3 + force] = slope
+        acceleration = 0.0
+        for index, (first, second) in enumerate(lags):
+            v, rate = x[5 + 2 * index], x[6 + 2 * index]
+            if switched and index != force:
+                continue
+            wanted = x[2] if switched else x[3 + index]
+            if second > 0:
+                out[5 + 2 * index] = rate
+                out[6 + 2 * index] = (wanted - v - first * rate) / second
+            elif first > 0:
+                out[5 + 2 * index] = (wanted - v) / first
+            else:
+                out[5 + 2 * index] = slope if index == force else 0.0
+            acceleration += out[5 + 2 * index]
+        out[0] = x[1]
+        out[1] = -2 * z * w * x[1] - w * w * x[0] - acceleration
+        return out
+
+    def arrived(_: float, x: FloatArray) -> float:
+        return float(x[2] - target)
+
+    arrived.terminal = True  # type: ignore[attr-defined]
+    ends = [*impulses.times_s[1:].tolist(), until_s]
+    steps = zip(impulses.times_s.tolist(), ends, impulses.amplitudes.tolist(), strict=True)
+    for start, end, amplitude in steps:
+        command += amplitude
+        time = start
+        while time < end:
+            now = float(state[2])
+            if abs(now - command) < 1e-12:
+                slope, events = 0.0, None
+            else:
+                target = 0.0 if now * command < -1e-24 else command
+                was, force = force, int(abs(target) > abs(now))
+                slope, events = math.copysign(share[force], target - now), arrived
+                if switched and was != force:
+                    state[5 + 2 * force : 7 + 2 * force] = state[5 + 2 * was : 7 + 2 * was]
+                    if lags[force] == (0.0, 0.0):
+                        state[1] -= now - state[5 + 2 * force]
+                        state[5 + 2 * force : 7 + 2 * force] = now, 0.0
+                    state[5 + 2 * was : 7 + 2 * was] = 0.0
+            run = solve_ivp(
+                rates, (time, end), state, method="DOP853", rtol=1e-11, atol=1e-13, events=events
+            )
+            state, time = run.y[:, -1], float(run.t[-1])
+            if run.status == 1:
+                state[2] = target
+    return np.array([state[0], state[1], state[5] + state[7]])
 
 
 def residual_by_integration(impulses: Impulses, mode: Mode, actuator: Actuator) -> float:

@@ -1,22 +1,29 @@
 """Residual vibration from the transfer function at the pole (docs/theory.md, section 1)."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from design.actuators import IDEAL_LAG, Actuator, Model, free_motions
+from design.actuators import Actuator, Ideal, Model, RateLimited, unit_ramps_s
 from design.errors import InvalidInputError
 from design.impulses import Impulses
 from design.plants import Mode
-from design.responses import LagStates, lag_states, switched_states_of_many
+from design.references import Reference, ramp_factors, reference
+from design.responses import LagStates, lag_states, states_of
 from design.types import ComplexArray, FloatArray
 
 SLOWEST = 100.0
 """Largest time constant of a set times the plant's natural frequency [-]."""
 
+LONGEST_RAMP_RAD = 6 * math.pi
+"""Longest ramp to full speed, three periods: the formulations integrate no longer ones [rad]."""
+
 RESONANCE = 1e-6
 """Below this ``|1/G|`` at the plant's pole, a set of the actuator rings with the plant [-]."""
+
+LIMITS = ("accel_limit_m_s2", "decel_limit_m_s2")
+"""Fields of the limits, in the order of the ramps that they make."""
 
 SMALLEST_DENOMINATOR = 1e-12
 """Where a sensitivity curve meets a set's own pole, ``|1/G|`` is taken as this [-]."""
@@ -43,49 +50,91 @@ def require_workable(mode: Mode, actuator: Actuator) -> None:
                 f"1/G = {distance:.1e} there",
                 "without a pole at the plant's own, where it rings with it",
             )
+    for name, ramp_s in zip(LIMITS, unit_ramps_s(actuator), strict=True):
+        turn = mode.natural_frequency_rad_s * ramp_s
+        if turn > LONGEST_RAMP_RAD:
+            raise InvalidInputError(
+                f"actuator.{name}",
+                f"a ramp of {turn:.3g} rad of the plant's swing",
+                f"such that a ramp to or from full speed takes at most {LONGEST_RAMP_RAD:.5g} rad",
+            )
+        left = abs(ramp_factors(np.array([mode.pole_rad_s]), np.array([ramp_s]))[0])
+        if left < RESONANCE:
+            raise InvalidInputError(
+                f"actuator.{name}",
+                f"a ramp of {turn:.9g} rad of the plant's swing",
+                "such that a ramp does not last whole periods: alone it leaves no vibration",
+            )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepContributions:
-    """What each step adds to the vibration, apart from the plant.
+    """What each change of the reference adds to the vibration, apart from the plant.
 
-    ``V exp(s t_n) = sum (gain_i + s rate_i) G(s) exp(s (t_n - t_i))``, over both sets.
+    ``V exp(s t_n) = sum (gain_i + s rate_i) G(s) exp(s (t_n - t_i))``, over both sets; the height
+    of a ramp counts ``(1 - exp(-s T)) / (s T)`` times.
 
     Attributes
     ----------
     until_last_s
-        Time from each step to the last, shape (n,) [s].
+        Time from each change to the command's last step, shape (n,) [s].
     columns
-        Gains by the acceleration set, by the deceleration set, then their rates, shape (n, 4).
+        Gains by the acceleration set, by the deceleration set, then, if there are any, their rates,
+        shape (n, 2) or (n, 4).
+    ramps_s
+        Durations of the ramps, shape (n,); None where all are steps [s].
+    heights
+        Gains that are a ramp's height and not in ``columns``, shape (n, 2); None for steps.
     """
 
     until_last_s: FloatArray
     columns: FloatArray
+    ramps_s: FloatArray | None = None
+    heights: FloatArray | None = None
 
 
 def step_contributions(impulses: Impulses, actuator: Actuator) -> StepContributions:
-    """Return what each step adds to the vibration, in closed form.
+    """Return what each change of the reference adds to the vibration, in closed form.
 
     A superposed step adds its height by its own set. Where one actuator is switched, its state is
     taken from the old set and given to the new, and each would let it ring in its own way.
     """
+    changes = reference(impulses, actuator)
+    until_last = impulses.times_s[-1] - changes.times_s
+    heights = _heights(changes)
+    limited = isinstance(actuator, RateLimited)
     if actuator.model == "superposed":
-        columns: FloatArray = np.zeros((impulses.times_s.size, 4))
-        columns[:, 0] = np.where(impulses.accelerates, impulses.amplitudes, 0.0)
-        columns[:, 1] = impulses.amplitudes - columns[:, 0]
+        columns = np.zeros_like(heights) if limited else heights
     else:
-        columns = _switched_columns(lag_states(impulses, actuator), actuator)
-    return StepContributions(impulses.times_s[-1] - impulses.times_s, columns)
+        second = np.array([[lag.second_s2 for lag in (actuator.accel_lag, actuator.decel_lag)]])
+        columns = _passed_on(states_of(changes, actuator), changes, second)[0]
+        if not limited:
+            columns[:, :2] += heights
+    if not limited:
+        return StepContributions(until_last, columns)
+    return StepContributions(until_last, columns, changes.ramps_s, heights)
 
 
-def _switched_columns(states: LagStates, actuator: Actuator) -> FloatArray:
-    """Columns of `StepContributions` of one command or many, shape (..., n, 4)."""
-    lags = (actuator.accel_lag, actuator.decel_lag)
-    gains = states.before - states.after
-    # A set that follows at once moves the velocity itself: a lag with G = 1.
-    gains[..., 0 if lags[0] == IDEAL_LAG else 1] += states.velocity_jumps
-    rates = (states.rates_after - states.rates_before) * [lag.second_s2 for lag in lags]
-    return np.concatenate((gains, rates), axis=-1)
+def _heights(changes: Reference) -> FloatArray:
+    """Return the changes by set, shape (n, 2)."""
+    heights = np.zeros((changes.changes.size, 2))
+    heights[:, 0] = np.where(changes.accelerates, changes.changes, 0.0)
+    heights[:, 1] = changes.changes - heights[:, 0]
+    return heights
+
+
+def _passed_on(states: LagStates, changes: Reference, second_s2: FloatArray) -> FloatArray:
+    """Gains and rates, shape (m, n, 4), that a switched lag's state adds where its set changes."""
+    error, rate = states.errors.sum(axis=-1), states.rates_s.sum(axis=-1)
+    forces = np.where(changes.accelerates, 0, 1)
+    columns = np.zeros((*error.shape, 4))
+    for which in (0, 1):
+        # To the new set less from the old; at rest there is nothing to pass on.
+        sign = (forces == which).astype(float)
+        sign[1:] -= forces[:-1] == which
+        columns[..., which] = -sign * error
+        columns[..., 2 + which] = sign * second_s2[:, which, None] * rate
+    return columns
 
 
 def residual_vectors(
@@ -109,7 +158,11 @@ def residual_vectors(
     """
     steps = step_contributions(impulses, actuator)
     swings = np.exp(np.multiply.outer(poles_rad_s, steps.until_last_s))
-    return _joined(swings @ steps.columns.astype(np.complex128), poles_rad_s, actuator)
+    sums = swings @ steps.columns.astype(np.complex128)
+    if steps.ramps_s is not None and steps.heights is not None:
+        ramped = swings * ramp_factors(poles_rad_s[:, None], steps.ramps_s)
+        sums[:, :2] += ramped @ steps.heights.astype(np.complex128)
+    return _joined(sums, poles_rad_s, actuator)
 
 
 def residuals_of_many(
@@ -143,14 +196,24 @@ def vectors_of_many(
     ComplexArray
         Vibration vector over that of the unshaped step, shape (m,) [-].
     """
+    if isinstance(actuator, RateLimited):
+        rows = zip(times_s, poles_rad_s, strict=True)
+        commands = (
+            (Impulses(times_s=times, amplitudes=amplitudes), np.array([pole]))
+            for times, pole in rows
+        )
+        vectors = [residual_vectors(command, pole, actuator)[0] for command, pole in commands]
+        return np.array(vectors)
     # The signs of the changes are the same for all, whatever their times.
-    first = Impulses(times_s=np.zeros(amplitudes.size), amplitudes=amplitudes)
+    command = Impulses(times_s=np.zeros(amplitudes.size), amplitudes=amplitudes)
+    changes = replace(reference(command, actuator), times_s=times_s)
+    lags = (actuator.accel_lag, actuator.decel_lag)
+    second = np.array([[lag.second_s2 for lag in lags]])
+    columns = _heights(changes)
+    if actuator.model == "switched":
+        columns = _passed_on(states_of(changes, actuator), changes, second)
+        columns[..., :2] += _heights(changes)
     swings = np.exp(poles_rad_s[:, None] * (times_s[:, -1:] - times_s))
-    if actuator.model == "superposed":
-        columns = step_contributions(first, actuator).columns
-    else:
-        states = switched_states_of_many(times_s, amplitudes, first.accelerates, actuator)
-        columns = _switched_columns(states, actuator)
     sums = (swings[:, None, :] @ columns.astype(np.complex128))[:, 0]
     return _joined(sums, poles_rad_s, actuator)
 
@@ -173,48 +236,23 @@ def residuals_of_cases(
     first_s, second_s2
         Coefficients of the actuators' lags, columns accel and decel, shape (m, 2) [s], [s^2].
     model
-        Of all actuators.
+        Of all actuators, none of them rate-limited.
 
     Returns
     -------
     FloatArray
         Residual vibration, shape (m,) [-].
     """
+    changes = reference(impulses, Ideal())
+    columns = _heights(changes)
+    if model == "switched":
+        columns = _passed_on(lag_states(changes, first_s, second_s2, model), changes, second_s2)
+        columns[..., :2] += _heights(changes)
     s = poles_rad_s[:, None]
+    swings = np.exp(s * (impulses.times_s[-1] - impulses.times_s))
+    sums = (swings[:, None, :] @ columns.astype(np.complex128))[:, 0]
     below = 1 + s * (first_s + s * second_s2)
-    gains = 1 / np.where(np.abs(below) < SMALLEST_DENOMINATOR, SMALLEST_DENOMINATOR, below)
-    vectors = np.zeros(poles_rad_s.size, dtype=np.complex128)
-    error, rate = np.zeros((2, poles_rad_s.size))  # the rate times the time scale of the set
-    before = -1
-    last = impulses.times_s[-1]
-    steps = zip(
-        impulses.times_s.tolist(),
-        impulses.amplitudes.tolist(),
-        impulses.accelerates.tolist(),
-        strict=True,
-    )
-    previous = 0.0
-    for time, amplitude, rising in steps:
-        after = 0 if rising else 1
-        added = amplitude * gains[:, after]
-        if model == "switched":
-            if before >= 0:
-                scale = np.sqrt(second_s2[:, before])
-                gap = np.array([time - previous])
-                motion = free_motions(first_s[:, before], second_s2[:, before], gap)
-                error, rate = (
-                    motion[:, 0, 0] * error + motion[:, 0, 1] * rate,
-                    motion[:, 1, 0] * error + motion[:, 1, 1] * rate,
-                )
-                rate_s = np.where(scale > 0, rate / np.where(scale > 0, scale, 1.0), 0.0)
-                for which, sign in ((after, 1.0), (before, -1.0)):
-                    ringing = second_s2[:, which] * poles_rad_s * rate_s - error
-                    added = added + sign * gains[:, which] * ringing
-                rate = rate_s * np.sqrt(second_s2[:, after])
-            error = error - amplitude
-            before, previous = after, time
-        vectors += added * np.exp(poles_rad_s * (last - time))
-    return np.abs(vectors * below[:, 0])
+    return np.abs(_over_accel(sums, poles_rad_s, below[:, 0], below[:, 1]))
 
 
 def evenly_spaced_vectors(
@@ -225,27 +263,37 @@ def evenly_spaced_vectors(
     The exponentials of an even spacing are products of two short lists, coarse and fine, so that
     ``2 sqrt(points)`` of them do and a matrix product does the rest.
     """
-    steps = step_contributions(impulses, actuator)
     step = (last_rad_s - first_rad_s) / (points - 1)
+    poles = first_rad_s + step * np.arange(points)
+    if isinstance(actuator, RateLimited):
+        return residual_vectors(impulses, poles, actuator)
+    steps = step_contributions(impulses, actuator)
     block = math.isqrt(points - 1) + 1
-    coarse = np.exp(
-        np.multiply.outer(steps.until_last_s, first_rad_s + step * np.arange(0, points, block))
-    )
+    coarse = np.exp(np.multiply.outer(steps.until_last_s, poles[::block]))
     fine = np.exp(np.multiply.outer(np.arange(block) * step, steps.until_last_s))
-    summed = fine @ (steps.columns.T[:, :, None] * coarse)  # (4, block, blocks)
-    vectors: ComplexArray = summed.transpose(2, 1, 0).reshape(-1, 4)[:points]
-    return _joined(vectors, first_rad_s + step * np.arange(points), actuator)
+    summed = fine @ (steps.columns.T[:, :, None] * coarse)  # (columns, block, blocks)
+    vectors: ComplexArray = summed.transpose(2, 1, 0).reshape(-1, len(summed))[:points]
+    return _joined(vectors, poles, actuator)
 
 
 def _joined(sums: ComplexArray, poles_rad_s: ComplexArray, actuator: Actuator) -> ComplexArray:
-    """Join the columns, summed over the steps, shape (m, 4), in units of the unshaped step."""
-    below = actuator.decel_lag.denominator(poles_rad_s)
+    """Join the columns, summed over the steps, in units of the unshaped step."""
+    accel, decel = (
+        lag.denominator(poles_rad_s) for lag in (actuator.accel_lag, actuator.decel_lag)
+    )
+    vectors = _over_accel(sums, poles_rad_s, accel, decel)
+    rise_s, _ = unit_ramps_s(actuator)
+    return vectors / ramp_factors(poles_rad_s, np.array(rise_s)) if rise_s > 0 else vectors
+
+
+def _over_accel(
+    sums: ComplexArray, poles_rad_s: ComplexArray, accel: ComplexArray, decel: ComplexArray
+) -> ComplexArray:
+    """Join gains and rates, shape (m, 2) or (m, 4), by the sets' denominators: over G_accel."""
     # On the pole of the deceleration set itself the vibration grows without bound: cut, finite.
-    below = np.where(np.abs(below) < SMALLEST_DENOMINATOR, SMALLEST_DENOMINATOR, below)
-    ratio = actuator.accel_lag.denominator(poles_rad_s) / below
-    if actuator.model == "switched":
-        sums = sums[:, :2] + poles_rad_s[:, None] * sums[:, 2:]
-    joined: ComplexArray = sums[:, 0] + ratio * sums[:, 1]
+    below = np.where(np.abs(decel) < SMALLEST_DENOMINATOR, SMALLEST_DENOMINATOR, decel)
+    by_set = sums[:, :2] + poles_rad_s[:, None] * sums[:, 2:] if sums.shape[1] > 2 else sums  # noqa: PLR2004
+    joined: ComplexArray = by_set[:, 0] + accel / below * by_set[:, 1]
     return joined
 
 

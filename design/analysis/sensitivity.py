@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.actuators import Actuator
+from design.actuators import Actuator, RateLimited
 from design.analysis.residual import (
     evenly_spaced_vectors,
     residual_vectors,
@@ -217,7 +217,8 @@ class _Excess:
         self._pole = mode.pole_rad_s
         self._accel, self._decel = actuator.accel_lag, actuator.decel_lag
         steps = step_contributions(impulses, actuator)
-        self._steps = list(zip(steps.until_last_s.tolist(), steps.columns.tolist(), strict=True))
+        padded = np.pad(steps.columns, ((0, 0), (0, 4 - steps.columns.shape[1])))
+        self._steps = list(zip(steps.until_last_s.tolist(), padded.tolist(), strict=True))
 
     def over(self, ratios: FloatArray) -> FloatArray:
         return (
@@ -226,6 +227,8 @@ class _Excess:
         )
 
     def at(self, ratio: float) -> float:
+        if isinstance(self._actuator, RateLimited):
+            return float(self.over(np.array([ratio]))[0])
         pole = self._pole * ratio
         slower = self._accel.denominator(pole) / self._decel.denominator(pole)
         vector = 0j

@@ -6,7 +6,7 @@ from typing import Literal
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from design.actuators import Actuator, FirstOrder, Ideal, SecondOrder
+from design.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder
 from design.analysis.certificate import LIMITS
 from design.analysis.sensitivity import Sensitivity
 from design.pictures import time_panels
@@ -140,6 +140,9 @@ def _actuator_lines(actuator: Actuator) -> tuple[str, str]:
                 for part in (actuator.accel, actuator.decel)
             )
             return "second order", f"accel {accel}\ndecel {decel}"
+        case RateLimited():
+            limits = f"{actuator.accel_limit_m_s2:.3g} and {actuator.decel_limit_m_s2:.3g} m/s²"
+            return f"ramps, {actuator.then.kind.replace('_', ' ')}", f"limits {limits}"
 
 
 def _residual_text(design: Design) -> str:

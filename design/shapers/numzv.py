@@ -76,7 +76,7 @@ NUMZV = ShaperKind(
     source=f"{SOURCE}, eqs. 3.34-3.41",
     claims=("residual",),
     options=SettleOptions,
-    actuators=("ideal", "first_order", "second_order"),
+    actuators=("ideal", "first_order", "second_order", "rate_limited"),
     formulate=numzv,
 )
 
@@ -86,6 +86,6 @@ NUMZVD = ShaperKind(
     source=f"{SOURCE}, eqs. 3.44-3.46, slope exact",
     claims=("residual", "slope"),
     options=SettleOptions,
-    actuators=("ideal", "first_order", "second_order"),
+    actuators=("ideal", "first_order", "second_order", "rate_limited"),
     formulate=numzvd,
 )

@@ -3,8 +3,13 @@
 from dataclasses import dataclass
 from typing import Any
 
+from numpy.polynomial.legendre import leggauss
+
 SMALLEST_ROOT = 1e-9
 """Distance of two poles that counts as none: the sine over it is the angle to double precision."""
+
+RAMP_NODES = 16
+"""Gauss nodes of a ramp: exact to rounding up to three periods of the plant."""
 
 SHORTEST_TIME_CONSTANT = 1e-9
 """Stands for a time constant of 0: at rest after any gap [rad]."""
@@ -98,6 +103,25 @@ class SymbolicSet:
         )
 
 
+class Ramp:
+    """What limits make of a unit step, and error and rate that it leaves in the set's own lag."""
+
+    def __init__(self, duration: Any, error: Any, rate: Any) -> None:  # noqa: ANN401
+        self.duration = duration
+        self.left = (error, rate)
+
+    def factor(self, s: Complex) -> Complex:
+        """Return ``(1 - exp(-s T)) / (s T)``, the mean of ``exp(-s t)`` over the ramp.
+
+        By Gauss nodes: however short the ramp, value and slope keep their digits.
+        """
+        mean = Complex(0, 0)
+        for node, weight in zip(*(part.tolist() for part in leggauss(RAMP_NODES)), strict=True):
+            turn = s.scaled(-self.duration * (node + 1) / 2)
+            mean = mean + exponential(turn).scaled(weight / 2)
+        return mean
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AlternatingSteps:
     """What a command of steps +1, -1, +1, ... does, as expressions.
@@ -130,36 +154,46 @@ def alternating_steps(gaps: list[Any], lags: Any, switched_order: int) -> Altern
     gaps
         Gaps between the steps, one less than those [rad].
     lags
-        Damping ratio of the plant, and the coefficients ``first, second`` of both sets' ``1/G``
-        at w = 1, shape (5,).
+        As `design.shapers.unity_magnitude.lag_parameters` gives them.
     switched_order
         Order of the lags of a switched actuator, 1 or 2; 0 for superposed steps of any order.
     """
     import casadi as ca  # noqa: PLC0415
 
-    z, first_a, second_a, first_d, second_d = ca.vertsplit(lags)
+    z, first_a, second_a, first_d, second_d, *limits = ca.vertsplit(lags)
+    ramps = [
+        Ramp(limits[which], *limits[2 + 2 * which : 4 + 2 * which]) for which in (0, 1) if limits
+    ]
     w = ca.SX.sym("w")
     s = Complex(-z * w, w * ca.sqrt(1 - z * z))
     sets = [SymbolicSet(first_a, second_a), SymbolicSet(first_d, second_d)]
     # Over G_accel: a constant 1 for its own steps halves the expression.
     gains = [Complex(ca.SX(1), ca.SX(0)), sets[0].denominator(s) / sets[1].denominator(s)]
+    heights = [gain * ramp.factor(s) for gain, ramp in zip(gains, ramps, strict=False)] or gains
     error, rate, travel = ca.SX(0), ca.SX(0), ca.SX(0)
     vibration = Complex(ca.SX(0), ca.SX(0))
     for index in range(len(gaps) + 1):
         amplitude = 1 - 2 * (index % 2)
         after, before = sets[index % 2], sets[index % 2 - 1]
         gain_after, gain_before = gains[index % 2], gains[index % 2 - 1]
-        added = gain_after.scaled(amplitude)
+        added = heights[index % 2].scaled(amplitude)
         if switched_order and index > 0:
-            error, rate = before.free_motion(gaps[index - 1], error, rate, switched_order)
+            gap = gaps[index - 1]
+            if ramps:
+                ramp = ramps[index % 2 - 1]
+                still = before.free_motion(gap - ramp.duration, *ramp.left, switched_order)
+                moved = before.free_motion(gap, error, rate, switched_order)
+                error, rate = (a + amplitude * b for a, b in zip(moved, still, strict=True))
+            else:
+                error, rate = before.free_motion(gap, error + amplitude, rate, switched_order)
             gained = gain_after * after.ringing(error, rate, s)
             added = added + gained - gain_before * before.ringing(error, rate, s)
             travel += (after.first - before.first) * error
             travel += (after.second - before.second) * rate
-        error = error - amplitude
         left = sum(gaps[index:], ca.SX(0))
         vibration = vibration + added * exponential(s.scaled(left))
-        travel += amplitude * (left - after.first)
+        delay = after.first + (ramps[index % 2].duration / 2 if ramps else 0)
+        travel += amplitude * (left - delay)
     return AlternatingSteps(w=w, vibration=vibration, travel=travel)
 
 

@@ -22,7 +22,7 @@ SOURCE = (
 LONGEST_PERIODS = 1.5
 """Both shapers take less than one period up to a damping ratio of 0.5 [-]."""
 
-EVERY_ACTUATOR = ("ideal", "first_order", "second_order")
+EVERY_ACTUATOR = ("ideal", "first_order", "second_order", "rate_limited")
 
 
 def umzv(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001

@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from design.actuators import Actuator
+from design.actuators import Actuator, RateLimited, ramp_responses, unit_ramps_s
 from design.errors import InfeasibleDesignError
 from design.plants import Mode
+from design.references import ramp_factors
 from design.shapers.problem import Expressions, Problem, Seed
 from design.shapers.symbolic import alternating_steps, with_slopes
 from design.types import FloatArray
@@ -58,11 +59,14 @@ class UnityMagnitude:
         must be ``2 * derivatives + 3``, so that equations match unknowns.
     switched_order
         Order of the lags of a switched actuator, 1 or 2; 0 for superposed steps of any order.
+    ramped
+        Whether limits make ramps of the steps, each over before the next begins.
     """
 
     impulses: int
     derivatives: int
     switched_order: int = 0
+    ramped: bool = False
 
     def expressions(self) -> Expressions:
         """Build V = 0, and dV/dw = 0 with the actuator's own slope, at the plant's pole.
@@ -70,13 +74,13 @@ class UnityMagnitude:
         ``V(w) = sum v_i exp(s (t_n - t_i)) / G_accel(s)``, ``s = w (-z + j sqrt(1 - z^2))``: the
         vibration in units of the unshaped step, referred to the last impulse. Where V is zero its
         zeros and those of dV/dw do not depend on either reference.
-        Parameters are z and the coefficients ``first, second`` of both sets' ``1/G``, at w = 1
-        (Kim 2011, eqs. 3.44-3.46; 3.47-3.48 replaced by the exact derivative).
+        Parameters are those of `lag_parameters` (Kim 2011, eqs. 3.44-3.46; 3.47-3.48 replaced by
+        the exact derivative).
         """
         import casadi as ca  # noqa: PLC0415 - a third of a second that --help must not pay
 
         gaps = ca.SX.sym("gaps", self.impulses - 1)
-        parameters = ca.SX.sym("parameters", 5)
+        parameters = ca.SX.sym("parameters", LAG_PARAMETERS[self.ramped])
         steps = alternating_steps(ca.vertsplit(gaps), parameters, self.switched_order)
         return Expressions(
             unknowns=gaps,
@@ -97,11 +101,24 @@ def switched_order(actuator: Actuator) -> int:
     return 2 if actuator.accel_lag.second_s2 > 0 else 1
 
 
+LAG_PARAMETERS = {False: 5, True: 11}
+"""How many numbers describe plant and actuator, without and with ramps."""
+
+
 def lag_parameters(mode: Mode, actuator: Actuator) -> FloatArray:
-    """Return z and ``first, second`` of both sets at w = 1: accel, decel; shape (5,) [-]."""
+    """Return what describes plant and actuator at w = 1, sets in order accel, decel [-].
+
+    z, then ``first, second`` of either set; with limits also the duration of either unit ramp, and
+    error and rate that either leaves in its own lag: shape (5,) or (11,).
+    """
     w = mode.natural_frequency_rad_s
     lags = (actuator.accel_lag, actuator.decel_lag)
     scaled = [part for lag in lags for part in (lag.first_s * w, lag.second_s2 * w * w)]
+    if isinstance(actuator, RateLimited):
+        ramps = [w * ramp for ramp in actuator.unit_ramps_s]
+        scaled += ramps
+        first, second = np.array(scaled[0:4:2]), np.array(scaled[1:4:2])
+        scaled += ramp_responses(first, second, np.array(ramps)).ravel().tolist()
     return np.array([mode.damping_ratio, *scaled])
 
 
@@ -111,22 +128,28 @@ def alternating(impulses: int) -> FloatArray:
 
 
 def decel_over_accel(mode: Mode, actuator: Actuator) -> complex:
-    """Return G_decel / G_accel at the plant's pole: ``alpha exp(-j beta)`` (Kim 2011, 3.50)."""
+    """Return G_decel / G_accel at the plant's pole: ``alpha exp(-j beta)`` (Kim 2011, 3.50).
+
+    A ramp, where limits make one, is part of G.
+    """
     pole = mode.pole_rad_s
-    return actuator.accel_lag.denominator(pole) / actuator.decel_lag.denominator(pole)
+    rise, fall = ramp_factors(np.array([pole]), np.array(unit_ramps_s(actuator))).tolist()
+    lags = actuator.accel_lag.denominator(pole) / actuator.decel_lag.denominator(pole)
+    return complex(lags * fall / rise)
 
 
 def settling_gaps_rad(mode: Mode, actuator: Actuator, impulses: int, *, settle: bool) -> FloatArray:
     """Return the shortest gaps, shape (impulses - 1,): just ordered, or settled to 80 % [rad].
 
     After a step up the acceleration set has to settle before the next, after a step down the
-    deceleration set (Kim 2011, eq. 3.40).
+    deceleration set (Kim 2011, eq. 3.40). A ramp, where limits make one, is over before.
     """
     gaps = np.full(impulses - 1, SHORTEST_GAP_RAD)
-    if settle:
-        w = mode.natural_frequency_rad_s
-        gaps[0::2] = np.maximum(gaps[0::2], w * actuator.accel_lag.settling_time_s())
-        gaps[1::2] = np.maximum(gaps[1::2], w * actuator.decel_lag.settling_time_s())
+    w = mode.natural_frequency_rad_s
+    lags = (actuator.accel_lag, actuator.decel_lag)
+    for which, (lag, ramp_s) in enumerate(zip(lags, unit_ramps_s(actuator), strict=True)):
+        shortest_s = ramp_s + (lag.settling_time_s() if settle else 0.0)
+        gaps[which::2] = np.maximum(gaps[which::2], w * shortest_s)
     return gaps
 
 
@@ -148,7 +171,9 @@ def unity_magnitude_problem(
             f"more than max_duration_periods = {max_duration_periods:g}"
         )
     return Problem(
-        model=replace(model, switched_order=switched_order(actuator)),
+        model=replace(
+            model, switched_order=switched_order(actuator), ramped=isinstance(actuator, RateLimited)
+        ),
         parameters=lag_parameters(mode, actuator),
         amplitudes=alternating(model.impulses),
         natural_frequency_rad_s=w,

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.actuators import Actuator
+from design.actuators import Actuator, RateLimited
 from design.plants import Mode
 from design.shapers.problem import Expressions, Problem, Seed
 from design.shapers.symbolic import alternating_steps, with_slopes
 from design.shapers.unity_magnitude import (
+    LAG_PARAMETERS,
     PERIOD_RAD,
     alternating,
     lag_parameters,
@@ -41,6 +42,8 @@ class WholeMove:
         How many gaps, from the first on, are parameters and not unknowns.
     travels
         Whether the travel is an equation too.
+    ramped
+        Whether limits make ramps of the steps, each over before the next begins.
     """
 
     steps: int
@@ -48,6 +51,7 @@ class WholeMove:
     switched_order: int
     given: int = 0
     travels: bool = True
+    ramped: bool = False
 
     @property
     def equations(self) -> int:
@@ -63,8 +67,9 @@ class WholeMove:
         import casadi as ca  # noqa: PLC0415 - a third of a second that --help must not pay
 
         gaps = ca.SX.sym("gaps", self.steps - 1 - self.given)
-        parameters = ca.SX.sym("parameters", 6 + self.given)
-        lags, wanted, given = ca.vertsplit(parameters, [0, 5, 6, 6 + self.given])
+        own = LAG_PARAMETERS[self.ramped]
+        parameters = ca.SX.sym("parameters", own + 1 + self.given)
+        lags, wanted, given = ca.vertsplit(parameters, [0, own, own + 1, own + 1 + self.given])
         steps = alternating_steps(
             [*ca.vertsplit(given), *ca.vertsplit(gaps)], lags, self.switched_order
         )
@@ -110,7 +115,10 @@ def whole_move_problem(
     w = mode.natural_frequency_rad_s
     return Problem(
         model=WholeMove(
-            steps=steps, derivatives=derivatives, switched_order=switched_order(actuator)
+            steps=steps,
+            derivatives=derivatives,
+            switched_order=switched_order(actuator),
+            ramped=isinstance(actuator, RateLimited),
         ),
         parameters=np.array([*lag_parameters(mode, actuator), w * travel_s]),
         amplitudes=alternating(steps),
@@ -129,7 +137,7 @@ def pulse_trains(problem: Problem) -> list[FloatArray]:
     or ZVD shaper of positive impulses, which needs half a period from one to the next.
     """
     pulses = problem.amplitudes.size // 2
-    _, first_accel, _, first_decel, _, travel = problem.parameters.tolist()
+    _, first_accel, _, first_decel, *_, travel = problem.parameters.tolist()
     # Each pulse travels its width less the lag of its rise, plus that of its fall.
     on = max(travel + pulses * (first_accel - first_decel), travel / 2)
     trains: list[FloatArray] = []

@@ -116,7 +116,7 @@ def move_candidates(problem: Problem, usual_rad: float) -> Iterator[MoveCandidat
     yield from sorted(
         put_off, key=lambda one: (one.gaps_rad.min() <= COINCIDE_RAD, one.duration_rad)
     )
-    travel_s = float(problem.parameters[5]) / problem.natural_frequency_rad_s
+    travel_s = float(problem.parameters[-1]) / problem.natural_frequency_rad_s
     raise InfeasibleDesignError(
         f"no move on levels 0 and 1 was found that travels {travel_s:.6g} s times its speed within "
         f"{problem.horizon_rad / PERIOD_RAD:.4g} periods, in {search.starts} starts"
