@@ -165,6 +165,22 @@ def residual_vectors(
     return _joined(sums, poles_rad_s, actuator)
 
 
+def terms_of_residual(impulses: Impulses, pole_rad_s: complex, actuator: Actuator) -> ComplexArray:
+    """Return what each change of the reference adds to `residual_vectors` at one pole, shape (n,).
+
+    A step is one change, a ramp too; one that reverses the command is two. Phases count from the
+    first step, whose term is then real.
+    """
+    steps = step_contributions(impulses, actuator)
+    columns = steps.columns.astype(np.complex128)
+    if steps.ramps_s is not None and steps.heights is not None:
+        factors = ramp_factors(np.array([pole_rad_s]), steps.ramps_s)
+        columns[:, :2] += factors[:, None] * steps.heights
+    turns = pole_rad_s * steps.until_last_s - 1j * pole_rad_s.imag * impulses.duration_s
+    terms = np.exp(turns)[:, None] * columns
+    return _joined(terms, np.array([pole_rad_s]), actuator)
+
+
 def residuals_of_many(
     times_s: FloatArray, amplitudes: FloatArray, poles_rad_s: ComplexArray, actuator: Actuator
 ) -> FloatArray:

@@ -6,6 +6,7 @@ from matplotlib.ticker import MaxNLocator, MultipleLocator
 
 from design.actuators import Actuator
 from design.analysis.certificate import LIMITS
+from design.analysis.residual import terms_of_residual
 from design.impulses import Impulses
 from design.pictures.style import (
     BRIGHT,
@@ -17,6 +18,7 @@ from design.pictures.style import (
     percent,
 )
 from design.plants import Mode
+from design.references import reference
 from design.types import ComplexArray
 
 LABEL_SPACING = 0.08
@@ -24,22 +26,23 @@ LABEL_SPACING = 0.08
 
 
 def vibration_vectors(impulses: Impulses, mode: Mode, actuator: Actuator) -> ComplexArray:
-    """Return what each impulse adds to the residual vibration.
+    """Return what each change of the actuator's reference adds to the residual vibration.
 
     Parameters
     ----------
     impulses
         The command.
     mode, actuator
-        The plant's mode and its drive; superposed steps.
+        The plant's mode and its drive.
 
     Returns
     -------
     ComplexArray
-        ``A_i G_i(s)/G_accel(s) exp(-s t_i) exp(-z w t_n)``, shape (n,) [-]. The real factor at the
-        end measures them at the last impulse, so that the magnitude of their sum is the residual
-        vibration of a damped mode too; times count from the first impulse, so that its vector is
-        real.
+        ``A_i G_i(s)/G_accel(s) exp(-s t_i) exp(-z w t_n)``, shape (n,) [-]; with what a switched
+        actuator's state passes on from set to set, or a ramp's share of a step. The real factor at
+        the end measures them at the last impulse, so that the magnitude of their sum is the
+        residual vibration of a damped mode too; times count from the first impulse, so that its
+        vector is real.
 
     Examples
     --------
@@ -49,14 +52,7 @@ def vibration_vectors(impulses: Impulses, mode: Mode, actuator: Actuator) -> Com
     >>> bool(abs(vectors.sum()) < 1e-15)
     True
     """
-    pole = mode.pole_rad_s
-    times = impulses.times_s - impulses.times_s[0]
-    decel = actuator.accel_lag.denominator(pole) / actuator.decel_lag.denominator(pole)
-    gains = np.where(impulses.accelerates, 1.0, decel)
-    # One exponential of a difference: a strongly damped mode would overflow in exp(-s t_i).
-    turns = np.exp(pole.real * (times[-1] - times) - 1j * pole.imag * times)
-    vectors: ComplexArray = impulses.amplitudes * gains * turns
-    return vectors
+    return terms_of_residual(impulses, mode.pole_rad_s, actuator)
 
 
 def draw_vectors(axes: Axes, impulses: Impulses, mode: Mode, actuator: Actuator) -> None:
@@ -70,11 +66,12 @@ def draw_vectors(axes: Axes, impulses: Impulses, mode: Mode, actuator: Actuator)
     axes.plot(corners.real, corners.imag, linestyle="none", gid="corners")
     places: list[complex] = []
     apart = LABEL_SPACING * max(float(np.ptp(corners.real)), float(np.ptp(corners.imag)))
-    for number, accelerates in enumerate(impulses.accelerates.tolist(), start=1):
+    changes = reference(impulses, actuator).accelerates
+    for number, accelerates in enumerate(changes.tolist(), start=1):
         tail, head = corners[number - 1], corners[number]
         colour = DEEP if accelerates else BRIGHT
         # Each lies over the next, whose tail would cover its tip.
-        _draw_arrow(axes, tail, head, colour, zorder=3 - number / impulses.times_s.size)
+        _draw_arrow(axes, tail, head, colour, zorder=3 - number / vectors.size)
         place = _free_place(tail, head, places, apart)
         places.append(place)
         axes.text(

@@ -28,6 +28,7 @@ from design.pipeline import Design, design
 from design.plants import Mode, Pendulum
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
+from tests.design.test_rate_limited import random_case
 
 CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81).mode
 CRANE_DRIVE = SecondOrder(
@@ -213,6 +214,15 @@ def test_a_band_beyond_the_range_asked_for_does_not_widen_it() -> None:
     inside = SensitivityRange(from_ratio=1.05, to_ratio=1.1)
     figure, _, _ = _sheet("numzvd", CRANE, CRANE_DRIVE, inside)
     assert _panel(figure, "sensitivity").get_xlim() == (1.05, 1.1)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_vectors_add_up_whatever_the_drive_does(seed: int) -> None:
+    impulses, mode, limited = random_case(seed)
+    for actuator in (limited, limited.then):
+        total = vibration_vectors(impulses, mode, actuator).sum()
+        expected = residual_vibration(impulses, mode, actuator)
+        assert abs(total) == pytest.approx(expected, rel=1e-9, abs=ROUNDING)
 
 
 @pytest.mark.parametrize("case", CASES)
