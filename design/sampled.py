@@ -2,11 +2,10 @@
 
 A shaper that falls between two samples cannot be given as designed. Rounding it costs most of what
 it was designed for; positive shapers can be made exact again by their amplitudes, those of unity
-magnitude only as good as whole samples allow. All of it is for one mode.
+magnitude only as good as whole samples allow (`design.unity_grid`). All of it is for one mode.
 """
 
-import itertools
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -14,28 +13,22 @@ import numpy as np
 
 from design.actuators import Actuator
 from design.analysis.certificate import LIMITS, Certificate, Claim, certify
-from design.analysis.residual import require_workable, residual_vibration, vectors_of_many
+from design.analysis.residual import require_workable, residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
-from design.pipeline import Design
+from design.pipeline import Design, warnings_of
 from design.plants import Mode
-from design.sample_grid import (
-    IntArray,
-    carried,
-    nearest,
-    on_samples,
-    require_gaps,
-    rounded,
-    shared,
-    split,
-)
+from design.sample_grid import carried, nearest, on_samples, shared, split
 from design.shapers.kind import Quantity
-from design.types import ComplexArray, FloatArray
+from design.types import FloatArray, require_between
+from design.unity_grid import is_unity, left_of_many, more_impulses_on_grid, unity_on_grid
 
 __all__ = [
     "Sampled",
+    "Tried",
     "carried",
     "exact_positive",
+    "more_impulses_on_grid",
     "nearest",
     "sample",
     "sampled_design",
@@ -43,7 +36,7 @@ __all__ = [
     "unity_on_grid",
 ]
 
-Method = Literal["exact_positive", "split", "unity_on_grid"]
+Method = Literal["exact_positive", "split", "unity_on_grid", "more_impulses_on_grid"]
 """How a shaper was brought to the grid: the name of the function here that did it."""
 
 EXACT = 1e-13
@@ -55,21 +48,31 @@ SMALLEST_SHARE = 1e-10
 WIDEST_REACH = 4
 """Samples on each side of an impulse that are looked at [-]."""
 
-MOST_CANDIDATES = 50_000
-"""Largest number of rounded shapers that one search compares; it narrows for more impulses."""
-
-FREQUENCY_ERROR = 0.05
-"""Relative error in frequency that a shaper with zero slope is to stand [-]."""
-
-DIFFERENCE = 1e-5
-"""Relative step of the central difference in frequency: its error and rounding are 1e-10 [-]."""
-
-TIE = 1e-12
-"""Shapers this near in what they leave are equally good: it is rounding [-]."""
-
-
 AGREEMENT = 1e-9
 """Relative difference of two routes to one residual that is rounding [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tried:
+    """The best command of unity magnitude with one number of impulses.
+
+    Attributes
+    ----------
+    impulses
+        Their number [-].
+    duration_s
+        From the first to the last [s].
+    residual
+        What it leaves with the actuator given [-].
+    compared
+        By what it was chosen: the residual, and where zero slope is claimed ``0.05 |dV/d ln w|``
+        more, to first order the most that 5 % of error in frequency leaves [-].
+    """
+
+    impulses: int
+    duration_s: float
+    residual: float
+    compared: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -88,6 +91,16 @@ class Sampled:
         What it leaves with the actuator given [-].
     continuous_residual
         What the shaper between the samples leaves with the same actuator [-].
+    split_residual
+        What its linear split leaves; of unity magnitude it is not [-].
+    nearest_residual
+        What its impulses leave, each at the sample nearest to it [-]; None where two of them are
+        less than a sample apart.
+    carried_residual
+        What they leave with each rounding error carried on [-]; None where that brings two of them
+        to one sample too.
+    tried
+        For amplitudes of both signs the best of each number of impulses, fewest first.
     """
 
     impulses: Impulses
@@ -95,6 +108,10 @@ class Sampled:
     method: Method
     residual: float
     continuous_residual: float
+    split_residual: float
+    nearest_residual: float | None
+    carried_residual: float | None
+    tried: tuple[Tried, ...]
 
     @property
     def samples(self) -> tuple[int, ...]:
@@ -108,11 +125,15 @@ def sample(
     actuator: Actuator,
     sample_time_s: float,
     claims: Collection[Quantity],
+    *,
+    tolerance: float | None = None,
 ) -> Sampled:
     """Bring a shaper to a sample grid by the method that suits it.
 
     Amplitudes of one sign that claim a zero are solved for (`exact_positive`), or where no
-    amplitudes do it, or nothing is claimed, shared (`split`); others are kept (`unity_on_grid`).
+    amplitudes do it, or nothing is claimed, shared (`split`). Others are kept (`unity_on_grid`);
+    where unity magnitude then leaves more than the tolerance, two, four, six impulses are added
+    (`more_impulses_on_grid`) until it does not, and where none does not the least is taken.
 
     Parameters
     ----------
@@ -125,17 +146,20 @@ def sample(
         sign the whole duration [s].
     claims
         What the shaper makes zero; ``slope`` stands for the residual besides.
+    tolerance
+        What unity magnitude may leave at most before impulses are added, 0 to 1: the residual, and
+        with ``slope`` in the claims ``0.05 |dV/d ln w|`` more [-]. None adds none.
 
     Returns
     -------
     Sampled
-        The shaper on the grid, and the residual before and after.
+        The shaper on the grid, and what it and other ways to get there leave.
 
     Raises
     ------
     InvalidInputError
-        If the sample time breaks its rule, a set of the actuator is out of proportion to the
-        plant, or there are too many impulses to search.
+        If the sample time or tolerance breaks its rule, a set of the actuator is out of
+        proportion to the plant, or there are too many impulses to search.
 
     Examples
     --------
@@ -148,9 +172,13 @@ def sample(
     """
     require_workable(mode, actuator)
     method: Method
+    tried: tuple[Tried, ...] = ()
     if not _of_one_sign(impulses):
-        method = "unity_on_grid"
-        found = unity_on_grid(impulses, mode, actuator, sample_time_s, slope="slope" in claims)
+        found, tried = _of_unity(
+            impulses, mode, actuator, sample_time_s, slope="slope" in claims, tolerance=tolerance
+        )
+        more = found.times_s.size > impulses.times_s.size
+        method = "more_impulses_on_grid" if more else "unity_on_grid"
     else:
         method, found = "split", split(impulses, sample_time_s)
         if claims:
@@ -161,13 +189,64 @@ def sample(
                 method = "exact_positive"
             except InfeasibleDesignError:
                 pass  # the split stands, and the residual says what it is worth
+
+    def left_by(way: Callable[[Impulses, float], Impulses]) -> float | None:
+        try:
+            return residual_vibration(way(impulses, sample_time_s), mode, actuator)
+        except InvalidInputError:
+            return None  # the sample time serves the shaper, but not this way
+
     return Sampled(
         impulses=found,
         sample_time_s=sample_time_s,
         method=method,
         residual=residual_vibration(found, mode, actuator),
         continuous_residual=residual_vibration(impulses, mode, actuator),
+        split_residual=residual_vibration(split(impulses, sample_time_s), mode, actuator),
+        nearest_residual=left_by(nearest),
+        carried_residual=left_by(carried),
+        tried=tried,
     )
+
+
+def _of_unity(
+    impulses: Impulses,
+    mode: Mode,
+    actuator: Actuator,
+    sample_time_s: float,
+    *,
+    slope: bool,
+    tolerance: float | None,
+) -> tuple[Impulses, tuple[Tried, ...]]:
+    """Return the fewest impulses within the tolerance, or those that leave least, and all tried."""
+    commands = [unity_on_grid(impulses, mode, actuator, sample_time_s, slope=slope)]
+    left = [_compared(commands[0], mode, actuator, slope=slope)]
+    if tolerance is not None:
+        require_between("sample_tolerance", tolerance, 0.0, 1.0)
+        if left[0] > tolerance and is_unity(impulses):
+            for command in more_impulses_on_grid(
+                impulses, mode, actuator, sample_time_s, slope=slope, tolerance=tolerance
+            ):
+                commands.append(command)
+                left.append(_compared(command, mode, actuator, slope=slope))
+                if left[-1] <= tolerance:
+                    break
+    tried = tuple(
+        Tried(
+            impulses=command.times_s.size,
+            duration_s=command.duration_s,
+            residual=residual_vibration(command, mode, actuator),
+            compared=compared,
+        )
+        for command, compared in zip(commands, left, strict=True)
+    )
+    # Only the last can be within the tolerance, and is then the least of all.
+    return commands[int(np.argmin(left))], tried
+
+
+def _compared(impulses: Impulses, mode: Mode, actuator: Actuator, *, slope: bool) -> float:
+    times = impulses.times_s[None]
+    return float(left_of_many(times, impulses.amplitudes, mode, actuator, slope=slope)[0])
 
 
 def sampled_design(
@@ -176,13 +255,17 @@ def sampled_design(
     actuator: Actuator,
     sample_time_s: float,
     claims: Collection[Quantity],
+    *,
+    tolerance: float | None = None,
 ) -> tuple[Design, Sampled]:
     """Return a design brought to a sample grid, its certificate proving the residual it tells.
 
     What a sampled shaper leaves is told by formula; the certificate recomputes it by simulation,
-    with the actuator given.
+    with the actuator given. The parameters are those of `sample`.
     """
-    sampled = sample(continuous.impulses, mode, actuator, sample_time_s, claims)
+    sampled = sample(
+        continuous.impulses, mode, actuator, sample_time_s, claims, tolerance=tolerance
+    )
     (simulated,) = certify(sampled.impulses, mode, actuator, ("residual",)).claims
     limit = sampled.residual * (1 + AGREEMENT) + LIMITS["residual"]
     claim = Claim(quantity="residual", value=simulated.value, limit=limit)
@@ -191,6 +274,7 @@ def sampled_design(
         impulses=sampled.impulses,
         residual=sampled.residual,
         certificate=Certificate(claims=(claim,)),
+        warnings=tuple(warnings_of(sampled.impulses, mode, actuator)),
     )
     if not proven.certificate.verified:
         raise SolverFailedError(
@@ -264,86 +348,6 @@ def exact_positive(
         f"the residual{' and the slope' if slope else ''} zero at a sample time of "
         f"{sample_time_s:g} s"
     )
-
-
-def unity_on_grid(
-    impulses: Impulses, mode: Mode, actuator: Actuator, sample_time_s: float, *, slope: bool
-) -> Impulses:
-    """Return the impulses with amplitudes unchanged, at the best whole samples around them.
-
-    Compared is every choice of samples, up to four on each side of the nearest (fewer for more
-    than five impulses), in order. The first impulse stays at its nearest sample: all of them later
-    by a sample leave the same. What is minimised is the residual |V|, and with ``slope``
-    ``|V| + 0.05 |dV/d ln w|``: to first order the most that 5 % of error in frequency leaves.
-
-    Parameters
-    ----------
-    impulses
-        The shaper.
-    mode, actuator
-        The plant's mode and its drive.
-    sample_time_s
-        Sample time, > 0, at most the shortest gap between two impulses [s].
-    slope
-        Whether the slope in frequency counts too.
-
-    Returns
-    -------
-    Impulses
-        The choice that leaves least; the shorter, then the earlier, of two that leave the same.
-        It leaves something: ask `design.analysis.residual` how much.
-
-    Raises
-    ------
-    InvalidInputError
-        If the sample time breaks its rule, a set of the actuator is out of all proportion to the
-        plant, or there are more than ten impulses.
-    """
-    require_workable(mode, actuator)
-    require_gaps(impulses, sample_time_s)
-    samples = _choices(rounded(impulses.times_s / sample_time_s))
-    left = _left(samples * sample_time_s, impulses.amplitudes, mode, actuator, slope=slope)
-    best = samples[left <= left.min() + TIE]
-    # Rows come in lexical order, and argmin takes the first: the earlier of two equally long.
-    chosen = best[np.argmin(best[:, -1])]
-    return Impulses(times_s=chosen * sample_time_s, amplitudes=impulses.amplitudes)
-
-
-def _left(
-    times_s: FloatArray, amplitudes: FloatArray, mode: Mode, actuator: Actuator, *, slope: bool
-) -> FloatArray:
-    """Return what `unity_on_grid` minimises of many shapers, times of shape (m, n): shape (m,)."""
-    lag = actuator.accel_lag
-
-    def vibration(ratio: float) -> ComplexArray:
-        pole = mode.pole_rad_s * ratio
-        poles = np.full(len(times_s), pole)
-        # Phase and unit of the nominal frequency, so that only V itself differs.
-        unit = lag.denominator(mode.pole_rad_s) / lag.denominator(pole)
-        turn = np.exp((mode.pole_rad_s - pole) * (times_s[:, -1] - times_s[:, 0]))
-        vectors: ComplexArray = vectors_of_many(times_s, amplitudes, poles, actuator) * turn * unit
-        return vectors
-
-    left: FloatArray = np.abs(vibration(1.0))
-    if slope:
-        change = vibration(1 + DIFFERENCE) - vibration(1 - DIFFERENCE)
-        left = left + FREQUENCY_ERROR * np.abs(change) / (2 * DIFFERENCE)
-    return left
-
-
-def _choices(centres: IntArray) -> IntArray:
-    """Every ordered choice of samples around the centres, in lexical order, shape (m, n)."""
-    free = centres.size - 1
-    reach = WIDEST_REACH
-    while (2 * reach + 1) ** free > MOST_CANDIDATES:
-        reach -= 1
-    if reach == 0:
-        raise InvalidInputError("impulses", centres.size, "few enough to search: at most 10")
-    moves = list(itertools.product(range(-reach, reach + 1), repeat=free))
-    samples = np.repeat(centres[None], len(moves), axis=0)
-    samples[:, 1:] += np.array(moves, dtype=int)
-    ordered: IntArray = samples[np.all(np.diff(samples, axis=1) > 0, axis=1)]
-    return ordered
 
 
 def _nonnegative(equations: FloatArray, wanted: FloatArray, start: FloatArray) -> FloatArray:

@@ -37,14 +37,43 @@ class ShaperOut(Wire):
     duration_s: Annotated[float, Field(description="Time that it adds to a move [s].")]
 
 
+class TriedOut(Wire):
+    """The best command of unity magnitude with one number of impulses."""
+
+    impulses: int
+    duration_s: float
+    residual: float
+    compared: Annotated[
+        float,
+        Field(description="Residual, and where zero slope is claimed 0.05 |dV/d ln w| more [-]."),
+    ]
+
+
 class SampledOut(Wire):
     """What it cost to bring the shaper to a sample grid."""
 
     sample_time_s: float
-    method: Annotated[str, Field(description="split, exact_positive or unity_on_grid.")]
+    method: Annotated[
+        str,
+        Field(description="split, exact_positive, unity_on_grid or more_impulses_on_grid."),
+    ]
     samples: Annotated[list[int], Field(description="Sample number of each impulse.")]
     continuous_times_s: Annotated[list[float], Field(description="Before [s].")]
     continuous_residual: Annotated[float, Field(description="Left before, likewise [-].")]
+    split_residual: Annotated[
+        float, Field(description="Left by the linear split, which is not of unity magnitude [-].")
+    ]
+    nearest_residual: Annotated[
+        float | None, Field(description="Left by nearest samples; null where two coincide [-].")
+    ]
+    carried_residual: Annotated[
+        float | None,
+        Field(description="Left with rounding errors carried on; null likewise [-]."),
+    ]
+    tried: Annotated[
+        list[TriedOut],
+        Field(description="For amplitudes of both signs, the best of each number of impulses."),
+    ]
 
     @classmethod
     def from_design(cls, sampled: Sampled, continuous: Impulses) -> Self:
@@ -55,6 +84,18 @@ class SampledOut(Wire):
             samples=list(sampled.samples),
             continuous_times_s=continuous.times_s.tolist(),
             continuous_residual=sampled.continuous_residual,
+            split_residual=sampled.split_residual,
+            nearest_residual=sampled.nearest_residual,
+            carried_residual=sampled.carried_residual,
+            tried=[
+                TriedOut.model_construct(
+                    impulses=one.impulses,
+                    duration_s=one.duration_s,
+                    residual=one.residual,
+                    compared=one.compared,
+                )
+                for one in sampled.tried
+            ],
         )
 
 

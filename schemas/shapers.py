@@ -12,6 +12,9 @@ from design.shapers.kind import ShaperKind
 from design.shapers.registry import SHAPERS
 from schemas.base import Positive, Wire
 
+SAMPLE_TOLERANCE = 0.01
+"""What a shaper on samples may leave before impulses are added: a fifth of the usual 5 % [-]."""
+
 
 class ShaperRequest(Wire):
     """A kind of shaper with its parameters."""
@@ -21,7 +24,17 @@ class ShaperRequest(Wire):
 
     sample_time_s: Annotated[
         Positive | None,
-        Field(description="Brings the impulses to a controller's samples [s]; designs only."),
+        Field(description="Brings the impulses to a controller's samples [s]."),
+    ] = None
+    sample_tolerance: Annotated[
+        float | None,
+        Field(
+            ge=0,
+            le=1,
+            description="With sample_time_s: two, four, six impulses are added to a shaper of "
+            "unity magnitude that leaves more (slope counted where it claims that), "
+            f"{SAMPLE_TOLERANCE} if not given; none with settle, whose gaps they would break [-].",
+        ),
     ] = None
 
     def registered(self) -> ShaperKind:
@@ -30,17 +43,23 @@ class ShaperRequest(Wire):
 
     def options(self) -> Any:  # noqa: ANN401 - each kind has a record of its own
         """Build the record of its parameters."""
+        if self.sample_tolerance is not None and self.sample_time_s is None:
+            raise InvalidInputError(
+                "sample_tolerance", self.sample_tolerance, "left out without sample_time_s"
+            )
         names = [field.name for field in dataclasses.fields(self.registered().options)]
         return self.registered().options(**{name: getattr(self, name) for name in names})
 
-    def continuous_options(self) -> Any:  # noqa: ANN401
-        """Build the record of its parameters where no sample grid is served."""
+    def grid_tolerance(self) -> float | None:
+        """Return what it may leave on samples before impulses are added; None to add none."""
+        if getattr(self, "settle", False):
+            return None
+        return SAMPLE_TOLERANCE if self.sample_tolerance is None else self.sample_tolerance
+
+    def continuous_options(self, reason: str) -> Any:  # noqa: ANN401
+        """Build the record of its parameters where no sample grid is served, for the reason."""
         if self.sample_time_s is not None:
-            raise InvalidInputError(
-                "sample_time_s",
-                self.sample_time_s,
-                "left out: for designs and simulations only",
-            )
+            raise InvalidInputError("sample_time_s", self.sample_time_s, f"left out: {reason}")
         return self.options()
 
 

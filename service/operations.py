@@ -2,7 +2,7 @@
 
 import functools
 import importlib.metadata
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
@@ -31,7 +31,7 @@ from schemas.maneuvers import ManeuverRequest, ManeuverResponse, ProgramOut
 from schemas.maps import MapRequest, MapResponse
 from schemas.plants import PlantIn
 from schemas.sensitivity import SensitivityOut, SensitivityRequest, SensitivityResponse
-from schemas.shapers import MODELS
+from schemas.shapers import MODELS, ShaperIn
 from schemas.simulations import SimulationRequest, SimulationResponse
 
 THESIS_CRANE = {
@@ -56,6 +56,13 @@ EXAMPLE_ACTUATORS = {
 
 AFTERMATH_PERIODS = 3.0
 """How long a simulation goes on after the last step if no end is given [-]."""
+
+NO_FIT_ON_SAMPLES = "a fit is over times that change smoothly, which whole samples do not"
+NO_CELL_ON_SAMPLES = "a search in every cell is too much; with design once it is served"
+NO_MOVE_ON_SAMPLES = (
+    "a move's distance is met exactly by times between the samples; the field beside shaper gives "
+    "its program on samples"
+)
 
 PLANTS = ["mode", "modes", "pendulum"]
 
@@ -132,7 +139,7 @@ def _designed(
             curve_range = request.sensitivity.to_design()
     if request.fit is not None:
         with named("shaper"):
-            request.shaper.continuous_options()
+            request.shaper.continuous_options(NO_FIT_ON_SAMPLES)
         with named("fit"):
             plants_at_ends(plant, request.fit.to_design(request.plant.kind))
     kind = request.shaper.registered()
@@ -141,7 +148,14 @@ def _designed(
     if sample_time_s is not None:
         continuous = found.impulses
         with named("shaper"):
-            found, sampled = sampled_design(found, plant.mode, actuator, sample_time_s, kind.claims)
+            found, sampled = sampled_design(
+                found,
+                plant.mode,
+                actuator,
+                sample_time_s,
+                kind.claims,
+                tolerance=request.shaper.grid_tolerance(),
+            )
         told = SampledOut.from_design(sampled, continuous)
     curve = None
     if curve_range is not None:
@@ -172,7 +186,7 @@ def fit_curves(request: FitRequest) -> FitOut:
 def _fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
     plant, actuator = _subject(subject)
     with named("shaper"):
-        options = subject.shaper.continuous_options()
+        options = subject.shaper.continuous_options(NO_FIT_ON_SAMPLES)
     with named("fit"):
         wanted = fit_in.to_design(subject.plant.kind)
         plants_at_ends(plant, wanted)
@@ -188,14 +202,7 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
     if request.shaper is not None:
         with named("shaper"):
             options = request.shaper.options()
-        kind = request.shaper.registered()
-        shaper = design(plant, actuator, kind, options).impulses
-        if request.shaper.sample_time_s is not None:
-            with named("shaper"):
-                shaper = sample(
-                    shaper, plant.mode, actuator, request.shaper.sample_time_s, kind.claims
-                ).impulses
-        played = convolved(played, shaper)
+        played = convolved(played, _impulses(plant, actuator, request.shaper, options))
     end = request.until_s
     if end is None:
         end = (
@@ -210,11 +217,33 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
     )
 
 
+def _impulses(
+    plant: Plant,
+    actuator: Actuator,
+    shaper: ShaperIn,
+    options: Any,  # noqa: ANN401 - each kind has a record of its own
+) -> Impulses:
+    """Return a designed shaper, on samples where asked."""
+    kind = shaper.registered()
+    impulses = design(plant, actuator, kind, options).impulses
+    if shaper.sample_time_s is None:
+        return impulses
+    with named("shaper"):
+        return sample(
+            impulses,
+            plant.mode,
+            actuator,
+            shaper.sample_time_s,
+            kind.claims,
+            tolerance=shaper.grid_tolerance(),
+        ).impulses
+
+
 def whole_move(request: ManeuverRequest) -> ManeuverResponse:
     """Design a move from rest to rest, and its program where asked."""
     plant, actuator = _subject(request)
     with named("shaper"):
-        options = request.shaper.continuous_options()
+        options = request.shaper.continuous_options(NO_MOVE_ON_SAMPLES)
     move = maneuver(
         plant,
         actuator,
@@ -255,9 +284,14 @@ def _mapped(request: MapRequest) -> tuple[Axis, Axis, ResidualMap]:
     shaper: Impulses | tuple[ShaperKind, object]
     if request.shaper is not None and request.impulses is None:
         with named("shaper"):
-            kind, options = request.shaper.registered(), request.shaper.continuous_options()
-        anew = request.design == "each"
-        shaper = (kind, options) if anew else design(plant, actuator, kind, options).impulses
+            if request.design == "each":
+                options = request.shaper.continuous_options(NO_CELL_ON_SAMPLES)
+            else:
+                options = request.shaper.options()
+        if request.design == "each":
+            shaper = (request.shaper.registered(), options)
+        else:
+            shaper = _impulses(plant, actuator, request.shaper, options)
     elif request.impulses is not None and request.shaper is None:
         with named("impulses"):
             shaper = request.impulses.to_design()

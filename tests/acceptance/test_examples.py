@@ -25,3 +25,12 @@ def test_the_disagreement_of_the_two_models_is_printed() -> None:
     assert left["numzvd", "superposed"][1] == pytest.approx(0.0074, abs=5e-5)
     assert left["umzvd", "ideal"][1] == pytest.approx(0.029, abs=5e-4)
     assert left["numzvd", "switched"][1] < 1e-9
+
+
+def test_figure_5_of_the_thesis_is_printed_and_drawn(tmp_path: Path) -> None:
+    picture = tmp_path / "digital.png"
+    command = [sys.executable, str(EXAMPLES[1]), str(picture)]
+    printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    left = [float(line.rsplit(" %", 1)[0].split()[-1]) for line in printed.splitlines()[1:]]
+    assert left == [0.0, 0.58, 0.58, 0.58, 0.0, 33.61, 33.61, 0.24]
+    assert picture.read_bytes().startswith(b"\x89PNG")

@@ -7,6 +7,20 @@ import pytest
 
 from tests.conftest import CRANE
 
+FIT = {"over": "/plant/cable_length_m", "from": 1, "to": 2, "degree": 2}
+AXES = {
+    "x": {"field": "/plant/cable_length_m", "values": [0.8, 0.9]},
+    "y": {"field": "/plant/damping_ratio", "values": [0.0, 0.05]},
+}
+PRINTER = {
+    "plant": {
+        "kind": "mode",
+        "natural_frequency_rad_s": 45.867252742410976,  # 7.3 Hz
+        "damping_ratio": 0.05,
+    },
+    "actuator": {"kind": "ideal"},
+}
+
 
 def with_sample_time(sample_time_s: Any) -> dict[str, Any]:
     return {**CRANE, "shaper": {"kind": "numzvd", "sample_time_s": sample_time_s}}
@@ -45,22 +59,22 @@ def test_a_faulty_sample_time_is_named(client: httpx.Client, sample_time: Any) -
 
 
 @pytest.mark.parametrize(
-    ("path", "extra"),
+    ("path", "extra", "reason"),
     [
-        ("/v1/fits", {"fit": {"over": "/plant/cable_length_m", "from": 1, "to": 2, "degree": 2}}),
-        (
-            "/v1/designs",
-            {"fit": {"over": "/plant/cable_length_m", "from": 1, "to": 2, "degree": 2}},
-        ),
-        ("/v1/maneuvers", {"speed_m_s": 0.2, "distance_m": 0.4}),
+        ("/v1/fits", {"fit": FIT}, "times that change smoothly"),
+        ("/v1/designs", {"fit": FIT}, "times that change smoothly"),
+        ("/v1/maneuvers", {"speed_m_s": 0.2, "distance_m": 0.4}, "distance is met exactly"),
+        ("/v1/maps", {**AXES, "design": "each"}, "with design once it is served"),
     ],
 )
 def test_where_no_grid_is_served_it_is_refused(
-    client: httpx.Client, path: str, extra: dict[str, Any]
+    client: httpx.Client, path: str, extra: dict[str, Any], reason: str
 ) -> None:
     answer = client.post(path, json={**with_sample_time(0.01), **extra})
     assert answer.status_code == 422
-    assert answer.json()["errors"][0]["pointer"] == "/shaper/sample_time_s"
+    (error,) = answer.json()["errors"]
+    assert error["pointer"] == "/shaper/sample_time_s"
+    assert reason in error["detail"]
 
 
 def test_a_simulation_plays_the_sampled_shaper(client: httpx.Client) -> None:
@@ -69,3 +83,54 @@ def test_a_simulation_plays_the_sampled_shaper(client: httpx.Client) -> None:
     design = client.post("/v1/designs", json=with_sample_time(0.01)).json()
     assert played["impulses"] == design["shaper"]["impulses"]
     assert played["residual"] == pytest.approx(design["residual"], rel=1e-9)
+
+
+def test_impulses_are_added_until_unity_magnitude_leaves_less_than_the_split(
+    client: httpx.Client,
+) -> None:
+    request: dict[str, Any] = {**PRINTER, "shaper": {"kind": "umzv", "sample_time_s": 0.01}}
+    body = client.post("/v1/designs", json=request).json()
+    told = body["sampled"]
+    assert told["method"] == "more_impulses_on_grid"
+    assert body["shaper"]["impulses"]["amplitudes"] == [1, -1, 1, -1, 1, -1, 1]
+    assert [one["impulses"] for one in told["tried"]] == [3, 5, 7]
+    assert body["residual"] == told["tried"][-1]["residual"] < 0.0025
+    assert told["split_residual"] == pytest.approx(0.0224, abs=5e-5)
+    assert told["nearest_residual"] == pytest.approx(0.336, abs=5e-4)
+    assert told["carried_residual"] == pytest.approx(0.336, abs=5e-4)
+    assert body["certificate"]["verified"] is True
+    request["shaper"]["sample_tolerance"] = 0.2
+    kept = client.post("/v1/designs", json=request).json()
+    assert kept["sampled"]["samples"] == [0, 3, 5]
+
+
+def test_with_settle_no_impulses_are_added(client: httpx.Client) -> None:
+    shaper = {"kind": "numzv", "sample_time_s": 0.1, "settle": True}
+    body = client.post("/v1/designs", json={**CRANE, "shaper": shaper}).json()
+    assert body["residual"] > 0.01
+    assert len(body["sampled"]["tried"]) == 1
+
+
+def test_warnings_are_of_the_impulses_on_the_samples(client: httpx.Client) -> None:
+    shaper = {"kind": "numzvd", "sample_time_s": 0.08}
+    plain = client.post("/v1/designs", json=CRANE).json()
+    kept = {**CRANE, "shaper": {**shaper, "sample_tolerance": 1}}
+    # Between the samples, and on their own ones, all settle; but .08 s is less than .11 s.
+    numzv = {**CRANE, "shaper": {**shaper, "kind": "numzv"}}
+    assert plain["warnings"] == client.post("/v1/designs", json=kept).json()["warnings"] == []
+    warned = client.post("/v1/designs", json=numzv).json()["warnings"]
+    assert [one["code"] for one in warned] == ["actuator_not_settled"]
+
+
+def test_a_tolerance_without_a_sample_time_is_refused(client: httpx.Client) -> None:
+    shaper = {"kind": "umzv", "sample_tolerance": 0.1}
+    answer = client.post("/v1/designs", json={**PRINTER, "shaper": shaper})
+    assert answer.status_code == 422
+    assert answer.json()["errors"][0]["pointer"] == "/shaper/sample_tolerance"
+
+
+def test_a_map_holds_the_impulses_on_the_samples(client: httpx.Client) -> None:
+    request = with_sample_time(0.01)
+    design = client.post("/v1/designs", json=request).json()
+    mapped = client.post("/v1/maps", json={**request, **AXES}).json()
+    assert mapped["residual"][0][0] == pytest.approx(design["residual"], rel=1e-9)
