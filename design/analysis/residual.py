@@ -212,25 +212,44 @@ def vectors_of_many(
     ComplexArray
         Vibration vector over that of the unshaped step, shape (m,) [-].
     """
-    if isinstance(actuator, RateLimited):
-        rows = zip(times_s, poles_rad_s, strict=True)
-        commands = (
-            (Impulses(times_s=times, amplitudes=amplitudes), np.array([pole]))
-            for times, pole in rows
-        )
-        vectors = [residual_vectors(command, pole, actuator)[0] for command, pole in commands]
-        return np.array(vectors)
     # The signs of the changes are the same for all, whatever their times.
-    command = Impulses(times_s=np.zeros(amplitudes.size), amplitudes=amplitudes)
-    changes = replace(reference(command, actuator), times_s=times_s)
-    lags = (actuator.accel_lag, actuator.decel_lag)
-    second = np.array([[lag.second_s2 for lag in lags]])
-    columns = _heights(changes)
+    changes = _apart(amplitudes, actuator)
+    if changes.changes.size != amplitudes.size:  # a reversal: two changes for a step
+        whole = np.full(len(times_s), fill_value=False)
+    else:
+        whole = np.all(np.diff(times_s) >= changes.ramps_s[:-1], axis=1)
+    vectors = np.empty(len(times_s), dtype=np.complex128)
+    vectors[whole] = _vectors_of_whole(
+        replace(changes, times_s=times_s[whole]), poles_rad_s[whole], actuator
+    )
+    for row in np.flatnonzero(~whole).tolist():
+        command = Impulses(times_s=times_s[row], amplitudes=amplitudes)
+        vectors[row] = residual_vectors(command, poles_rad_s[row : row + 1], actuator)[0]
+    return vectors
+
+
+def _apart(amplitudes: FloatArray, actuator: Actuator) -> Reference:
+    """Return what steps make where each comes long after the ramp of the one before."""
+    longest = float(np.abs(amplitudes).sum()) * sum(unit_ramps_s(actuator)) + 1.0
+    times = longest * np.arange(amplitudes.size)
+    return reference(Impulses(times_s=times, amplitudes=amplitudes), actuator)
+
+
+def _vectors_of_whole(
+    changes: Reference, poles_rad_s: ComplexArray, actuator: Actuator
+) -> ComplexArray:
+    """Return `vectors_of_many` where no ramp is cut; times of shape (m, n)."""
+    heights = _heights(changes).astype(np.complex128)
+    swings = np.exp(poles_rad_s[:, None] * (changes.times_s[:, -1:] - changes.times_s))
+    limited = changes.ramps_s.any()
+    ramped = swings * ramp_factors(poles_rad_s[:, None], changes.ramps_s) if limited else swings
+    sums = ramped @ heights
     if actuator.model == "switched":
+        lags = (actuator.accel_lag, actuator.decel_lag)
+        second = np.array([[lag.second_s2 for lag in lags]])
         columns = _passed_on(states_of(changes, actuator), changes, second)
-        columns[..., :2] += _heights(changes)
-    swings = np.exp(poles_rad_s[:, None] * (times_s[:, -1:] - times_s))
-    sums = (swings[:, None, :] @ columns.astype(np.complex128))[:, 0]
+        passed = (swings[:, None, :] @ columns.astype(np.complex128))[:, 0]
+        sums = np.concatenate((passed[:, :2] + sums, passed[:, 2:]), axis=1)
     return _joined(sums, poles_rad_s, actuator)
 
 

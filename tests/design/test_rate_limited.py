@@ -18,7 +18,7 @@ from design.actuators import (
     Unlimited,
 )
 from design.analysis.certificate import certify
-from design.analysis.residual import residual_vectors, residual_vibration
+from design.analysis.residual import residual_vectors, residual_vibration, vectors_of_many
 from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.commands import pulse, step
 from design.errors import InfeasibleDesignError, InvalidInputError
@@ -124,6 +124,20 @@ def test_the_formula_agrees_with_the_simulation(seed: int) -> None:
     )
     vectors = residual_vectors(impulses, np.array([mode.pole_rad_s]), actuator)
     assert abs(ringing[0] / unit[0] - vectors[0]) < 1e-10 * max(1.0, abs(vectors[0]))
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_many_commands_at_once_leave_what_each_does(seed: int) -> None:
+    impulses, mode, actuator = random_case(seed)
+    rng = np.random.default_rng(seed)
+    size = impulses.times_s.size
+    times = np.cumsum(rng.uniform(0, 2, (9, size)) * 10.0 ** rng.uniform(-2, 0, (9, 1)), axis=1)
+    poles = mode.pole_rad_s * rng.uniform(0.8, 1.2, 9)
+    together = vectors_of_many(times, impulses.amplitudes, poles, actuator)
+    for row, pole, vector in zip(times, poles, together, strict=True):
+        command = replace(impulses, times_s=row)
+        alone = residual_vectors(command, np.array([pole]), actuator)[0]
+        assert abs(vector - alone) < 1e-12 * max(1.0, abs(alone))
 
 
 @pytest.mark.parametrize("seed", range(100))
