@@ -219,9 +219,9 @@ def vectors_of_many(
     else:
         whole = np.all(np.diff(times_s) >= changes.ramps_s[:-1], axis=1)
     vectors = np.empty(len(times_s), dtype=np.complex128)
-    vectors[whole] = _vectors_of_whole(
-        replace(changes, times_s=times_s[whole]), poles_rad_s[whole], actuator
-    )
+    if whole.any():
+        those = replace(changes, times_s=times_s[whole])
+        vectors[whole] = _vectors_of_whole(those, poles_rad_s[whole], actuator)
     for row in np.flatnonzero(~whole).tolist():
         command = Impulses(times_s=times_s[row], amplitudes=amplitudes)
         vectors[row] = residual_vectors(command, poles_rad_s[row : row + 1], actuator)[0]
