@@ -57,15 +57,15 @@ def curve_sheet(
     """
     with house_style():
         figure = Figure(figsize=(7.2, 4.6))
-        axes = figure.add_axes((0.11, 0.125, 0.86, 0.73))
+        axes = figure.add_axes((0.11, 0.125, 0.85, 0.73))
         for number, curve in enumerate(curves):
             colour, dashes = STROKES[number % len(STROKES)]
             axes.plot(curve.x, curve.y, color=colour, linestyle=dashes, label=curve.name or None)
         if level is not None:
             axes.axhline(level, color=GREY, linewidth=1.0, linestyle=(0, (2, 2)))
             axes.annotate(
-                f"{level:g}", (1.0, level), xycoords=("axes fraction", "data"), xytext=(-2, 2),
-                textcoords="offset points", ha="right", va="bottom", color=GREY,
+                f"{level:g}", (1.0, level), xycoords=("axes fraction", "data"), xytext=(3, 0),
+                textcoords="offset points", ha="left", va="center", color=GREY,
             )  # fmt: skip
         values = np.concatenate([curve.y[np.isfinite(curve.y)] for curve in curves])
         if values.size and values.min() >= 0:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,6 +21,15 @@ SMALLEST_DRAWN = 0.01
 TOLERANCE = 0.05
 """The residual usually allowed, at which a line is drawn [-]."""
 
+SMALLEST_REACH = 0.01
+"""Least that the colours of a gain ratio reach to either side of 1 [-]."""
+
+DECADES = 3
+"""How far down the colours of a deflection reach below the largest [-]."""
+
+FLATTEST = 20
+"""Lines of equal deflection are drawn down to this share of the largest; then colours do [-]."""
+
 LEVELS = 6
 """About how many lines of equal value are drawn on an even scale."""
 
@@ -36,20 +46,40 @@ class Look:
         What its values are multiplied by for that.
     levels
         Lines of equal value, in that unit; none for even ones.
+    heavy
+        The one of them that is drawn heavier.
+    colours, ink
+        Name of matplotlib's colour map, and the colour of the lines upon it.
     """
 
     label: str
     unit: float = 1.0
     levels: tuple[float, ...] = ()
+    heavy: float | None = None
+    colours: str = "cividis"
+    ink: str = "white"
 
 
 LOOKS: dict[Quantity, Look] = {
-    "residual": Look("residual vibration [%]", 100.0, (1.0, 100 * TOLERANCE, 20.0)),
-    "deflection_m": Look("residual deflection of the payload [cm]", 100.0),
+    "residual": Look(
+        "residual vibration [%]", 100.0, (1.0, 100 * TOLERANCE, 20.0), 100 * TOLERANCE
+    ),
+    "deflection_m": Look(
+        "residual deflection of the payload [cm]",
+        100.0,
+        tuple(digit * 10.0**power for power in range(-4, 5) for digit in (1, 5)),
+    ),
     "times_s": Look("time of the impulse [s]"),
     "duration_s": Look("first to last impulse [s]"),
     "branch": Look("whole periods"),
-    "alpha": Look("α = |G_decel / G_accel| [-]"),
+    "alpha": Look(
+        "α = |G_decel / G_accel| [-]",
+        1.0,
+        (0.25, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 1, 1.01, 1.02, 1.05, 1.1, 1.2, 1.5, 2, 4),
+        1,
+        "PuOr_r",
+        INK,
+    ),
     "beta_rad": Look("β, phase lag of G_decel / G_accel [rad]"),
 }
 
@@ -101,21 +131,24 @@ def panel_sheet(
     with house_style():
         figure = Figure(figsize=(7.2 if columns == 1 else 10.6, 5.6 if rows == 1 else 4.4 * rows))
         inches = float(figure.get_figheight())
+        head = 0.9 if any(shown) else 0.6
         grid = figure.add_gridspec(
             rows, columns, left=0.1 if columns == 1 else 0.07, right=0.86 if columns == 1 else 0.9,
-            bottom=0.62 / inches, top=1 - 0.95 / inches, wspace=0.12, hspace=0.26,
+            bottom=0.62 / inches, top=1 - head / inches, wspace=0.12, hspace=0.26,
         )  # fmt: skip
         norm = _norm(quantity, list(shown.values()))
+        # On a logarithmic scale the smallest are drawn alike, zero included.
+        floor = (norm.vmin or 0.0) if isinstance(norm, LogNorm) else -np.inf
         mesh = None
         for number, (name, values) in enumerate(shown.items()):
             place = grid[number // columns, number % columns]
             axes = figure.add_subplot(place)
             mesh = axes.pcolormesh(
-                x.values, y.values, np.ma.masked_invalid(_clipped(quantity, values)), norm=norm,
-                cmap="cividis", shading="nearest", rasterized=True,
+                x.values, y.values, np.ma.masked_invalid(np.maximum(values, floor)),
+                norm=norm, cmap=look.colours, shading="nearest", rasterized=True,
             )  # fmt: skip
             axes.grid(visible=False)
-            _draw_levels(axes, x, y, values, _levels(quantity, norm))
+            _draw_levels(axes, x, y, values, _levels(quantity, norm), look)
             _scale(axes, x, y)
             axes.set_title(name)
             if number + columns >= len(shown):
@@ -127,7 +160,7 @@ def panel_sheet(
             fontsize=12, weight="bold",
         )  # fmt: skip
         if mesh is not None:
-            _draw_scale(figure, mesh, look, norm, columns)
+            _draw_scale(figure, mesh, look, norm, columns, head)
         return figure
 
 
@@ -155,10 +188,6 @@ def _title(case: MapCase, quantity: Quantity) -> str:
     return ", ".join(words)
 
 
-def _clipped(quantity: Quantity, values: FloatArray) -> FloatArray:
-    return np.clip(values, SMALLEST_DRAWN, None) if quantity == "residual" else values
-
-
 def _norm(quantity: Quantity, shown: Sequence[FloatArray]) -> Normalize:
     """Return the scale of colours that all panels share."""
     if quantity == "residual":
@@ -169,31 +198,40 @@ def _norm(quantity: Quantity, shown: Sequence[FloatArray]) -> Normalize:
     lowest, highest = float(finite.min()), float(finite.max())
     if quantity == "branch":
         return BoundaryNorm(np.arange(lowest - 0.5, highest + 1), 256)
-    if quantity == "deflection_m":
-        lowest = 0.0
+    if quantity == "deflection_m" and highest > 0:
+        return LogNorm(vmin=highest / 10**DECADES, vmax=highest)
+    if quantity == "alpha":
+        # As far to either side of 1, where the sets are alike.
+        reach = max(highest - 1, 1 - lowest, SMALLEST_REACH)
+        return Normalize(1 - reach, 1 + reach)
     return Normalize(lowest, highest if highest > lowest else lowest + 1)
 
 
 def _levels(quantity: Quantity, norm: Normalize) -> list[float]:
     if quantity == "branch":
         return []
-    if LOOKS[quantity].levels:
-        return list(LOOKS[quantity].levels)
+    levels = LOOKS[quantity].levels
+    if quantity == "deflection_m":
+        return [level for level in levels if level > (norm.vmax or 0.0) / FLATTEST]
+    if levels:
+        return list(levels)
     from matplotlib.ticker import MaxNLocator  # noqa: PLC0415
 
     lowest, highest = norm.vmin or 0.0, norm.vmax or 1.0
     return [float(level) for level in MaxNLocator(LEVELS).tick_values(lowest, highest)]
 
 
-def _draw_levels(axes: Axes, x: Axis, y: Axis, values: FloatArray, levels: Sequence[float]) -> None:
-    """Draw lines of equal value, white on dark and the tolerance heavier."""
+def _draw_levels(
+    axes: Axes, x: Axis, y: Axis, values: FloatArray, levels: Sequence[float], look: Look
+) -> None:
+    """Draw lines of equal value, one of them heavier."""
     finite = values[np.isfinite(values)]
     inside = [one for one in levels if finite.size and finite.min() < one < finite.max()]
     if not inside or min(values.shape) == 1:
         return
-    heavier = [1.8 if level == 100 * TOLERANCE else 0.9 for level in inside]
+    heavier = [1.8 if level == look.heavy else 0.9 for level in inside]
     lines = axes.contour(
-        x.values, y.values, np.ma.masked_invalid(values), levels=inside, colors="white",
+        x.values, y.values, np.ma.masked_invalid(values), levels=inside, colors=look.ink,
         linewidths=heavier, negative_linestyles="solid",
     )  # fmt: skip
     axes.clabel(lines, fmt="%g", fontsize=SMALL_PT)
@@ -209,13 +247,14 @@ def _scale(axes: Axes, x: Axis, y: Axis) -> None:
 
 
 def _draw_scale(
-    figure: Figure, mesh: ScalarMappable, look: Look, norm: Normalize, columns: int
+    figure: Figure, mesh: ScalarMappable, look: Look, norm: Normalize, columns: int, head: float
 ) -> None:
     inches = float(figure.get_figheight())
     left = 0.885 if columns == 1 else 0.915
-    height = 1 - 1.57 / inches
+    height = 1 - (head + 0.62) / inches
     bar = figure.add_axes((left, 0.62 / inches, 0.024 if columns == 1 else 0.016, height))
-    drawn = figure.colorbar(mesh, cax=bar, label=look.label)
+    beyond: Literal["both", "neither"] = "both" if isinstance(norm, LogNorm) else "neither"
+    drawn = figure.colorbar(mesh, cax=bar, label=look.label, extend=beyond)
     bar.grid(visible=False)
     if isinstance(norm, BoundaryNorm):
         edges = np.asarray(norm.boundaries)
@@ -223,8 +262,9 @@ def _draw_scale(
         drawn.ax.minorticks_off()
         drawn.ax.set_yticklabels([f"{edge + 0.5:g}" for edge in edges[:-1]])
     if isinstance(norm, LogNorm):
-        drawn.set_ticks([0.01, 0.1, 1, 10, 100], labels=["≤ 0.01", "0.1", "1", "10", "100"])
-        bar.axhline(100 * TOLERANCE, color="white", linewidth=1.8)
+        drawn.ax.yaxis.set_major_formatter("{x:g}")
+        if look.heavy is not None:
+            bar.axhline(look.heavy, color=look.ink, linewidth=1.8)
     drawn.outline.set_edgecolor(INK)
 
 
