@@ -15,7 +15,7 @@ from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.commands import convolved, pulse
 from design.impulses import Impulses
 from design.maneuvers import maneuver
-from design.maps import Axis, residual_map
+from design.maps import Axis, MapCase, field_map
 from design.motions import motion
 from design.pipeline import design
 from design.plants import Pendulum
@@ -154,10 +154,11 @@ def _moves_and_maps() -> Iterator[Figure]:
         path=("actuator", "accel", "natural_frequency_rad_s"), values=np.linspace(10.0, 60.0, 100)
     )
     y = Axis(path=("plant", "cable_length_m"), values=np.linspace(0.4, 1.4, 100))
+    case = MapCase(plant=CRANE, actuator=ACTUATOR, shaper=shaper)
     seconds = alternating_medians(
         {
             "move": lambda: maneuver(CRANE, ACTUATOR, kind, speed_m_s=0.2, distance_m=0.05),
-            "map": lambda: residual_map(CRANE, ACTUATOR, shaper, x, y),
+            "map": lambda: field_map(case, x, y),
         },
         rounds=5,
         calls=2,

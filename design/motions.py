@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.actuators import Actuator, require_speed
-from design.analysis.residual import RESONANCE, residual_vibration
+from design.analysis.residual import RESONANCE, residual_vibration, unshaped_gain
 from design.impulses import Impulses
 from design.plants import Pendulum, Plant
 from design.responses import history
@@ -95,7 +95,7 @@ def motion(
     residual = None if rings_along else residual_vibration(command, mode, actuator)
     remaining = None
     if residual is not None:
-        unshaped_m = speed_m_s / (mode.natural_frequency_rad_s * distances[0])
+        unshaped_m = speed_m_s * unshaped_gain(mode, actuator) / mode.natural_frequency_rad_s
         remaining = _swing(residual * unshaped_m, length_m)
     return Motion(
         times_s=times_s,

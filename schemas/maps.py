@@ -1,15 +1,18 @@
 """Wire form of maps."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field
 
+from design.actuators import Actuator, Model
 from design.errors import InvalidInputError
-from design.maps import Axis, ResidualMap
+from design.impulses import Impulses
+from design.maps import Axis, Map, MapCase, Move, Quantity, Recipe
+from design.plants import Plant
 from design.types import FloatArray
 from schemas.actuators import ActuatorIn
-from schemas.base import Wire
+from schemas.base import Positive, Wire, named
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
@@ -17,11 +20,15 @@ from schemas.shapers import ShaperIn
 MOST_POINTS = 2000
 
 
+NOT_ON_SAMPLES = "a map holds one sampled shaper; it searches none in every cell and no move"
+"""Why a shaper that is designed in every cell, or for a move, takes no sample time."""
+
+
 class AxisIn(Wire):
     """One field and its values: ``from``, ``to`` and ``points``, or ``values``."""
 
     field: Annotated[
-        str, Field(pattern="^/(plant|actuator)/", description="JSON pointer of a number.")
+        str, Field(pattern="^/(plant|actuator|move)/", description="JSON pointer of a number.")
     ]
     from_: Annotated[float | None, Field(alias="from")] = None
     to: float | None = None
@@ -52,6 +59,18 @@ class AxisIn(Wire):
         return np.geomspace(self.from_, self.to, self.points)
 
 
+class MoveIn(Wire):
+    """The move that the shaper starts and stops."""
+
+    pulse_s: Annotated[
+        Positive, Field(description="From the first step of the start to that of the stop [s].")
+    ]
+    stop: Annotated[
+        Literal["solved", "mirrored"],
+        Field(description="mirrored: the gaps of the start in reverse order."),
+    ] = "solved"
+
+
 class MapRequest(Wire):
     """Body of `POST /v1/maps`."""
 
@@ -61,12 +80,63 @@ class MapRequest(Wire):
     impulses: Annotated[
         ImpulsesWire | None, Field(description="In place of shaper: a command that is held.")
     ] = None
+    move: MoveIn | None = None
+    quantity: Annotated[
+        Quantity,
+        Field(
+            description="deflection_m: the residual at the payload, with speed_m_s. times_s, "
+            "duration_s, branch (n, m and the sign of the closed form): of a shaper designed in "
+            "every cell. alpha, beta_rad: magnitude and lag of G_decel/G_accel, without a shaper."
+        ),
+    ] = "residual"
+    speed_m_s: Annotated[Positive | None, Field(description="For deflection_m [m/s].")] = None
     design: Annotated[
         Literal["once", "each"],
         Field(description="once: for plant and actuator as given; each: anew in every cell."),
     ] = "once"
+    designed_for: Annotated[
+        Model | None,
+        Field(description="Model of the actuator in the design, if not that which judges it."),
+    ] = None
     x: AxisIn
-    y: AxisIn
+    y: Annotated[AxisIn | None, Field(description="Left out: a curve over x.")] = None
+
+    @property
+    def plainly_held(self) -> bool:
+        """Whether one shaper, without a move, is held for plant and actuator as given."""
+        return self.design == "once" and self.move is None and self.designed_for is None
+
+    def to_design(self, plant: Plant, actuator: Actuator, held: Impulses | None) -> MapCase:
+        """Build the design record; ``held`` stands for a shaper on samples."""
+        move = self.move
+        return MapCase(
+            plant=plant,
+            actuator=actuator,
+            shaper=self._shaper() if held is None else held,
+            move=None if move is None else Move(pulse_s=move.pulse_s, stop=move.stop),
+            quantity=self.quantity,
+            speed_m_s=self.speed_m_s,
+        )
+
+    def _shaper(self) -> Impulses | Recipe | None:
+        if self.impulses is not None:
+            for name in ("shaper", "designed_for"):
+                if getattr(self, name) is not None:
+                    raise InvalidInputError(name, "given", "left out beside impulses")
+            if self.design == "each":
+                raise InvalidInputError("design", "each", "once: impulses are held")
+            with named("impulses"):
+                return self.impulses.to_design()
+        if self.shaper is None:
+            return None
+        with named("shaper"):
+            options = self.shaper.continuous_options(NOT_ON_SAMPLES)
+        return Recipe(
+            kind=self.shaper.registered(),
+            options=options,
+            each=self.design == "each",
+            designed_for=self.designed_for,
+        )
 
 
 class AxisOut(Wire):
@@ -76,25 +146,59 @@ class AxisOut(Wire):
     values: list[float]
 
 
-class MapResponse(Wire):
-    """Answer of `POST /v1/maps`."""
+Number = float | None
+Row = list[Number]
+Numbers = list[list[float] | None]
 
+
+class MapResponse(Wire):
+    """Answer of `POST /v1/maps`: the quantity asked for, the others null.
+
+    A row for each value of y; without y, the row alone. A cell is null where there is no such
+    shaper or move.
+    """
+
+    quantity: Quantity
     x: AxisOut
-    y: AxisOut
+    y: AxisOut | None
     residual: Annotated[
-        list[list[float | None]],
-        Field(description="A row for each value of y; null where a cell has no such shaper [-]."),
-    ]
+        list[Row] | Row | None, Field(description="Share of an unshaped step [-].")
+    ] = None
+    deflection_m: Annotated[
+        list[Row] | Row | None, Field(description="Its swing at the payload [m].")
+    ] = None
+    duration_s: list[Row] | Row | None = None
+    alpha: list[Row] | Row | None = None
+    beta_rad: list[Row] | Row | None = None
+    times_s: Annotated[
+        list[Numbers] | Numbers | None, Field(description="A list of times in each cell [s].")
+    ] = None
+    branch: Annotated[
+        list[Numbers] | Numbers | None, Field(description="n, m and sign in each cell.")
+    ] = None
 
     @classmethod
-    def from_design(cls, request: MapRequest, x: Axis, y: Axis, found: ResidualMap) -> Self:
+    def from_design(cls, request: MapRequest, x: Axis, y: Axis | None, found: Map) -> Self:
         """Wrap the design records."""
+        several = found.quantity in {"times_s", "branch"}
         rows = [
-            [None if np.isnan(value) else value for value in row]
-            for row in found.residuals.tolist()
+            [_listed(cell) if several else _number(cell[0]) for cell in row]
+            for row in found.values.tolist()
         ]
+        told: dict[str, Any] = {found.quantity: rows if y is not None else rows[0]}
         return cls(
+            quantity=found.quantity,
             x=AxisOut(field=request.x.field, values=x.values.tolist()),
-            y=AxisOut(field=request.y.field, values=y.values.tolist()),
-            residual=rows,
+            y=None
+            if request.y is None or y is None
+            else AxisOut(field=request.y.field, values=y.values.tolist()),
+            **told,
         )
+
+
+def _number(value: float) -> float | None:
+    return None if np.isnan(value) else value
+
+
+def _listed(cell: list[float]) -> list[float] | None:
+    return [value for value in cell if not np.isnan(value)] or None

@@ -68,10 +68,10 @@ OPERATIONS: dict[str, Operation] = {
     ),
     "map": Operation(
         "/v1/maps",
-        "Residual of a shaper, held or designed anew in each cell, over any two fields",
+        "Residual, times or gains of a shaper or a whole move over one or two fields",
         MapRequest,
         MapResponse,
-        operations.residual_over_two_fields,
+        operations.map_over_fields,
     ),
 }
 

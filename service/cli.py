@@ -24,7 +24,7 @@ COMMANDS = {
     "sensitivity": ("sensitivity", "sensitivity curve of any impulses (POST /v1/sensitivity)"),
     "simulate": ("simulation", "response to a command over time (POST /v1/simulations)"),
     "maneuver": ("maneuver", "a whole move from rest to rest (POST /v1/maneuvers)"),
-    "map": ("map", "residual over any two fields (POST /v1/maps)"),
+    "map": ("map", "residual, times or gains over one or two fields (POST /v1/maps)"),
     "fit": ("fit", "curve coefficients over a field of the plant (POST /v1/fits)"),
 }
 DRAWN = ("design", "map")

@@ -10,16 +10,14 @@ from design.actuators import Actuator
 from design.analysis.residual import require_workable, residual_vibration
 from design.analysis.sensitivity import Sensitivity, SensitivityRange, sensitivity
 from design.commands import convolved, program
-from design.errors import InvalidInputError
 from design.fits import fit, plants_at_ends
 from design.impulses import Impulses
 from design.maneuvers import maneuver
-from design.maps import Axis, ResidualMap, residual_map
+from design.maps import Axis, Map, MapCase, field_map
 from design.motions import motion
 from design.pipeline import Design, design
 from design.plants import Mode, Plant
 from design.sampled import sample, sampled_design
-from design.shapers.kind import ShaperKind
 from design.shapers.registry import SHAPERS
 from design.types import SMALLEST
 from schemas.actuators import ActuatorIn
@@ -58,7 +56,6 @@ AFTERMATH_PERIODS = 3.0
 """How long a simulation goes on after the last step if no end is given [-]."""
 
 NO_FIT_ON_SAMPLES = "a fit is over times that change smoothly, which whole samples do not"
-NO_CELL_ON_SAMPLES = "a search in every cell is too much; with design once it is served"
 NO_MOVE_ON_SAMPLES = (
     "a move's distance is met exactly by times between the samples; the field beside shaper gives "
     "its program on samples"
@@ -260,44 +257,37 @@ def whole_move(request: ManeuverRequest) -> ManeuverResponse:
     return ManeuverResponse.from_design(request.shaper.kind, move, told, version())
 
 
-def residual_over_two_fields(request: MapRequest) -> MapResponse:
-    """Return the residual of a shaper over any two fields."""
-    return MapResponse.from_design(request, *_mapped(request))
+def map_over_fields(request: MapRequest) -> MapResponse:
+    """Return what a shaper leaves, or what it is, over one or two fields."""
+    _, x, y, found = _mapped(request)
+    return MapResponse.from_design(request, x, y, found)
 
 
 def map_picture(request: MapRequest, image_format: Literal["png", "svg"]) -> bytes:
-    """Draw the residual of a shaper over any two fields."""
+    """Draw what a shaper leaves, or what it is, over one or two fields."""
     from design.pictures.design_sheet import figure_bytes  # noqa: PLC0415
     from design.pictures.map_sheet import map_sheet  # noqa: PLC0415
 
-    name = "impulses" if request.shaper is None else request.shaper.kind
-    how = "designed anew in each cell" if request.design == "each" else "held"
-    return figure_bytes(map_sheet(f"{name}, {how}", *_mapped(request)), image_format)
+    case, x, y, found = _mapped(request)
+    return figure_bytes(map_sheet(case, x, y, found), image_format)
 
 
-def _mapped(request: MapRequest) -> tuple[Axis, Axis, ResidualMap]:
+def _mapped(request: MapRequest) -> tuple[MapCase, Axis, Axis | None, Map]:
     plant, actuator = _subject(request)
     with named("x"):
         x = request.x.to_design()
-    with named("y"):
-        y = request.y.to_design()
-    shaper: Impulses | tuple[ShaperKind, object]
-    if request.shaper is not None and request.impulses is None:
+    y = None
+    if request.y is not None:
+        with named("y"):
+            y = request.y.to_design()
+    held = None
+    shaper = request.shaper
+    if shaper is not None and shaper.sample_time_s is not None and request.plainly_held:
         with named("shaper"):
-            if request.design == "each":
-                options = request.shaper.continuous_options(NO_CELL_ON_SAMPLES)
-            else:
-                options = request.shaper.options()
-        if request.design == "each":
-            shaper = (request.shaper.registered(), options)
-        else:
-            shaper = _impulses(plant, actuator, request.shaper, options)
-    elif request.impulses is not None and request.shaper is None:
-        with named("impulses"):
-            shaper = request.impulses.to_design()
-    else:
-        raise InvalidInputError("shaper", "both or none", "given, or impulses in its place")
-    return x, y, residual_map(plant, actuator, shaper, x, y)
+            options = shaper.options()
+        held = _impulses(plant, actuator, shaper, options)
+    case = request.to_design(plant, actuator, held)
+    return case, x, y, field_map(case, x, y)
 
 
 def shaper_catalogue() -> Catalogue:

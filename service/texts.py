@@ -67,9 +67,7 @@ def _rows(response: Response) -> Iterable[Sequence[object]]:
     elif isinstance(response, ManeuverResponse):
         yield from _move_rows(response)
     elif isinstance(response, MapResponse):
-        yield f"{response.y.field} by {response.x.field}", *response.x.values
-        for value, cells in zip(response.y.values, response.residual, strict=True):
-            yield value, *("" if cell is None else cell for cell in cells)
+        yield from _map_rows(response)
     elif isinstance(response, FitOut):
         yield "impulse", *(f"c{power}" for power in range(response.degree + 1))
         for number, row in enumerate(response.coefficients, start=1):
@@ -96,6 +94,30 @@ def _move_rows(response: ManeuverResponse) -> Iterable[Sequence[object]]:
         yield "step", "time_s", "amplitude"
         steps = zip(command.times_s, command.amplitudes, strict=True)
         yield from ((number, *step) for number, step in enumerate(steps, start=1))
+
+
+def _map_rows(response: MapResponse) -> Iterable[Sequence[object]]:
+    """Yield a table of two axes, or, of a curve or of several numbers a cell, a row for each cell.
+
+    A cell without a value is empty.
+    """
+    x, y, told = response.x, response.y, getattr(response, response.quantity)
+    several = response.quantity in {"times_s", "branch"}
+    if y is not None and not several:
+        yield f"{y.field} by {x.field}", *x.values
+        for value, row in zip(y.values, told, strict=True):
+            yield value, *("" if cell is None else cell for cell in row)
+        return
+    yield *([] if y is None else [y.field]), x.field, response.quantity
+    rows = (
+        [((), told)]
+        if y is None
+        else [((value,), row) for value, row in zip(y.values, told, strict=True)]
+    )
+    for ahead, row in rows:
+        for value, cell in zip(x.values, row, strict=True):
+            numbers = cell if isinstance(cell, list) else [cell]
+            yield *ahead, value, *("" if number is None else number for number in numbers)
 
 
 def _findings(response: Response) -> list[str]:

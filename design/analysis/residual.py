@@ -332,6 +332,13 @@ def _over_accel(
     return joined
 
 
+def unshaped_gain(mode: Mode, actuator: Actuator) -> float:
+    """Return what an unshaped step leaves, over what one through an ideal actuator does [-]."""
+    rise_s, _ = unit_ramps_s(actuator)
+    ramp = abs(ramp_factors(np.array([mode.pole_rad_s]), np.array([rise_s]))[0])
+    return float(ramp / abs(actuator.accel_lag.denominator(mode.pole_rad_s)))
+
+
 def residual_vibration(impulses: Impulses, mode: Mode, actuator: Actuator) -> float:
     """Return the residual vibration of a command, a share of one unshaped step [-].
 

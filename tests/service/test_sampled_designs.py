@@ -64,7 +64,7 @@ def test_a_faulty_sample_time_is_named(client: httpx.Client, sample_time: Any) -
         ("/v1/fits", {"fit": FIT}, "times that change smoothly"),
         ("/v1/designs", {"fit": FIT}, "times that change smoothly"),
         ("/v1/maneuvers", {"speed_m_s": 0.2, "distance_m": 0.4}, "distance is met exactly"),
-        ("/v1/maps", {**AXES, "design": "each"}, "with design once it is served"),
+        ("/v1/maps", {**AXES, "design": "each"}, "it searches none in every cell"),
     ],
 )
 def test_where_no_grid_is_served_it_is_refused(
