@@ -70,8 +70,16 @@ def _lag_parts(actuator: Actuator) -> list[tuple[float, float]]:
     return [denominator(actuator, accel=accel) for accel in (False, True)]
 
 
-def integrate(impulses: Impulses, mode: Mode, actuator: Actuator, until_s: float) -> FloatArray:
+def integrate(
+    impulses: Impulses,
+    mode: Mode,
+    actuator: Actuator,
+    until_s: float,
+    initial: tuple[float, float] = (0.0, 0.0),
+) -> FloatArray:
     """Integrate actuator and payload step by step; return [deflection, its rate, v] at the end.
+
+    ``initial`` is the payload's deflection and its rate at the first step.
 
     The payload obeys ``d'' + 2 z w d' + w^2 d = -v'``. Each set is a lag of its own, driven by the
     sum of its steps; a set that follows at once turns a step into a jump of the rate.
@@ -81,10 +89,10 @@ def integrate(impulses: Impulses, mode: Mode, actuator: Actuator, until_s: float
     if isinstance(actuator, RateLimited):
         return _integrate_limited(impulses, mode, actuator, until_s)
     if not isinstance(actuator, Ideal) and actuator.model == "switched":
-        return _integrate_switched(impulses, mode, actuator, until_s)
+        return _integrate_switched(impulses, mode, actuator, until_s, initial)
     w, z = mode.natural_frequency_rad_s, mode.damping_ratio
     lags = _lag_parts(actuator)
-    state = np.zeros(6)  # d, d', then v, v' of either set
+    state = np.array([*initial, 0.0, 0.0, 0.0, 0.0])  # d, d', then v, v' of either set
     levels = [0.0, 0.0]
 
     def rates(_: float, x: FloatArray) -> FloatArray:
@@ -123,14 +131,18 @@ def integrate(impulses: Impulses, mode: Mode, actuator: Actuator, until_s: float
 
 
 def _integrate_switched(
-    impulses: Impulses, mode: Mode, actuator: Actuator, until_s: float
+    impulses: Impulses,
+    mode: Mode,
+    actuator: Actuator,
+    until_s: float,
+    initial: tuple[float, float],
 ) -> FloatArray:
     """Integrate payload and one velocity that obeys the set of the latest change of |command|."""
     from scipy.integrate import solve_ivp
 
     w, z = mode.natural_frequency_rad_s, mode.damping_ratio
     lags = _lag_parts(actuator)
-    state = np.zeros(4)  # d, d', v, v'
+    state = np.array([*initial, 0.0, 0.0])  # d, d', v, v'
     level, force = 0.0, 0
 
     def rates(_: float, x: FloatArray) -> FloatArray:
