@@ -74,7 +74,7 @@ SHAPER_TABLE: dict[str, Row] = {
     "numzv": Row(
         plants=PLANTS,
         actuators=(IDEAL, FIRST_ORDER, THESIS),
-        options=(None, SETTLED_PEAK, HIGHER_PEAK),
+        options=(None, SETTLED_PEAK),
         impulses=3,
     ),
     "numzvd": Row(

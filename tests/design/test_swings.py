@@ -238,9 +238,7 @@ def test_behind_a_rate_limited_actuator_a_swing_is_cancelled_too(model: Model) -
         then=replace(FIRST_ORDER, model=model),
     )
     for kind in (NUMZV, NUMZVD):
-        move = maneuver(
-            CRANE, limited, kind, speed_m_s=SPEED_M_S, distance_m=0.42, initial=SWING
-        )
+        move = maneuver(CRANE, limited, kind, speed_m_s=SPEED_M_S, distance_m=0.42, initial=SWING)
         assert move.certificate.verified
         assert move.residual <= 1e-9
 
