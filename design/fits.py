@@ -22,7 +22,6 @@ from design.pipeline import design
 from design.plants import Pendulum, Plant
 from design.shapers.kind import ShaperKind
 from design.shapers.problem import Problem
-from design.shapers.unity_magnitude import alternating
 from design.solvers.newton import roots
 from design.types import FloatArray, require_between
 
@@ -308,6 +307,10 @@ class _Curve:
         self.poles_rad_s = np.array([mode.pole_rad_s for mode in modes])
         self.frequencies_rad_s = np.array([mode.natural_frequency_rad_s for mode in modes])
         self.formulations = [kind.formulate(mode, actuator, self.options) for mode in modes]
+        first = self.formulations[0]
+        self.amplitudes = (
+            first.amplitudes if isinstance(first, Problem) else first.impulses.amplitudes
+        )
         self.exact_times_s = self._exact_times_s()
 
     def designed(self, x: float) -> Impulses:
@@ -330,7 +333,7 @@ class _Curve:
         times = fitted / self.frequencies_rad_s[:, None] if self.axis.in_phases else fitted
         residuals = residuals_of_many(
             times,
-            alternating(times.shape[1]),
+            self.amplitudes,
             self.poles_rad_s,
             self.actuator,
         )

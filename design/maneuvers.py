@@ -15,12 +15,13 @@ from design.analysis.certificate import Certificate, certify
 from design.analysis.residual import residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
-from design.pipeline import DesignWarning, design, shortfall_of, warnings_of
+from design.pipeline import DesignWarning, design, shortfall_of, solutions, warnings_of
 from design.plants import Mode, Plant
 from design.responses import travel
-from design.rest_to_rest import Parts, over_distance, over_pulse
-from design.shapers.kind import SettleOptions, ShaperKind
+from design.rest_to_rest import Parts, faster_as_one, over_distance, over_pulse, with_swing
+from design.shapers.kind import PeakOptions, SettleOptions, ShaperKind
 from design.shapers.unity_magnitude import PERIOD_RAD
+from design.swings import InitialSwing, free_swing
 from design.types import LARGEST, SMALLEST, require_scale
 
 LONGEST_PERIODS = 500.0
@@ -35,11 +36,12 @@ class Maneuver:
     ----------
     start
         Its steps up to the speed, the first at 0; amplitudes +1, -1, ..., +1, shares of the speed
-        in the direction of travel.
+        in the direction of travel. With a ``max_velocity_ratio`` v: v, -v, 1.
     stop
-        The steps back to rest, times from the first step of the start; amplitudes -1, +1, ..., -1.
+        The steps back to rest, times from the first step of the start; amplitudes -1, +1, ..., -1,
+        or -1, v, -v.
     command
-        Both, in order of time; the level stays within 0 and 1.
+        Both, in order of time; the level stays within 0 and 1, or v. Solved as one, it is 0 or v.
     direction
         +1 in +x, -1 in -x: the command, the velocity and the swing are all mirrored.
     speed_m_s
@@ -55,7 +57,8 @@ class Maneuver:
         The claims of the shaper, recomputed for the whole move, for the actuator that the shaper
         was designed for.
     joint
-        Whether start and stop would overlap, and the move was solved as one.
+        Whether the move was solved as one: where start and stop would overlap, where the start
+        alone cannot cancel the swing, or where it was asked for and is faster.
     warnings
         What to know besides.
     """
@@ -86,6 +89,8 @@ def maneuver(
     speed_m_s: float,
     pulse_s: float | None = None,
     distance_m: float | None = None,
+    initial: InitialSwing | None = None,
+    joint: bool = False,
     options: Any = None,  # noqa: ANN401
 ) -> Maneuver:
     """Design a move from rest to rest and prove it as a whole.
@@ -110,6 +115,12 @@ def maneuver(
         would make.
     distance_m
         How far, not 0; negative moves in -x [m]. Exactly one of ``pulse_s`` and ``distance_m``.
+    initial
+        Swing of the payload at the first step, in +x whatever the direction; none if not given. The
+        start cancels it, or the whole move where the start cannot.
+    joint
+        Whether start and stop are solved as one wherever that is faster, and not only where they
+        overlap.
     options
         Parameters of the shaper, an instance of ``kind.options``; its defaults if not given.
 
@@ -123,7 +134,7 @@ def maneuver(
     InvalidInputError
         If a value breaks its rule.
     InfeasibleDesignError
-        If no such move was found; says how far was searched.
+        If no such move was found; says how far was searched, and how large the swing is.
     SolverFailedError
         If the certificate did not verify the whole.
 
@@ -139,13 +150,26 @@ def maneuver(
     """
     require_speed(actuator, speed_m_s)
     direction = _direction(plant.mode, speed_m_s, pulse_s, distance_m)
+    swing = free_swing(plant, initial, direction * abs(speed_m_s), actuator.dead_time_s)
+    if swing is not None and swing.delay_s > LONGEST_PERIODS * plant.mode.period_s:
+        raise InvalidInputError(
+            "actuator.dead_time_s",
+            swing.delay_s,
+            f"at most {LONGEST_PERIODS:g} periods of the plant where it swings already",
+        )
     parts = _parts(plant, actuator, kind, kind.options() if options is None else options)
+    if joint and parts.peak != 1:
+        raise InvalidInputError("joint", joint, "left out where max_velocity_ratio is not 1")
+    if swing is not None:
+        parts = with_swing(parts, swing)
     if pulse_s is None:
         wanted_s = abs(distance_m or 0.0) / speed_m_s
-        command, joint = over_distance(parts, wanted_s)
+        command, as_one = over_distance(parts, wanted_s)
     else:
-        command, joint = over_pulse(parts, pulse_s)
-    certificate = certify(command, parts.mode, parts.designed_for, kind.claims)
+        command, as_one = over_pulse(parts, pulse_s)
+    if joint and not as_one:
+        command, as_one = faster_as_one(parts, command)
+    certificate = certify(command, parts.mode, parts.designed_for, kind.claims, swing)
     if not certificate.verified:
         raise SolverFailedError(
             f"the whole move of {kind.name} was not verified: {shortfall_of(certificate)}"
@@ -164,9 +188,9 @@ def maneuver(
         speed_m_s=abs(speed_m_s),
         pulse_s=float(stop.times_s[0] - start.times_s[0]),
         distance_m=direction * abs(speed_m_s) * travel(command, actuator),
-        residual=residual_vibration(command, parts.mode, actuator),
+        residual=residual_vibration(command, parts.mode, actuator, swing),
         certificate=certificate,
-        joint=joint,
+        joint=as_one,
         warnings=tuple(warnings_of(command, parts.mode, actuator)),
     )
 
@@ -250,12 +274,8 @@ def _require_provable(name: str, value: float, travel_s: float, mode: Mode) -> N
 
 def _parts(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any) -> Parts:  # noqa: ANN401
     start = design(plant, actuator, kind, options).impulses
-    try:
-        stop = design(plant, swapped(actuator), kind, options).impulses
-    except InfeasibleDesignError as error:
-        raise InfeasibleDesignError(f"the start exists, the stop does not: {error}") from error
     settling = options if isinstance(options, SettleOptions) else SettleOptions()
-    return Parts(
+    parts = Parts(
         mode=plant.mode,
         actuator=actuator,
         designed_for=kind.formulate(plant.mode, actuator, options).designed_for,
@@ -263,5 +283,27 @@ def _parts(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any) -> 
         settle=settling.settle,
         horizon_rad=2 * settling.max_duration_periods * PERIOD_RAD,
         start=start,
-        stop=Impulses(times_s=stop.times_s, amplitudes=-stop.amplitudes),
+        stop=mirrored_stop(start),
+        peak=options.max_velocity_ratio if isinstance(options, PeakOptions) else 1.0,
     )
+    try:
+        return _with_stop(parts, plant, kind, options)
+    except InfeasibleDesignError as error:
+        raise InfeasibleDesignError(f"the start exists, the stop does not: {error}") from error
+
+
+def _with_stop(parts: Parts, plant: Plant, kind: ShaperKind, options: Any) -> Parts:  # noqa: ANN401
+    """Return the parts with a stop that leaves nothing, begun at rest at full speed."""
+    turned = swapped(parts.actuator)
+    if parts.peak == 1 or kind.formulate_stop is None:
+        return replace(parts, stop=_negative(design(plant, turned, kind, options).impulses))
+    for found, _ in solutions(kind.formulate_stop(parts.mode, turned, options)):
+        # By itself it is no start: above twice the speed its second step would increase |command|.
+        tried = replace(parts, stop=_negative(found))
+        if tried.verified(tried.whole(tried.rest_pulse_s)):
+            return tried
+    raise SolverFailedError(f"the stop of {kind.name} was not verified")
+
+
+def _negative(impulses: Impulses) -> Impulses:
+    return Impulses(times_s=impulses.times_s, amplitudes=-impulses.amplitudes)

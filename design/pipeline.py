@@ -133,7 +133,7 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
     formulation = kind.formulate(mode, actuator, kind.options() if options is None else options)
     unverified: Certificate | None = None
     try:
-        for impulses, report in _solutions(formulation):
+        for impulses, report in solutions(formulation):
             certificate = certify(impulses, mode, formulation.designed_for, kind.claims)
             if certificate.verified:
                 return Design(
@@ -162,7 +162,8 @@ def shortfall_of(certificate: Certificate | None) -> str:
     )
 
 
-def _solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport]]:
+def solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport]]:
+    """Yield what solves a formulation, not yet verified; raises where no more is found."""
     if isinstance(formulation, ClosedForm):
         yield (
             formulation.impulses,

@@ -1,22 +1,33 @@
 """Start and stop of a move put together: in turn, or solved as one where they overlap."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from design.actuators import Actuator, RateLimited, unit_ramps_s
 from design.analysis.certificate import certify
+from design.analysis.residual import swing_over_step
 from design.errors import InfeasibleDesignError
 from design.impulses import Impulses
 from design.plants import Mode
 from design.responses import travel
 from design.shapers.kind import Quantity
-from design.shapers.problem import Seed
-from design.shapers.unity_magnitude import lag_parameters, settling_gaps_rad, switched_order
+from design.shapers.problem import Problem, Seed
+from design.shapers.unity_magnitude import (
+    UnityMagnitude,
+    lag_parameters,
+    settling_gaps_rad,
+    swing_parameters,
+    switched_order,
+)
 from design.shapers.whole_move import WholeMove, whole_move_problem
-from design.solvers import newton
+from design.solvers import ipopt, newton
+from design.solvers.continuation import Path, followed
 from design.solvers.moves import MoveCandidate, move_candidates
+from design.solvers.outcome import Status
+from design.solvers.search import candidates
+from design.swings import FreeSwing
 from design.types import FloatArray
 
 REST_TIME_CONSTANTS = 50.0
@@ -36,6 +47,13 @@ LARGEST_TRAVEL_ERROR = 1e-12
 
 COMPRESSED = 0.95
 """Share of the pulse into which a compressed start is squeezed [-]."""
+
+SHORTEST_SHARE = 1 / 32
+"""Step of the swing's share at which a whole move is no longer followed: IPOPT takes a tenth of a
+second to fail [-]."""
+
+SHORTEST_START_SHARE = 1 / 512
+"""The same of a start, which Newton's method follows [-]."""
 
 SMALLEST_SLOPE = 0.1
 """Change of travel per travel asked below which the secant is not trusted [-]."""
@@ -59,6 +77,15 @@ class Parts:
         Longest move beyond its travel [rad].
     start, stop
         The parts, the first step of each at 0; the stop's amplitudes begin with -1.
+    peak
+        Height of the first pulse over the cruise speed [-].
+    swing
+        What the payload swings already at the first step.
+    apart
+        Whether the start cancels that swing; if not, it is one for a payload at rest, and the move
+        must be solved as one.
+    cancelled
+        Share of the swing up to which the start could be followed [-].
     """
 
     mode: Mode
@@ -69,6 +96,10 @@ class Parts:
     horizon_rad: float
     start: Impulses
     stop: Impulses
+    peak: float = 1.0
+    swing: FreeSwing | None = None
+    apart: bool = True
+    cancelled: float = 1.0
 
     @property
     def derivatives(self) -> int:
@@ -96,22 +127,76 @@ class Parts:
 
     def verified(self, command: Impulses) -> bool:
         """Whether the certificate finds every claim to hold for a whole command."""
-        return certify(command, self.mode, self.designed_for, self.claims).verified
+        return certify(command, self.mode, self.designed_for, self.claims, self.swing).verified
 
-    def lead_s(self) -> float:
-        """Travel beyond the pulse where the actuator is at rest between start and stop [s]."""
+    @property
+    def rest_pulse_s(self) -> float:
+        """A pulse in which the actuator comes to rest between start and stop."""
         slowest = max(
             lag.first_s + math.sqrt(lag.second_s2)
             for lag in (self.actuator.accel_lag, self.actuator.decel_lag)
         )
         ramp_s = max(unit_ramps_s(self.actuator))
-        pulse_s = self.start.duration_s + ramp_s + REST_TIME_CONSTANTS * slowest
-        return travel(self.whole(pulse_s), self.actuator) - pulse_s
+        return self.start.duration_s + ramp_s + REST_TIME_CONSTANTS * slowest
+
+    def lead_s(self) -> float:
+        """Travel beyond the pulse where the actuator is at rest between start and stop [s]."""
+        return travel(self.whole(self.rest_pulse_s), self.actuator) - self.rest_pulse_s
+
+
+def with_swing(parts: Parts, swing: FreeSwing) -> Parts:
+    """Return the parts with a start that cancels a swing too, if there is one.
+
+    The start is followed from a payload at rest to the swing asked; where that path ends, every
+    branch is searched.
+    """
+    mode, count = parts.mode, parts.start.times_s.size
+    w = mode.natural_frequency_rad_s
+    weights = parts.start.amplitudes if parts.peak != 1 else np.zeros(0)
+    fixed = [*lag_parameters(mode, parts.designed_for), *weights]
+    shortest = settling_gaps_rad(mode, parts.designed_for, count, settle=parts.settle)
+    model = UnityMagnitude(
+        impulses=count,
+        derivatives=parts.derivatives,
+        switched_order=switched_order(parts.designed_for),
+        ramped=isinstance(parts.designed_for, RateLimited),
+        weighted=weights.size > 0,
+        swings=True,
+    )
+
+    def parameters(share: float) -> FloatArray:
+        return np.array([*fixed, *swing_parameters(mode, swing.scaled(share))])
+
+    def root(guess: FloatArray, share: float) -> FloatArray | None:
+        end = newton.roots(model, guess[None], parameters(share))
+        ordered = (end.unknowns[0] >= shortest).all()
+        return end.unknowns[0] if end.converged[0] and ordered else None
+
+    path = followed(w * np.diff(parts.start.times_s), root, SHORTEST_START_SHARE)
+    problem = Problem(
+        model=model,
+        parameters=parameters(1.0),
+        amplitudes=parts.start.amplitudes,
+        natural_frequency_rad_s=w,
+        shortest_gaps_rad=shortest,
+        horizon_rad=parts.horizon_rad / 2,
+        seeds=(Seed(name="continuation", gaps_rad=path.unknowns),) if path.complete else (),
+        designed_for=parts.designed_for,
+    )
+    swinging = replace(parts, swing=swing)
+    try:
+        for found in candidates(problem):
+            start = _command(found.gaps_rad, problem.amplitudes, w)
+            if swinging.verified(start):
+                return replace(swinging, start=start)
+    except InfeasibleDesignError:  # the stop may do what the start cannot
+        pass
+    return replace(swinging, apart=False, cancelled=path.share)
 
 
 def over_pulse(parts: Parts, pulse_s: float) -> tuple[Impulses, bool]:
     """Return the command of a pulse, and whether it was solved as one."""
-    if pulse_s >= parts.shortest_pulse_s:
+    if parts.apart and pulse_s >= parts.shortest_pulse_s:
         command = _with_solved_stop(parts, pulse_s, None)
         if command is not None:
             return command, False
@@ -133,11 +218,24 @@ def over_distance(parts: Parts, wanted_s: float) -> tuple[Impulses, bool]:
             pulse_s += miss
             if abs(miss) <= TRAVEL_TOLERANCE * wanted_s:
                 break
-    if pulse_s >= parts.shortest_pulse_s:
+    if parts.apart and pulse_s >= parts.shortest_pulse_s:
         command = _with_solved_stop(parts, pulse_s, wanted_s)
         if command is not None:
             return command, False
     return _as_one(parts, wanted_s, pulse_s), True
+
+
+def faster_as_one(parts: Parts, command: Impulses) -> tuple[Impulses, bool]:
+    """Return the move solved as one if it is faster than start and stop apart, else these.
+
+    Both travel as far.
+    """
+    pulse_s = float(command.times_s[parts.start.times_s.size])
+    try:
+        one = _as_one(parts, travel(command, parts.actuator), pulse_s)
+    except InfeasibleDesignError:  # there is a move all the same
+        return command, False
+    return (one, True) if one.duration_s < command.duration_s else (command, False)
 
 
 def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> Impulses | None:
@@ -159,10 +257,16 @@ def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> I
         given=given,
         travels=wanted_s is not None,
         ramped=isinstance(parts.designed_for, RateLimited),
+        weighted=parts.peak != 1,
+        swings=parts.swing is not None,
     )
     parameters = np.array([
-        *lag_parameters(parts.mode, parts.designed_for), w * (wanted_s or 1.0), *gaps[:given]
-    ])  # fmt: skip
+        *lag_parameters(parts.mode, parts.designed_for),
+        *(command.amplitudes if parts.peak != 1 else ()),
+        *swing_parameters(parts.mode, parts.swing),
+        w * (wanted_s or 1.0),
+        *gaps[:given],
+    ])
     gaps[given:] = newton.root(model, gaps[given:], parameters)
     shortest = settling_gaps_rad(parts.mode, parts.designed_for, parts.steps, settle=parts.settle)
     if not (gaps[given:] >= shortest[given:]).all():  # not a number is not
@@ -172,12 +276,47 @@ def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> I
 
 
 def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> Impulses:
-    """Return the fastest move found on levels 0 and 1 that travels ``wanted_s``.
+    """Return the fastest move found on levels 0 and the peak that travels ``wanted_s``."""
+    seeds = _overlapping_seeds(parts, pulse_s)
+    try:
+        return _travelling(parts, wanted_s, seeds)
+    except InfeasibleDesignError as error:
+        if parts.swing is None:
+            raise
+        path = _followed_as_one(parts, wanted_s, seeds)
+        if path.complete:
+            return _travelling(
+                parts, wanted_s, (Seed(name="continuation", gaps_rad=path.unknowns),)
+            )
+        size = abs(swing_over_step(parts.swing, parts.mode, parts.designed_for))
+        share = path.share if parts.apart else max(path.share, parts.cancelled)
+        raise InfeasibleDesignError(
+            f"the swing at the first step is {size:.4g} times that of one unshaped step, and no "
+            "command within the limits was found that cancels it; followed from none, "
+            f"{100 * share:.3g} % of it was cancelled at most: {error}"
+        ) from error
+
+
+def _followed_as_one(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Path:
+    """Follow the move of a payload at rest to the swing asked."""
+    candidate, _ = _fastest(replace(parts, swing=None), wanted_s, seeds)
+
+    def solved(guess: FloatArray, share: float) -> FloatArray | None:
+        swing = None if parts.swing is None else parts.swing.scaled(share)
+        problem = _problem(replace(parts, swing=swing), wanted_s, (Seed(name="", gaps_rad=guess),))
+        end = ipopt.solve(problem, np.maximum(guess, problem.shortest_gaps_rad))
+        in_time = end.unknowns.sum() <= problem.horizon_rad
+        return end.unknowns if end.status is Status.SOLVE_SUCCEEDED and in_time else None
+
+    return followed(candidate.gaps_rad, solved, SHORTEST_SHARE)
+
+
+def _travelling(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Impulses:
+    """Return the fastest move found on levels 0 and the peak that travels ``wanted_s``.
 
     A shaper that knows no actuator is solved with ideal lags, while the distance is met with the
     actuator given: the travel asked of the ideal one is corrected until it is (secant method).
     """
-    seeds = _overlapping_seeds(parts, pulse_s)
     target_s, last_s, last_miss_s = wanted_s, 0.0, wanted_s
     for _ in range(TRAVEL_ITERATIONS):
         candidate, command = _fastest(parts, target_s, seeds)
@@ -204,23 +343,31 @@ def _fastest(
     The usual: start, stop and twice the travel.
     """
     w = parts.mode.natural_frequency_rad_s
-    problem = whole_move_problem(
-        parts.mode,
-        parts.designed_for,
-        steps=seeds[0].gaps_rad.size + 1,
-        derivatives=parts.derivatives,
-        travel_s=travel_s,
-        settle=parts.settle,
-        horizon_rad=parts.horizon_rad + w * travel_s,
-        seeds=seeds,
-    )
-    usual_s = parts.start.duration_s + float(parts.stop.times_s[-1]) + 2 * travel_s
+    problem = _problem(parts, travel_s, seeds)
+    usual_s = parts.start.duration_s + float(parts.stop.times_s[-1])
+    usual_s += 2 * travel_s / min(parts.peak, 1.0)
     commands = (
-        (found, _command(found.gaps_rad, found.problem.amplitudes, w))
+        (found, _command(found.gaps_rad, parts.peak * found.problem.amplitudes, w))
         for found in move_candidates(problem, w * usual_s)
     )
     # The candidates never end: they raise.
     return next((found, command) for found, command in commands if parts.verified(command))
+
+
+def _problem(parts: Parts, travel_s: float, seeds: tuple[Seed, ...]) -> Problem:
+    """Formulate the move as one; on levels 0 and the peak, all is in units of the peak."""
+    return whole_move_problem(
+        parts.mode,
+        parts.designed_for,
+        steps=seeds[0].gaps_rad.size + 1,
+        derivatives=parts.derivatives,
+        travel_s=travel_s / parts.peak,
+        settle=parts.settle,
+        horizon_rad=parts.horizon_rad
+        + parts.mode.natural_frequency_rad_s * travel_s / min(parts.peak, 1.0),
+        seeds=seeds,
+        swing=None if parts.swing is None else parts.swing.scaled(1 / parts.peak),
+    )
 
 
 def _overlapping_seeds(parts: Parts, pulse_s: float) -> tuple[Seed, ...]:

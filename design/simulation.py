@@ -106,7 +106,9 @@ def _one_state(
     return matrices, [0] if order else [], jumps, kept
 
 
-def _states_at_changes(changes: Reference, dynamics: _Dynamics) -> tuple[FloatArray, FloatArray]:
+def _states_at_changes(
+    changes: Reference, dynamics: _Dynamics, initial: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
     """Error states as each change begins, in its own set, and where its ramp ends.
 
     Shape (changes, f, n) each; of a step the second is just after it.
@@ -122,6 +124,8 @@ def _states_at_changes(changes: Reference, dynamics: _Dynamics) -> tuple[FloatAr
     jumps = changes.changes[:, None] * dynamics.jumps[sets] * kept
     ramps = _ramps(dynamics.matrices[sets], changes.ramps_s, jumps) if changes.ramps_s.any() else ()
     before = np.zeros((sets.size, *dynamics.matrices.shape[1:3]))
+    if initial is not None:
+        before[0, :, -2:] = initial
     after = np.empty_like(before)
     for index in range(sets.size):
         if index > 0:
@@ -150,7 +154,11 @@ def _ramps(
 
 
 def ringing_after(
-    impulses: Impulses, actuator: Actuator, frequencies_rad_s: FloatArray, damping_ratio: float
+    impulses: Impulses,
+    actuator: Actuator,
+    frequencies_rad_s: FloatArray,
+    damping_ratio: float,
+    initial: FloatArray | None = None,
 ) -> tuple[ComplexArray, ComplexArray]:
     """Return the free vibration that a command leaves, and that of an unshaped step.
 
@@ -164,6 +172,9 @@ def ringing_after(
         Natural frequencies of the mode, shape (f,) [rad/s].
     damping_ratio
         Damping ratio of the mode [-].
+    initial
+        State ``q, q'/w`` of the mode at each frequency just before the first step, shape (f, 2);
+        at rest if not given, as the actuator is.
 
     Returns
     -------
@@ -177,9 +188,9 @@ def ringing_after(
     rising = _left_eigenvectors(dynamics, 1, frequencies_rad_s, damping_ratio)
     poles = complex(-damping_ratio, (1 - damping_ratio**2) ** 0.5) * frequencies_rad_s
 
-    def ringing(command: Impulses) -> ComplexArray:
+    def ringing(command: Impulses, begun: FloatArray | None) -> ComplexArray:
         changes = reference(command, actuator)
-        final = _states_at_changes(changes, dynamics)[1][-1]
+        final = _states_at_changes(changes, dynamics, begun)[1][-1]
         last = rising
         if not changes.accelerates[-1]:
             last = _left_eigenvectors(dynamics, 0, frequencies_rad_s, damping_ratio)
@@ -189,8 +200,8 @@ def ringing_after(
         return left
 
     if isinstance(actuator, RateLimited):
-        return ringing(impulses), ringing(UNIT_STEP)
-    return ringing(impulses), rising @ (-dynamics.jumps[1] * dynamics.kept[1])
+        return ringing(impulses, initial), ringing(UNIT_STEP, None)
+    return ringing(impulses, initial), rising @ (-dynamics.jumps[1] * dynamics.kept[1])
 
 
 def _left_eigenvectors(

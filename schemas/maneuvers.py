@@ -6,12 +6,37 @@ from pydantic import Field
 
 from design.commands import Program
 from design.maneuvers import Maneuver
+from design.swings import AngleSwing, DeflectionSwing
 from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Wire
 from schemas.designs import CertificateOut, WarningOut
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
+
+
+class AngleSwingIn(Wire):
+    """Swing of a pendulum at the first step, positive where the load is ahead in +x."""
+
+    angle_rad: Annotated[float, Field(description="From the vertical [rad].")]
+    angle_rate_rad_s: Annotated[float, Field(description="Its rate [rad/s].")]
+
+    def to_design(self) -> AngleSwing:
+        """Build the design record."""
+        return AngleSwing(angle_rad=self.angle_rad, angle_rate_rad_s=self.angle_rate_rad_s)
+
+
+class DeflectionSwingIn(Wire):
+    """Swing of a mode at the first step, positive in +x."""
+
+    deflection_m: Annotated[float, Field(description="Of payload against support [m].")]
+    deflection_rate_m_s: Annotated[float, Field(description="Its rate [m/s].")]
+
+    def to_design(self) -> DeflectionSwing:
+        """Build the design record."""
+        return DeflectionSwing(
+            deflection_m=self.deflection_m, deflection_rate_m_s=self.deflection_rate_m_s
+        )
 
 
 class ManeuverRequest(Wire):
@@ -25,6 +50,13 @@ class ManeuverRequest(Wire):
         float | None, Field(description="From the first step of the start to that of the stop [s].")
     ] = None
     distance_m: Annotated[float | None, Field(description="How far; negative in -x [m].")] = None
+    initial: Annotated[
+        AngleSwingIn | DeflectionSwingIn | None,
+        Field(description="Swing at the first step, to be cancelled: an angle for a pendulum."),
+    ] = None
+    joint: Annotated[
+        bool, Field(description="Solve start and stop as one wherever that is faster.")
+    ] = False
     sample_time_s: Annotated[
         Positive | None, Field(description="For a program that a controller replays [s].")
     ] = None
@@ -64,7 +96,7 @@ class ManeuverResponse(Wire):
         float, Field(description="Of the whole move, a share of one unshaped step [-].")
     ]
     certificate: CertificateOut
-    joint: Annotated[bool, Field(description="Whether start and stop overlap: solved as one.")]
+    joint: Annotated[bool, Field(description="Whether start and stop were solved as one.")]
     program: ProgramOut | None
     warnings: list[WarningOut]
     version: str

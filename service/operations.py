@@ -241,6 +241,10 @@ def whole_move(request: ManeuverRequest) -> ManeuverResponse:
     plant, actuator = _subject(request)
     with named("shaper"):
         options = request.shaper.continuous_options(NO_MOVE_ON_SAMPLES)
+    initial = None
+    if request.initial is not None:
+        with named("initial"):
+            initial = request.initial.to_design()
     move = maneuver(
         plant,
         actuator,
@@ -248,6 +252,8 @@ def whole_move(request: ManeuverRequest) -> ManeuverResponse:
         speed_m_s=request.speed_m_s,
         pulse_s=request.pulse_s,
         distance_m=request.distance_m,
+        initial=initial,
+        joint=request.joint,
         options=options,
     )
     told = None

@@ -36,7 +36,18 @@ def denominator(actuator: Actuator, *, accel: bool) -> tuple[float, float]:
 
 
 def gain_and_slope(actuator: Actuator, s: complex, *, accel: bool) -> tuple[complex, complex]:
-    """G(s) and dG/ds of one set."""
+    """G(s) and dG/ds of one set, with the ramp that a limit makes of a unit step."""
+    if isinstance(actuator, RateLimited):
+        gain, slope = gain_and_slope(actuator.then, s, accel=accel)
+        limit = actuator.accel_limit_m_s2 if accel else actuator.decel_limit_m_s2
+        # exp(-y) sinh(y)/y with y half the ramp's turn: no digits are lost in short ramps.
+        half = actuator.speed_m_s / limit / 2
+        y = s * half
+        wave = cmath.sinh(y) / y
+        wave_slope = (cmath.cosh(y) - wave) / y if abs(y) > 0.1 else y / 3 + y**3 / 30 + y**5 / 840
+        decay = cmath.exp(-y)
+        ramp_slope = half * decay * (wave_slope - wave)
+        return gain * decay * wave, slope * decay * wave + gain * ramp_slope
     first, second = denominator(actuator, accel=accel)
     gain = 1 / (1 + first * s + second * s * s)
     return gain, -(first + 2 * second * s) * gain * gain
@@ -70,8 +81,16 @@ def _lag_parts(actuator: Actuator) -> list[tuple[float, float]]:
     return [denominator(actuator, accel=accel) for accel in (False, True)]
 
 
-def integrate(impulses: Impulses, mode: Mode, actuator: Actuator, until_s: float) -> FloatArray:
+def integrate(
+    impulses: Impulses,
+    mode: Mode,
+    actuator: Actuator,
+    until_s: float,
+    initial: tuple[float, float] = (0.0, 0.0),
+) -> FloatArray:
     """Integrate actuator and payload step by step; return [deflection, its rate, v] at the end.
+
+    ``initial`` is the payload's deflection and its rate at the first step.
 
     The payload obeys ``d'' + 2 z w d' + w^2 d = -v'``. Each set is a lag of its own, driven by the
     sum of its steps; a set that follows at once turns a step into a jump of the rate.
@@ -81,10 +100,10 @@ def integrate(impulses: Impulses, mode: Mode, actuator: Actuator, until_s: float
     if isinstance(actuator, RateLimited):
         return _integrate_limited(impulses, mode, actuator, until_s)
     if not isinstance(actuator, Ideal) and actuator.model == "switched":
-        return _integrate_switched(impulses, mode, actuator, until_s)
+        return _integrate_switched(impulses, mode, actuator, until_s, initial)
     w, z = mode.natural_frequency_rad_s, mode.damping_ratio
     lags = _lag_parts(actuator)
-    state = np.zeros(6)  # d, d', then v, v' of either set
+    state = np.array([*initial, 0.0, 0.0, 0.0, 0.0])  # d, d', then v, v' of either set
     levels = [0.0, 0.0]
 
     def rates(_: float, x: FloatArray) -> FloatArray:
@@ -123,14 +142,18 @@ def integrate(impulses: Impulses, mode: Mode, actuator: Actuator, until_s: float
 
 
 def _integrate_switched(
-    impulses: Impulses, mode: Mode, actuator: Actuator, until_s: float
+    impulses: Impulses,
+    mode: Mode,
+    actuator: Actuator,
+    until_s: float,
+    initial: tuple[float, float],
 ) -> FloatArray:
     """Integrate payload and one velocity that obeys the set of the latest change of |command|."""
     from scipy.integrate import solve_ivp
 
     w, z = mode.natural_frequency_rad_s, mode.damping_ratio
     lags = _lag_parts(actuator)
-    state = np.zeros(4)  # d, d', v, v'
+    state = np.array([*initial, 0.0, 0.0])  # d, d', v, v'
     level, force = 0.0, 0
 
     def rates(_: float, x: FloatArray) -> FloatArray:

@@ -5,10 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.actuators import Actuator
+from design.exponential import exponentials
 from design.impulses import Impulses
 from design.plants import Mode
 from design.shapers.kind import Quantity
 from design.simulation import ringing_after
+from design.swings import FreeSwing
+from design.types import FloatArray
 
 LIMITS: dict[Quantity, float] = {"residual": 1e-9, "slope": 1e-7}
 """Largest value that counts as zero: far below anything measurable, above rounding [-]."""
@@ -64,7 +67,11 @@ class Certificate:
 
 
 def certify(
-    impulses: Impulses, mode: Mode, actuator: Actuator, quantities: tuple[Quantity, ...]
+    impulses: Impulses,
+    mode: Mode,
+    actuator: Actuator,
+    quantities: tuple[Quantity, ...],
+    swing: FreeSwing | None = None,
 ) -> Certificate:
     """Recompute the claims of a shaper for the actuator that it was designed for.
 
@@ -76,12 +83,16 @@ def certify(
         What it was designed for.
     quantities
         What it claims to be zero.
+    swing
+        What the payload swings already at the first step.
     """
     offsets = np.array([0.0, -1.0, 1.0]) if "slope" in quantities else np.zeros(1)
-    step = STEP_PHASE_RAD / max(1.0, mode.natural_frequency_rad_s * impulses.duration_s)
+    lasting_s = impulses.duration_s + (0.0 if swing is None else swing.delay_s)
+    step = STEP_PHASE_RAD / max(1.0, mode.natural_frequency_rad_s * lasting_s)
     ratios = 1 + step * offsets
     frequencies = mode.natural_frequency_rad_s * ratios
-    ringing, unit = ringing_after(impulses, actuator, frequencies, mode.damping_ratio)
+    initial = None if swing is None else _initial_state(swing, mode, ratios)
+    ringing, unit = ringing_after(impulses, actuator, frequencies, mode.damping_ratio, initial)
     unshaped = abs(unit[0])
     values = {"residual": abs(ringing[0]) / unshaped}
     if "slope" in quantities:
@@ -94,3 +105,21 @@ def certify(
             for name in quantities
         )
     )
+
+
+def _initial_state(swing: FreeSwing, mode: Mode, ratios: FloatArray) -> FloatArray:
+    """Return ``q, q'/w`` of the mode at each ratio of frequencies, shape (f, 2).
+
+    The deflection is ``-q'/w^2``, and its rate ``q - v + 2 z q'/w``, at v = 0. During the dead time
+    of the actuator it moves freely.
+    """
+    z, w = mode.damping_ratio, mode.natural_frequency_rad_s * ratios
+    deflection, rate = np.multiply.outer(
+        (swing.deflection_s, swing.rate), ratios**swing.frequency_power
+    )
+    turned = -w * deflection
+    state = np.column_stack((rate - 2 * z * turned, turned))
+    free = np.array([[0.0, 1.0], [-1.0, -2 * z]])
+    freely: FloatArray = exponentials(swing.delay_s * w[:, None, None] * free)
+    moved: FloatArray = (freely @ state[..., None])[..., 0]
+    return moved

@@ -1,5 +1,6 @@
 """Residual vibration from the transfer function at the pole (docs/theory.md, section 1)."""
 
+import cmath
 import math
 from dataclasses import dataclass, replace
 
@@ -11,6 +12,7 @@ from design.impulses import Impulses
 from design.plants import Mode
 from design.references import Reference, ramp_factors, reference
 from design.responses import LagStates, lag_states, states_of
+from design.swings import FreeSwing
 from design.types import ComplexArray, FloatArray
 
 SLOWEST = 100.0
@@ -339,12 +341,15 @@ def unshaped_gain(mode: Mode, actuator: Actuator) -> float:
     return float(ramp / abs(actuator.accel_lag.denominator(mode.pole_rad_s)))
 
 
-def residual_vibration(impulses: Impulses, mode: Mode, actuator: Actuator) -> float:
+def residual_vibration(
+    impulses: Impulses, mode: Mode, actuator: Actuator, swing: FreeSwing | None = None
+) -> float:
     """Return the residual vibration of a command, a share of one unshaped step [-].
 
     The amplitude of free vibration, extrapolated back to the last step, over the amplitude that
     an unshaped unit step leaves through the acceleration set. The actuator's own transient is
-    not part of it. A whole move (amplitudes sum to 0) is measured by the same unit.
+    not part of it. A whole move (amplitudes sum to 0) is measured by the same unit, and so is what
+    is left of a swing that the payload made at the first step already.
 
     Examples
     --------
@@ -354,7 +359,19 @@ def residual_vibration(impulses: Impulses, mode: Mode, actuator: Actuator) -> fl
     >>> residual_vibration(half_period, Mode(natural_frequency_rad_s=1.0), Ideal()) < 1e-15
     True
     """
-    return float(residual_curve(impulses, mode, actuator, np.ones(1))[0])
+    vector = residual_vectors(impulses, np.array([mode.pole_rad_s]), actuator)[0]
+    if swing is not None:
+        turn = cmath.exp(mode.pole_rad_s * impulses.duration_s)
+        vector += turn * swing_over_step(swing, mode, actuator)
+    return float(abs(vector))
+
+
+def swing_over_step(swing: FreeSwing, mode: Mode, actuator: Actuator) -> complex:
+    """Return the vector of a swing over that of the unshaped step, at the first step [-]."""
+    pole = mode.pole_rad_s
+    rise_s, _ = unit_ramps_s(actuator)
+    ramp = complex(ramp_factors(np.array(pole), np.array(rise_s)))
+    return swing.vector(mode) * actuator.accel_lag.denominator(pole) / ramp
 
 
 def residual_curve(

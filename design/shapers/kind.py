@@ -13,6 +13,10 @@ SHORTEST_HORIZON_PERIODS = 0.1
 LONGEST_HORIZON_PERIODS = 100.0
 """Bounds of how long a shaper is searched, in undamped periods [-]."""
 
+SMALLEST_PEAK = 0.01
+LARGEST_PEAK = 100.0
+"""Bounds of the peak command over the cruise speed: beyond them one of the two is nothing [-]."""
+
 Quantity = Literal["residual", "slope"]
 """What a shaper may claim to be zero: its residual vibration; its vector's slope in frequency."""
 
@@ -54,6 +58,30 @@ class SettleOptions:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class PeakOptions(SettleOptions):
+    """Parameters of the shapers whose first pulse may be higher than the cruise speed.
+
+    Attributes
+    ----------
+    max_velocity_ratio
+        Height of that pulse over the cruise speed [-].
+    """
+
+    max_velocity_ratio: float = field(
+        default=1.0,
+        metadata={
+            "description": "Peak of the command, over its cruise speed.",
+            "ge": SMALLEST_PEAK,
+            "le": LARGEST_PEAK,
+        },
+    )
+
+    def __post_init__(self) -> None:
+        SettleOptions.__post_init__(self)
+        require_between("max_velocity_ratio", self.max_velocity_ratio, SMALLEST_PEAK, LARGEST_PEAK)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class NoOptions:
     """A shaper without parameters."""
 
@@ -78,6 +106,9 @@ class ShaperKind:
         Names of the actuator kinds that it serves.
     formulate
         From mode, actuator and options to a closed form or a problem.
+    formulate_stop
+        The same for the negative of a stop, given the actuator with its sets in each other's place;
+        None where that is a start.
     """
 
     name: str
@@ -87,3 +118,4 @@ class ShaperKind:
     options: type[Any]
     actuators: tuple[str, ...]
     formulate: Callable[[Mode, Actuator, Any], Formulation]
+    formulate_stop: Callable[[Mode, Actuator, Any], Formulation] | None = None

@@ -1,6 +1,6 @@
 """Complex numbers and lags in CasADi's real expressions."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from numpy.polynomial.legendre import leggauss
@@ -142,8 +142,13 @@ class AlternatingSteps:
     travel: Any
 
 
-def alternating_steps(gaps: list[Any], lags: Any, switched_order: int) -> AlternatingSteps:  # noqa: ANN401
-    """Return what alternating unit steps leave at the plant's pole, and how far they go.
+def alternating_steps(
+    gaps: list[Any],
+    lags: Any,  # noqa: ANN401
+    switched_order: int,
+    amplitudes: list[Any] | None = None,
+) -> AlternatingSteps:
+    """Return what steps up and down in turn leave at the plant's pole, and how far they go.
 
     A superposed step adds ``A_i G_i(s)``; where one actuator is switched from one set to the
     other, its state adds what it would leave under the new set less what it would have left under
@@ -157,6 +162,8 @@ def alternating_steps(gaps: list[Any], lags: Any, switched_order: int) -> Altern
         As `design.shapers.unity_magnitude.lag_parameters` gives them.
     switched_order
         Order of the lags of a switched actuator, 1 or 2; 0 for superposed steps of any order.
+    amplitudes
+        Heights of the steps, of either sign in turn; +1, -1, +1, ... if not given.
     """
     import casadi as ca  # noqa: PLC0415
 
@@ -165,27 +172,28 @@ def alternating_steps(gaps: list[Any], lags: Any, switched_order: int) -> Altern
         Ramp(limits[which], *limits[2 + 2 * which : 4 + 2 * which]) for which in (0, 1) if limits
     ]
     w = ca.SX.sym("w")
-    s = Complex(-z * w, w * ca.sqrt(1 - z * z))
+    s = _pole(z, w)
     sets = [SymbolicSet(first_a, second_a), SymbolicSet(first_d, second_d)]
     # Over G_accel: a constant 1 for its own steps halves the expression.
     gains = [Complex(ca.SX(1), ca.SX(0)), sets[0].denominator(s) / sets[1].denominator(s)]
     heights = [gain * ramp.factor(s) for gain, ramp in zip(gains, ramps, strict=False)] or gains
     error, rate, travel = ca.SX(0), ca.SX(0), ca.SX(0)
     vibration = Complex(ca.SX(0), ca.SX(0))
+    steps = amplitudes or [1 - 2 * (index % 2) for index in range(len(gaps) + 1)]
     for index in range(len(gaps) + 1):
-        amplitude = 1 - 2 * (index % 2)
+        amplitude = steps[index]
         after, before = sets[index % 2], sets[index % 2 - 1]
         gain_after, gain_before = gains[index % 2], gains[index % 2 - 1]
         added = heights[index % 2].scaled(amplitude)
         if switched_order and index > 0:
-            gap = gaps[index - 1]
+            gap, taken = gaps[index - 1], -steps[index - 1]
             if ramps:
                 ramp = ramps[index % 2 - 1]
                 still = before.free_motion(gap - ramp.duration, *ramp.left, switched_order)
                 moved = before.free_motion(gap, error, rate, switched_order)
-                error, rate = (a + amplitude * b for a, b in zip(moved, still, strict=True))
+                error, rate = (a + taken * b for a, b in zip(moved, still, strict=True))
             else:
-                error, rate = before.free_motion(gap, error + amplitude, rate, switched_order)
+                error, rate = before.free_motion(gap, error + taken, rate, switched_order)
             gained = gain_after * after.ringing(error, rate, s)
             added = added + gained - gain_before * before.ringing(error, rate, s)
             travel += (after.first - before.first) * error
@@ -195,6 +203,36 @@ def alternating_steps(gaps: list[Any], lags: Any, switched_order: int) -> Altern
         delay = after.first + (ramps[index % 2].duration / 2 if ramps else 0)
         travel += amplitude * (left - delay)
     return AlternatingSteps(w=w, vibration=vibration, travel=travel)
+
+
+def with_swing(steps: AlternatingSteps, gaps: list[Any], lags: Any, swing: Any) -> AlternatingSteps:  # noqa: ANN401
+    """Add what the payload swings already at the first step: ``-(d' - conj(s) d)`` there.
+
+    Parameters
+    ----------
+    steps
+        What the steps leave.
+    gaps, lags
+        As in `alternating_steps`.
+    swing
+        Deflection times the plant's frequency over the speed, its rate over the speed, the power
+        of w that both go by, and the phase until the actuator answers its first step, shape (4,).
+    """
+    import casadi as ca  # noqa: PLC0415
+
+    z, first, second, *_ = ca.vertsplit(lags)
+    deflection, rate, power, delay = ca.vertsplit(swing)
+    s = _pole(z, steps.w)
+    vector = Complex(s.real * deflection - rate, -s.imag * deflection).scaled(steps.w**power)
+    rung = exponential(s.scaled(sum(gaps, delay)))
+    added = vector * SymbolicSet(first, second).denominator(s) * rung
+    return replace(steps, vibration=steps.vibration + added)
+
+
+def _pole(z: Any, w: Any) -> Complex:  # noqa: ANN401
+    import casadi as ca  # noqa: PLC0415
+
+    return Complex(-z * w, w * ca.sqrt(1 - z * z))
 
 
 def with_slopes(steps: AlternatingSteps, derivatives: int) -> list[Any]:

@@ -1,4 +1,4 @@
-"""Unity-magnitude shapers, amplitudes [1, -1, 1, ...]: the equations, seeds and closed forms.
+"""Shapers of steps up and down, mostly [1, -1, 1, ...]: the equations, seeds and closed forms.
 
 All is dimensionless: phases are times the plant's natural frequency, lags are scaled alike.
 """
@@ -14,7 +14,8 @@ from design.errors import InfeasibleDesignError
 from design.plants import Mode
 from design.references import ramp_factors
 from design.shapers.problem import Expressions, Problem, Seed
-from design.shapers.symbolic import alternating_steps, with_slopes
+from design.shapers.symbolic import alternating_steps, with_slopes, with_swing
+from design.swings import FreeSwing
 from design.types import FloatArray
 
 PERIOD_RAD = 2 * math.pi
@@ -48,7 +49,7 @@ References
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UnityMagnitude:
-    """Zero vibration of one mode by alternating unit steps, with its derivatives zero too.
+    """Zero vibration of one mode by steps up and down in turn, with its derivatives zero too.
 
     Attributes
     ----------
@@ -61,12 +62,18 @@ class UnityMagnitude:
         Order of the lags of a switched actuator, 1 or 2; 0 for superposed steps of any order.
     ramped
         Whether limits make ramps of the steps, each over before the next begins.
+    weighted
+        Whether the amplitudes are parameters; +1, -1, +1, ... if not.
+    swings
+        Whether the payload swings already at the first step.
     """
 
     impulses: int
     derivatives: int
     switched_order: int = 0
     ramped: bool = False
+    weighted: bool = False
+    swings: bool = False
 
     def expressions(self) -> Expressions:
         """Build V = 0, and dV/dw = 0 with the actuator's own slope, at the plant's pole.
@@ -75,13 +82,21 @@ class UnityMagnitude:
         vibration in units of the unshaped step, referred to the last impulse. Where V is zero its
         zeros and those of dV/dw do not depend on either reference.
         Parameters are those of `lag_parameters` (Kim 2011, eqs. 3.44-3.46; 3.47-3.48 replaced by
-        the exact derivative).
+        the exact derivative), then the amplitudes if weighted, then the four of `with_swing` if it
+        swings.
         """
         import casadi as ca  # noqa: PLC0415 - a third of a second that --help must not pay
 
         gaps = ca.SX.sym("gaps", self.impulses - 1)
-        parameters = ca.SX.sym("parameters", LAG_PARAMETERS[self.ramped])
-        steps = alternating_steps(ca.vertsplit(gaps), parameters, self.switched_order)
+        own, weights = LAG_PARAMETERS[self.ramped], self.impulses * self.weighted
+        parameters = ca.SX.sym("parameters", own + weights + 4 * self.swings)
+        lags, amplitudes, swing = ca.vertsplit(
+            parameters, [0, own, own + weights, parameters.numel()]
+        )
+        each = ca.vertsplit(gaps)
+        steps = alternating_steps(each, lags, self.switched_order, ca.vertsplit(amplitudes))
+        if self.swings:
+            steps = with_swing(steps, each, lags, swing)
         return Expressions(
             unknowns=gaps,
             parameters=parameters,
@@ -122,6 +137,16 @@ def lag_parameters(mode: Mode, actuator: Actuator) -> FloatArray:
     return np.array([mode.damping_ratio, *scaled])
 
 
+def swing_parameters(mode: Mode, swing: FreeSwing | None) -> FloatArray:
+    """Return the four of `with_swing`, shape (4,), or none, shape (0,)."""
+    if swing is None:
+        return np.zeros(0)
+    w = mode.natural_frequency_rad_s
+    return np.array([
+        w * swing.deflection_s, swing.rate, swing.frequency_power, w * swing.delay_s
+    ])  # fmt: skip
+
+
 def alternating(impulses: int) -> FloatArray:
     """Return the amplitudes +1, -1, +1 ..., shape (impulses,)."""
     return np.where(np.arange(impulses) % 2 == 0, 1.0, -1.0)
@@ -160,8 +185,12 @@ def unity_magnitude_problem(
     *,
     settle: bool,
     max_duration_periods: float,
+    amplitudes: FloatArray | None = None,
 ) -> Problem:
-    """Formulate a unity-magnitude shaper for one mode behind one actuator."""
+    """Formulate a shaper of steps up and down for one mode behind one actuator.
+
+    Their amplitudes are +1, -1, +1, ..., if not given; three may be.
+    """
     w = mode.natural_frequency_rad_s
     shortest = settling_gaps_rad(mode, actuator, model.impulses, settle=settle)
     horizon = max_duration_periods * PERIOD_RAD
@@ -170,16 +199,27 @@ def unity_magnitude_problem(
             f"settling before each switch takes {shortest.sum() / PERIOD_RAD:.4g} periods in all, "
             f"more than max_duration_periods = {max_duration_periods:g}"
         )
+    ratio = decel_over_accel(mode, actuator)
+    if amplitudes is None:
+        weights: FloatArray = np.zeros(0)
+        heights = alternating(model.impulses)
+        seeds = _seeds(model, mode.damping_ratio, ratio, shortest)
+    else:
+        weights = heights = amplitudes
+        seeds = _undamped_seeds(ratio, shortest, horizon, amplitudes)
     return Problem(
         model=replace(
-            model, switched_order=switched_order(actuator), ramped=isinstance(actuator, RateLimited)
+            model,
+            switched_order=switched_order(actuator),
+            ramped=isinstance(actuator, RateLimited),
+            weighted=weights.size > 0,
         ),
-        parameters=lag_parameters(mode, actuator),
-        amplitudes=alternating(model.impulses),
+        parameters=np.concatenate((lag_parameters(mode, actuator), weights)),
+        amplitudes=heights,
         natural_frequency_rad_s=w,
         shortest_gaps_rad=shortest,
         horizon_rad=horizon,
-        seeds=_seeds(model, mode.damping_ratio, decel_over_accel(mode, actuator), shortest),
+        seeds=seeds,
         designed_for=actuator,
     )
 
@@ -211,32 +251,50 @@ def _seeds(
     return tuple(seeds)
 
 
-def undamped_times_rad(ratio: complex, shortest: FloatArray, horizon_rad: float) -> FloatArray:
+def _undamped_seeds(
+    ratio: complex, shortest: FloatArray, horizon_rad: float, amplitudes: FloatArray
+) -> tuple[Seed, ...]:
+    """Where the undamped triangle closes, its times are near; all branches are searched else."""
+    try:
+        times = undamped_times_rad(ratio, shortest, horizon_rad, amplitudes)
+    except InfeasibleDesignError:  # says nothing of the damped or switched equations
+        return ()
+    return (Seed(name="undamped_triangle", gaps_rad=np.diff(times)),)
+
+
+def undamped_times_rad(
+    ratio: complex,
+    shortest: FloatArray,
+    horizon_rad: float,
+    amplitudes: FloatArray | None = None,
+) -> FloatArray:
     """Return the fastest three-impulse times of an undamped mode, shape (3,) [rad].
 
     The three vectors ``1, -alpha exp(-j (t2 + beta)), exp(-j t3)`` close when::
 
         t2 = ±acos(alpha / 2) - beta + 2 pi n,    t3 = ±2 acos(alpha / 2) + 2 pi m
 
-    (Kim 2011, eqs. 3.34-3.35, whose ± is +). Of both signs and all whole n and m, the fastest
-    whose gaps are at least ``shortest``.
+    (Kim 2011, eqs. 3.34-3.35, whose ± is +). Of amplitudes ``a, -b, c`` the triangle has the sides
+    ``a, b alpha, c``, and by the law of cosines::
+
+        t2 = ±acos((a^2 + (b alpha)^2 - c^2) / (2 a b alpha)) - beta + 2 pi n
+        t3 = ±acos(((b alpha)^2 - a^2 - c^2) / (2 a c)) + 2 pi m
+
+    (Kim 2011, appendix B, eqs. 1, 2, 4, 5). Of both signs and all whole n and m, the fastest whose
+    gaps are at least ``shortest``.
 
     Raises
     ------
     InfeasibleDesignError
-        If alpha > 2: no triangle closes; or if the fastest is longer than ``horizon_rad``.
+        If no triangle closes: of unit impulses where alpha > 2; or if the fastest is longer than
+        ``horizon_rad``.
     """
     alpha, beta = abs(ratio), -cmath.phase(ratio)
-    if alpha > LARGEST_ALPHA:
-        raise InfeasibleDesignError(
-            f"alpha = |G_decel/G_accel| at the plant's frequency is {alpha!r}, and the vector "
-            "diagram of three unit impulses closes only for alpha <= 2"
-        )
+    angles = _unit_triangle(alpha) if amplitudes is None else _triangle(alpha, amplitudes)
     candidates = []
     for sign in (1, -1):
-        half_angle = sign * math.acos(alpha / 2)
-        t2 = _not_before(half_angle - beta, float(shortest[0]))
-        t3 = _not_before(2 * half_angle, t2 + float(shortest[1]))
+        t2 = _not_before(sign * angles[0] - beta, float(shortest[0]))
+        t3 = _not_before(sign * angles[1], t2 + float(shortest[1]))
         candidates.append((t3, t2))
     t3, t2 = min(candidates)
     if t3 > horizon_rad:
@@ -245,6 +303,33 @@ def undamped_times_rad(ratio: complex, shortest: FloatArray, horizon_rad: float)
             f"max_duration_periods = {horizon_rad / PERIOD_RAD:g}"
         )
     return np.array([0.0, t2, t3])
+
+
+def _unit_triangle(alpha: float) -> tuple[float, float]:
+    if alpha > LARGEST_ALPHA:
+        raise InfeasibleDesignError(
+            f"alpha = |G_decel/G_accel| at the plant's frequency is {alpha!r}, and the vector "
+            "diagram of three unit impulses closes only for alpha <= 2"
+        )
+    half_angle = math.acos(alpha / 2)
+    return half_angle, 2 * half_angle
+
+
+def _triangle(alpha: float, amplitudes: FloatArray) -> tuple[float, float]:
+    """Angles from the first side to the second and, reversed, to the third [rad]."""
+    a, b, c = (float(abs(one)) for one in amplitudes)
+    sides = (a, b * alpha, c)
+    if 2 * max(sides) > sum(sides):
+        raise InfeasibleDesignError(
+            f"the vector diagram does not close: of its sides {sides[0]:.6g}, {sides[1]:.6g} and "
+            f"{sides[2]:.6g} none may be longer than the other two together (amplitudes {a:g}, "
+            f"{-b:g}, {c:g}; alpha = |G of the second step / G of the others| = {alpha:.6g} at the "
+            "plant's frequency)"
+        )
+    # Closed but for rounding, a cosine may be beyond 1 by as much.
+    second = math.acos(min(1.0, (a * a + sides[1] ** 2 - c * c) / (2 * a * sides[1])))
+    third = math.acos(max(-1.0, (sides[1] ** 2 - a * a - c * c) / (2 * a * c)))
+    return second, third
 
 
 def _not_before(angle: float, earliest: float) -> float:

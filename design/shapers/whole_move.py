@@ -8,15 +8,17 @@ import numpy as np
 from design.actuators import Actuator, RateLimited
 from design.plants import Mode
 from design.shapers.problem import Expressions, Problem, Seed
-from design.shapers.symbolic import alternating_steps, with_slopes
+from design.shapers.symbolic import alternating_steps, with_slopes, with_swing
 from design.shapers.unity_magnitude import (
     LAG_PARAMETERS,
     PERIOD_RAD,
     alternating,
     lag_parameters,
     settling_gaps_rad,
+    swing_parameters,
     switched_order,
 )
+from design.swings import FreeSwing
 from design.types import FloatArray
 
 TRAIN_PERIODS = (1.0, 0.6, 1.4)
@@ -44,6 +46,10 @@ class WholeMove:
         Whether the travel is an equation too.
     ramped
         Whether limits make ramps of the steps, each over before the next begins.
+    weighted
+        Whether the amplitudes are parameters; +1, -1, ..., -1 if not.
+    swings
+        Whether the payload swings already at the first step.
     """
 
     steps: int
@@ -52,6 +58,8 @@ class WholeMove:
     given: int = 0
     travels: bool = True
     ramped: bool = False
+    weighted: bool = False
+    swings: bool = False
 
     @property
     def equations(self) -> int:
@@ -61,18 +69,20 @@ class WholeMove:
     def expressions(self) -> Expressions:
         """Build V = 0, its derivatives, and the travel over that wanted, less 1.
 
-        Parameters are those of a unity-magnitude shaper, the travel wanted times the plant's
-        frequency (unused if it is no equation), then the gaps that are given [rad].
+        Parameters are those of `UnityMagnitude`, the travel wanted times the plant's frequency
+        (unused if it is no equation), then the gaps that are given [rad].
         """
         import casadi as ca  # noqa: PLC0415 - a third of a second that --help must not pay
 
         gaps = ca.SX.sym("gaps", self.steps - 1 - self.given)
         own = LAG_PARAMETERS[self.ramped]
-        parameters = ca.SX.sym("parameters", own + 1 + self.given)
-        lags, wanted, given = ca.vertsplit(parameters, [0, own, own + 1, own + 1 + self.given])
-        steps = alternating_steps(
-            [*ca.vertsplit(given), *ca.vertsplit(gaps)], lags, self.switched_order
-        )
+        ends = np.cumsum([0, own, self.steps * self.weighted, 4 * self.swings, 1, self.given])
+        parameters = ca.SX.sym("parameters", int(ends[-1]))
+        lags, amplitudes, swing, wanted, given = ca.vertsplit(parameters, ends.tolist())
+        each = [*ca.vertsplit(given), *ca.vertsplit(gaps)]
+        steps = alternating_steps(each, lags, self.switched_order, ca.vertsplit(amplitudes))
+        if self.swings:
+            steps = with_swing(steps, each, lags, swing)
         equations = with_slopes(steps, self.derivatives)
         if self.travels:
             equations.append(steps.travel / wanted - 1)
@@ -94,6 +104,7 @@ def whole_move_problem(
     settle: bool,
     horizon_rad: float,
     seeds: tuple[Seed, ...],
+    swing: FreeSwing | None = None,
 ) -> Problem:
     """Formulate the fastest move over a given travel, every gap unknown.
 
@@ -111,6 +122,8 @@ def whole_move_problem(
         Longest duration [rad].
     seeds
         Starts, each with ``steps - 1`` gaps.
+    swing
+        What the payload swings already at the first step.
     """
     w = mode.natural_frequency_rad_s
     return Problem(
@@ -119,8 +132,13 @@ def whole_move_problem(
             derivatives=derivatives,
             switched_order=switched_order(actuator),
             ramped=isinstance(actuator, RateLimited),
+            swings=swing is not None,
         ),
-        parameters=np.array([*lag_parameters(mode, actuator), w * travel_s]),
+        parameters=np.array([
+            *lag_parameters(mode, actuator),
+            *swing_parameters(mode, swing),
+            w * travel_s,
+        ]),
         amplitudes=alternating(steps),
         natural_frequency_rad_s=w,
         shortest_gaps_rad=settling_gaps_rad(mode, actuator, steps, settle=settle),

@@ -31,10 +31,7 @@ from design.responses import history, travel
 from design.shapers.registry import SHAPERS
 from design.simulation import ringing_after, simulated_history
 from tests.routes import integrate
-from tests.shaper_table import CRANE, THESIS
-
-LIMITED = RateLimited(accel_limit_m_s2=30.0, decel_limit_m_s2=5e4, speed_m_s=0.2, then=THESIS)
-"""The thesis's drive: limits of 3e4 and 5e7 mm/s^2 at its speed."""
+from tests.shaper_table import CRANE, LIMITED, THESIS
 
 ALONE = RateLimited(accel_limit_m_s2=1.0, decel_limit_m_s2=2.5, speed_m_s=0.2)
 MODELS: list[Model] = ["superposed", "switched"]
