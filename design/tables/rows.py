@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from design.fits import Fit
 from design.types import FloatArray
 
 STATUSES = ("verified", "infeasible", "failed")
@@ -80,6 +81,8 @@ class TableHead:
         Impulses of the shaper, all rows alike.
     amplitudes
         Their amplitudes, all rows alike [-].
+    fit
+        Polynomials for the times, where the specification asks for them.
     """
 
     version: str
@@ -90,3 +93,4 @@ class TableHead:
     rows: int
     impulses: int
     amplitudes: tuple[float, ...]
+    fit: Fit | None = None

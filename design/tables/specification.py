@@ -18,6 +18,8 @@ from design.types import FloatArray, require_between
 COLUMNS = ("times_s", "amplitudes", "phases_rad", "duration_s", "residual", "slope")
 """Results that a table may hold. A phase is the plant's natural frequency times a time."""
 
+DEFAULT_COLUMNS = ("times_s", "residual")
+
 MOST_ROWS = 10_000_000_000
 """Rows of one table: at 40 bytes a row, 400 GB of results."""
 
@@ -91,7 +93,7 @@ class TableSpecification:
     axes: tuple[Axis, ...] = ()
     listed: FloatArray | None = None
     listed_paths: tuple[Path, ...] = ()
-    columns: tuple[str, ...] = ("times_s", "residual")
+    columns: tuple[str, ...] = DEFAULT_COLUMNS
     chunk_rows: int = 10_000
     fields: tuple[Path, ...] = field(init=False)
 
@@ -135,14 +137,7 @@ class TableSpecification:
                 )
 
     def _check_size(self) -> None:
-        if self.rows > MOST_ROWS:
-            raise InvalidInputError(
-                "axes",
-                f"{self.rows:.3g} rows",
-                f"of at most {MOST_ROWS:.0e} rows in all: take fewer points (a smooth table is "
-                "interpolated), leave out a field that only scales time (vary the ratio of two "
-                "frequencies instead of both), or cut the table into several",
-            )
+        require_rows(self.rows)
         if self.chunks > MOST_CHUNKS:
             raise InvalidInputError(
                 "chunk_rows",
@@ -222,6 +217,17 @@ class TableSpecification:
         for (part, *rest), value in zip(self.fields, values.tolist(), strict=True):
             parts[part] = varied(parts[part], rest, value)
         return parts["plant"], parts["actuator"], parts["shaper"]
+
+
+def require_rows(rows: int) -> None:
+    """Raise InvalidInputError if a table would have too many rows; says what to do instead."""
+    if rows > MOST_ROWS:
+        raise InvalidInputError(
+            "axes",
+            f"{rows:.3g} rows",
+            f"of at most {MOST_ROWS:.0e} rows in all: take fewer points and interpolate, vary the "
+            "ratio of two frequencies in place of both, or cut it into several tables",
+        )
 
 
 def amplitudes_of(kind: ShaperKind) -> tuple[float, ...]:
