@@ -178,6 +178,7 @@ def _shapers(options: argparse.Namespace) -> int:
 def _serve(options: argparse.Namespace) -> int:
     from pydantic import ValidationError  # noqa: PLC0415
 
+    from service.jobs.database import StoreError  # noqa: PLC0415
     from service.server import PortTakenError, serve  # noqa: PLC0415
     from service.settings import PREFIX, Settings  # noqa: PLC0415
 
@@ -191,7 +192,7 @@ def _serve(options: argparse.Namespace) -> int:
         raise UsageError(f"{name}: {fault['msg']}, got {fault['input']!r}") from None
     try:
         serve(settings, host=options.host, port=options.port)
-    except PortTakenError as error:
+    except (PortTakenError, StoreError) as error:
         print(f"shapersmith: {error}", file=sys.stderr)  # noqa: T201
         return FAILED
     return OK
