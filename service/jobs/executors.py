@@ -2,6 +2,7 @@
 
 import multiprocessing
 import os
+import re
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass
@@ -13,6 +14,9 @@ CONNECT_WAIT_S = 20.0
 
 MOST_DASK_SLOTS = 256
 """Chunks that wait at a scheduler at once, however many workers it has."""
+
+
+ADDRESS = re.compile(r"((tcp|tls|ws|wss)://)?[\w.\-\[\]:]+:\d+\Z")
 
 
 class SchedulerError(Exception):
@@ -60,6 +64,9 @@ def dask(address: str) -> Started:
         from distributed import Client  # noqa: PLC0415 - an extra
     except ModuleNotFoundError:
         raise SchedulerError("a scheduler needs Dask: install shapersmith[dask]") from None
+    if not ADDRESS.match(address):
+        # Dask's client complains for long when it is handed one that it cannot read.
+        raise SchedulerError(f"a scheduler's address is tcp://HOST:PORT, got {address!r}")
     try:
         client = Client(address, timeout=CONNECT_WAIT_S, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
