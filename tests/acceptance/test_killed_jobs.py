@@ -1,6 +1,6 @@
 """Jobs that are killed again and again give the bytes of one that is not disturbed.
 
-`SHAPERSMITH_KILLS` sets how often; 50 is the acceptance run.
+`KILLS_OF_JOBS` sets how often; 50 is the acceptance run.
 """
 
 import json
@@ -21,7 +21,7 @@ import pytest
 from tests.conftest import CRANE, Running, free_port, wait_until_ready
 from tests.postgres import Cluster, running_cluster
 
-KILLS = int(os.environ.get("SHAPERSMITH_KILLS", "8"))
+KILLS = int(os.environ.get("KILLS_OF_JOBS", "8"))
 
 JOB: dict[str, Any] = {
     "design": CRANE,

@@ -364,3 +364,14 @@ def test_a_disk_that_is_full_for_the_file_alone_keeps_the_rows(
     done = table(spec, "-o", path)
     assert done.returncode == 0, done.stderr
     assert len(path.read_text().splitlines()) == 4009
+
+
+def test_what_makes_no_table_does_not_wait_for_its_libraries() -> None:
+    told = subprocess.run(
+        [sys.executable, "-c", "import service.cli, service.answers, sys; print(*sys.modules)"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    heavy = {"sqlalchemy", "alembic", "pyarrow", "numba", "distributed"}
+    assert not heavy & set(told.stdout.split())
