@@ -32,6 +32,9 @@ MOST_POINTS = 10_000_000
 """Points of one axis; its values are held in memory."""
 
 
+NO_TABLE_ON_SAMPLES = "the rows of a table are designs in continuous time"
+
+
 class TableDesign(Wire):
     """The design in which fields are varied."""
 
@@ -149,7 +152,7 @@ class TableRequest(Wire):
             with named("actuator"):
                 actuator = self.design.actuator.to_design()
             with named("shaper"):
-                options = self.design.shaper.continuous_options()
+                options = self.design.shaper.continuous_options(NO_TABLE_ON_SAMPLES)
         if self.fit is not None:
             with named("fit"):
                 plants_at_ends(plant, self.fit.to_design(self.design.plant.kind))
