@@ -16,9 +16,12 @@ RUN python -m venv /opt/build \
     && /opt/shapersmith/bin/pip uninstall --yes pip setuptools
 
 FROM python:3.11-slim
-RUN useradd --system --no-create-home shapersmith
+RUN useradd --system --no-create-home shapersmith \
+    && install -d -o shapersmith /var/lib/shapersmith
 COPY --from=build /opt/shapersmith /opt/shapersmith
-ENV PATH=/opt/shapersmith/bin:$PATH PYTHONDONTWRITEBYTECODE=1 MPLCONFIGDIR=/tmp/matplotlib
+ENV PATH=/opt/shapersmith/bin:$PATH PYTHONDONTWRITEBYTECODE=1 MPLCONFIGDIR=/tmp/matplotlib \
+    SHAPERSMITH_DATA_DIR=/var/lib/shapersmith
+VOLUME /var/lib/shapersmith
 USER shapersmith
 EXPOSE 8000
 HEALTHCHECK --interval=10s --timeout=5s --start-period=30s \

@@ -1,5 +1,6 @@
 """The one place that wires the parts of the service."""
 
+import asyncio
 import gc
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -16,20 +17,23 @@ from starlette.responses import Response
 from starlette.staticfiles import StaticFiles
 
 from schemas.problems import ProblemDocument
+from schemas.tables import TableRequest
 from service import operations
 from service.answers import OPERATIONS
 from service.bodies import problem_response
+from service.jobs.service import JobService
 from service.middleware import RequestMiddleware
 from service.pool import WorkerPool
 from service.problems import METHOD_NOT_ALLOWED, NOT_FOUND, Problem, ProblemKind
 from service.routes import router
 from service.settings import Settings
+from service.table_routes import router as table_router
 
 ASSETS = "/assets/swagger-ui"
 SCHEMAS = "#/components/schemas/{model}"
 
 
-def create_app(settings: Settings) -> FastAPI:
+def create_app(settings: Settings, jobs: JobService | None = None) -> FastAPI:
     """Build the service; its workers start and end with the application's lifespan."""
 
     @asynccontextmanager
@@ -40,8 +44,12 @@ def create_app(settings: Settings) -> FastAPI:
             max_pending=settings.max_pending,
         )
         app.state.pool = pool
+        if jobs is not None:
+            jobs.start()
         gc.freeze()  # what is built now stays: collections need not look at it again
         yield
+        if jobs is not None:
+            await asyncio.to_thread(jobs.close)
         await pool.close()
 
     app = FastAPI(
@@ -53,7 +61,10 @@ def create_app(settings: Settings) -> FastAPI:
         redoc_url=None,
     )
     app.state.settings = settings
+    app.state.jobs = jobs
+    app.state.stopping = lambda: False  # the server tells: streams must not hold it up
     app.include_router(router)
+    app.include_router(table_router)
     app.add_exception_handler(HTTPException, _http_problem)
     app.add_middleware(RequestMiddleware)
     _serve_docs(app)
@@ -101,7 +112,8 @@ def _document_bodies(app: FastAPI) -> None:
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
             schema = generated()
-            models = [(case.request, "validation") for case in OPERATIONS.values()]
+            requests = [*(case.request for case in OPERATIONS.values()), TableRequest]
+            models = [(request, "validation") for request in requests]
             _, definitions = models_json_schema(
                 [*models, (ProblemDocument, "serialization")],  # type: ignore[list-item]
                 ref_template=SCHEMAS,

@@ -1,7 +1,7 @@
 """The command line: one command a route, the same JSON.
 
 Exit status: 0 done, 2 invalid input or usage, 3 infeasible, 4 solver failed or time limit,
-1 anything else.
+5 a checked table has drifted, 1 anything else.
 """
 
 import argparse
@@ -27,8 +27,12 @@ COMMANDS = {
     "map": ("map", "residual, times or gains over one or two fields (POST /v1/maps)"),
     "fit": ("fit", "curve coefficients over a field of the plant (POST /v1/fits)"),
 }
+TABLE = "a table of designs over axes or a list, into a file (POST /v1/tables)"
 DRAWN = ("design", "map")
 """Commands whose answer can be drawn."""
+
+FORMATS = ("csv", "json", "parquet", "mat", "c", "st", "klipper", "rrf")
+MOST_WORKERS = 1024
 
 PICTURES = {".png": "png", ".svg": "svg"}
 
@@ -45,6 +49,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _serve(options)
         if options.command == "shapers":
             return _shapers(options)
+        if options.command == "table":
+            return _table(options)
         return _answer(options)
     except UsageError as error:
         print(f"shapersmith: {error}", file=sys.stderr)  # noqa: T201 - this is the command line
@@ -79,6 +85,7 @@ def _parser() -> argparse.ArgumentParser:
                 "--plot", metavar="FILE", type=Path, help="draw it: FILE.png or FILE.svg"
             )
     _add_format(commands.add_parser("shapers", help="every kind of shaper (GET /v1/shapers)"))
+    _add_table(commands.add_parser("table", help=TABLE, description=TABLE))
     serve = commands.add_parser("serve", help="serve over HTTP")
     serve.add_argument("--host", default="127.0.0.1", help="address to bind (%(default)s)")
     serve.add_argument("--port", default=8000, type=int, help="port to bind (%(default)s)")
@@ -91,6 +98,50 @@ def _add_format(command: argparse.ArgumentParser) -> None:
         choices=("json", "table", "csv"),
         help="of the answer: json if not given; given, json also holds for errors",
     )
+
+
+def _add_table(table: argparse.ArgumentParser) -> None:
+    table.add_argument(
+        "request", metavar="SPEC", help="the specification, .json or .toml; - reads JSON from stdin"
+    )
+    table.add_argument("-o", "--output", metavar="FILE", type=Path, help="the file to write")
+    table.add_argument(
+        "--format", choices=FORMATS, help="of the file; by the end of its name if not given"
+    )
+    table.add_argument("--workers", metavar="N", type=int, help="processes; one a processor if not")
+    table.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster to compute on")
+    table.add_argument(
+        "--check",
+        metavar="FILE",
+        nargs="?",
+        type=Path,
+        const=Path(),
+        help="compute anew and compare with FILE, or with that of -o, in place of writing it",
+    )
+
+
+def _table(options: argparse.Namespace) -> int:
+    if options.check == Path():
+        options.check = options.output
+        if options.check is None:
+            raise UsageError("--check takes a file, or that of -o")
+    if options.check is None and options.output is None:
+        raise UsageError("table needs -o FILE to write, or --check FILE")
+    if options.workers is not None and not 1 <= options.workers <= MOST_WORKERS:
+        raise UsageError(f"--workers must be between 1 and {MOST_WORKERS}, got {options.workers}")
+    if options.check is None:
+        _require_file(options.output)
+    content = _read(options.request)
+
+    from service.jobs.command import CommandError, run_table  # noqa: PLC0415
+    from service.problems import Problem  # noqa: PLC0415
+
+    try:
+        done = run_table(options, content)
+    except CommandError as error:
+        print(f"shapersmith: {error}", file=sys.stderr)  # noqa: T201
+        return FAILED
+    return _tell(done, as_json=False) if isinstance(done, Problem) else done
 
 
 def _answer(options: argparse.Namespace) -> int:
@@ -127,6 +178,7 @@ def _shapers(options: argparse.Namespace) -> int:
 def _serve(options: argparse.Namespace) -> int:
     from pydantic import ValidationError  # noqa: PLC0415
 
+    from service.jobs.database import StoreError  # noqa: PLC0415
     from service.server import PortTakenError, serve  # noqa: PLC0415
     from service.settings import PREFIX, Settings  # noqa: PLC0415
 
@@ -140,7 +192,7 @@ def _serve(options: argparse.Namespace) -> int:
         raise UsageError(f"{name}: {fault['msg']}, got {fault['input']!r}") from None
     try:
         serve(settings, host=options.host, port=options.port)
-    except PortTakenError as error:
+    except (PortTakenError, StoreError) as error:
         print(f"shapersmith: {error}", file=sys.stderr)  # noqa: T201
         return FAILED
     return OK
@@ -159,6 +211,10 @@ def _require_writable(path: Path) -> None:
     """Refuse a picture that could not be written, before the work is done."""
     if path.suffix not in PICTURES:
         raise UsageError(f"--plot takes a name ending in .png or .svg, got {str(path)!r}")
+    _require_file(path)
+
+
+def _require_file(path: Path) -> None:
     if path.is_dir():
         raise UsageError(f"cannot write {path}: it is a folder")
     if not path.parent.is_dir():

@@ -53,7 +53,11 @@ TOO_LARGE = ProblemKind(
 REQUEST_TIMEOUT = ProblemKind(
     "request-timeout", HTTPStatus.REQUEST_TIMEOUT, 1, "The body did not arrive in time"
 )
-NOT_FOUND = ProblemKind("not-found", HTTPStatus.NOT_FOUND, 1, "No such route")
+NOT_FOUND = ProblemKind("not-found", HTTPStatus.NOT_FOUND, 1, "Not found")
+CONFLICT = ProblemKind("conflict", HTTPStatus.CONFLICT, 1, "Not possible in this state")
+RANGE_NOT_SATISFIABLE = ProblemKind(
+    "range-not-satisfiable", HTTPStatus.REQUESTED_RANGE_NOT_SATISFIABLE, 1, "No such range"
+)
 METHOD_NOT_ALLOWED = ProblemKind(
     "method-not-allowed", HTTPStatus.METHOD_NOT_ALLOWED, 1, "The route has no such method"
 )

@@ -11,6 +11,7 @@ from types import FrameType
 import uvicorn
 
 from service.app import create_app
+from service.jobs.service import JobService
 from service.middleware import JsonFormatter
 from service.settings import Settings
 
@@ -29,6 +30,8 @@ def serve(settings: Settings, *, host: str, port: int) -> None:
     ------
     PortTakenError
         If the address cannot be bound.
+    StoreError
+        If the job store cannot be used.
     """
     listener = _listen(host, port)
     log = logging.StreamHandler(sys.stderr)
@@ -41,8 +44,9 @@ def serve(settings: Settings, *, host: str, port: int) -> None:
     # uvicorn raises the signal again once it has stopped: this makes that the end, with status 0.
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, _stop_quietly)
+    app = create_app(settings, JobService(settings))
     config = uvicorn.Config(
-        create_app(settings),
+        app,
         log_config=None,
         access_log=False,
         server_header=False,
@@ -51,7 +55,9 @@ def serve(settings: Settings, *, host: str, port: int) -> None:
     )
     bound_host, bound_port = listener.getsockname()[:2]
     logging.getLogger("shapersmith").info("serving on http://%s:%d", bound_host, bound_port)
-    uvicorn.Server(config).run(sockets=[listener])
+    server = uvicorn.Server(config)
+    app.state.stopping = lambda: server.should_exit
+    server.run(sockets=[listener])
 
 
 def _stop_quietly(number: int, frame: FrameType | None) -> None:

@@ -24,6 +24,29 @@ class Settings(BaseModel):
     max_body_bytes: Annotated[int, Field(ge=1, description="Largest body.")] = 1024 * 1024
     max_batch_bytes: Annotated[int, Field(ge=1, description="Largest batch.")] = 8 * 1024 * 1024
     max_batch_lines: Annotated[int, Field(ge=1, description="Most lines of a batch.")] = 1000
+    max_table_bytes: Annotated[
+        int, Field(ge=1, description="Largest specification of a table, listed designs included.")
+    ] = 64 * 1024 * 1024
+    data_dir: Annotated[
+        str, Field(min_length=1, description="Folder of the job store and of tables' files.")
+    ] = "shapersmith-data"
+    database_url: Annotated[
+        str,
+        Field(description="Of the job store, postgresql://...; a file in the folder if empty."),
+    ] = ""
+    job_workers: Annotated[
+        int, Field(ge=0, le=1024, description="Processes for table jobs; 0: none run here.")
+    ] = os.cpu_count() or 1
+    scheduler: Annotated[
+        str, Field(description="Address of a Dask scheduler that computes table jobs instead.")
+    ] = ""
+    stalled_s: Annotated[
+        float,
+        Field(ge=0.5, description="Silence after which a job's chunk is given to another [s]."),
+    ] = 30.0
+    database_wait_s: Annotated[
+        float, Field(ge=0, description="How long to wait for a database that is gone [s].")
+    ] = 600.0
     max_pending: Annotated[
         int, Field(ge=1, description="Tasks running and waiting beyond which requests get 503.")
     ] = 256

@@ -58,6 +58,7 @@ def running_service(
     port = free_port()
     environment = {
         **os.environ,
+        "SHAPERSMITH_DATA_DIR": str(log.parent / "data"),
         **{f"SHAPERSMITH_{name.upper()}": str(value) for name, value in settings.items()},
     }
     with log.open("wb") as stderr:

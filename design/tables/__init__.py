@@ -1,0 +1,1 @@
+"""Lookup tables: many designs over axes or a list."""

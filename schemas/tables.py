@@ -1,0 +1,258 @@
+"""Wire form of tables: the specification in, the state of a job out."""
+
+import hashlib
+import json
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field
+
+from design.errors import InvalidInputError
+from design.fits import plants_at_ends
+from design.tables.specification import (
+    COLUMNS,
+    DEFAULT_COLUMNS,
+    MOST_CHUNK_ROWS,
+    MOST_ROWS,
+    Axis,
+    Path,
+    TableSpecification,
+    require_rows,
+)
+from design.types import FloatArray
+from schemas.actuators import ActuatorIn
+from schemas.base import Wire, named
+from schemas.fits import FitIn
+from schemas.plants import PlantIn
+from schemas.shapers import ShaperIn
+
+MOST_POINTS = 10_000_000
+"""Points of one axis; its values are held in memory."""
+
+
+NO_TABLE_ON_SAMPLES = "the rows of a table are designs in continuous time"
+
+
+class TableDesign(Wire):
+    """The design in which fields are varied."""
+
+    plant: PlantIn
+    actuator: ActuatorIn
+    shaper: ShaperIn
+
+
+class TableAxis(Wire):
+    """One field and its values: ``from``, ``to`` and ``points``, or ``values``."""
+
+    field: Annotated[
+        str, Field(pattern="^/(plant|actuator|shaper)/", description="JSON pointer of a number.")
+    ]
+    from_: Annotated[float | None, Field(alias="from")] = None
+    to: float | None = None
+    points: Annotated[int | None, Field(ge=1, le=MOST_ROWS)] = None
+    spacing: Annotated[
+        Literal["linear", "geometric", "chebyshev"],
+        Field(description="chebyshev: points of the second kind, both ends among them."),
+    ] = "linear"
+    values: list[float] | None = None
+
+    def to_design(self) -> Axis:
+        """Build the design record."""
+        return Axis(path=path_of(self.field), values=self._values())
+
+    @property
+    def size(self) -> int:
+        """Number of its values, before any is made."""
+        return len(self.values) if self.values is not None else self.points or 0
+
+    def _values(self) -> FloatArray:
+        if self.values is not None:
+            if (self.from_, self.to, self.points) != (None, None, None):
+                raise InvalidInputError("values", "values and a range", "given alone")
+            return np.array(self.values, dtype=np.float64)
+        if self.from_ is None or self.to is None or self.points is None:
+            raise InvalidInputError(
+                "from", self.from_, "given with to and points, or values in their place"
+            )
+        if self.points > MOST_POINTS:
+            raise InvalidInputError("points", self.points, f"at most {MOST_POINTS} on one axis")
+        if not self.to > self.from_:
+            raise InvalidInputError("to", self.to, f"greater than from, {self.from_!r}")
+        if self.spacing == "linear":
+            return np.linspace(self.from_, self.to, self.points)
+        if self.spacing == "chebyshev":
+            angles = np.pi * np.arange(self.points) / max(self.points - 1, 1)
+            middle, half = (self.from_ + self.to) / 2, (self.to - self.from_) / 2
+            values = middle - half * np.cos(angles)
+            values[0] = self.from_
+            if self.points > 1:
+                values[-1] = self.to
+            return values
+        if self.from_ <= 0:
+            raise InvalidInputError("from", self.from_, "> 0 for geometric spacing")
+        return np.geomspace(self.from_, self.to, self.points)
+
+
+class Tolerances(Wire):
+    """How far a number may drift before a checked table counts as changed."""
+
+    # What a row of a table and the single design may differ by; another processor differs less.
+    absolute: Annotated[float, Field(ge=0)] = 1e-10
+    relative: Annotated[float, Field(ge=0)] = 1e-10
+
+
+class TableRequest(Wire):
+    """Body of `POST /v1/tables`."""
+
+    title: Annotated[
+        str,
+        Field(
+            min_length=1,
+            max_length=100,
+            pattern="^[^\\x00-\\x1f\\x7f]*$",
+            description="Stands in every file; names in programs are made from it.",
+        ),
+    ] = "shaper table"
+    design: TableDesign
+    axes: Annotated[list[TableAxis] | None, Field(description="They multiply.")] = None
+    designs: Annotated[
+        list[dict[str, Any]] | None,
+        Field(description="In place of axes: objects that are each merged over design."),
+    ] = None
+    designs_file: Annotated[
+        str | None,
+        Field(description="The same from a file, JSON Lines or CSV; on the command line only."),
+    ] = None
+    columns: Annotated[
+        list[str],
+        Field(
+            default_factory=lambda: list(DEFAULT_COLUMNS), description=f"Of {', '.join(COLUMNS)}."
+        ),
+    ]
+    chunk_rows: Annotated[int, Field(ge=1, le=MOST_CHUNK_ROWS)] = 10_000
+    tolerances: Tolerances = Tolerances()
+    fit: Annotated[
+        FitIn | None, Field(description="Polynomials, for the formats that hold programs.")
+    ] = None
+
+    def to_design(self) -> TableSpecification:
+        """Build the design record; every fault of the request is found here."""
+        if self.designs_file is not None:
+            raise InvalidInputError(
+                "designs_file", self.designs_file, "left out over HTTP: give designs in its place"
+            )
+        if (self.axes is None) == (self.designs is None):
+            both = "neither" if self.axes is None else "both"
+            raise InvalidInputError("axes", both, "given, or designs in its place")
+        with named("design"):
+            with named("plant"):
+                plant = self.design.plant.to_design()
+            with named("actuator"):
+                actuator = self.design.actuator.to_design()
+            with named("shaper"):
+                options = self.design.shaper.continuous_options(NO_TABLE_ON_SAMPLES)
+        if self.fit is not None:
+            with named("fit"):
+                plants_at_ends(plant, self.fit.to_design(self.design.plant.kind))
+        require_rows(math.prod(axis.size for axis in self.axes or ()))  # before any is made
+        parts = {"plant": plant, "actuator": actuator, "shaper": options}
+        paths, listed = _listed(self.designs, parts) if self.designs is not None else ((), None)
+        return TableSpecification(
+            plant=plant,
+            actuator=actuator,
+            kind=self.design.shaper.registered(),
+            options=options,
+            axes=tuple(_axis(number, axis) for number, axis in enumerate(self.axes or ())),
+            listed=listed,
+            listed_paths=paths,
+            columns=tuple(self.columns),
+            chunk_rows=self.chunk_rows,
+        )
+
+    def canonical(self) -> str:
+        """Return it as canonical JSON: on one line, keys sorted, defaults told."""
+        told = self.model_dump(mode="json", by_alias=True, exclude_none=True)
+        return json.dumps(told, sort_keys=True, separators=(",", ":"))
+
+
+def sha256_of(specification: str) -> str:
+    """Return the hash that files name a specification by."""
+    return hashlib.sha256(specification.encode()).hexdigest()
+
+
+def path_of(pointer: str) -> Path:
+    """Return the path that a JSON pointer names."""
+    return tuple(pointer.removeprefix("/").split("/"))
+
+
+def _axis(number: int, axis: TableAxis) -> Axis:
+    with named(f"axes.{number}"):
+        return axis.to_design()
+
+
+def _listed(
+    designs: list[dict[str, Any]], parts: dict[str, Any]
+) -> tuple[tuple[Path, ...], FloatArray]:
+    """Return the fields that listed designs vary, in order of appearance, and their values."""
+    lines = [dict(_numbers(design, (), number)) for number, design in enumerate(designs)]
+    paths = tuple(dict.fromkeys(path for line in lines for path in line))
+    if not paths:
+        raise InvalidInputError("designs", len(designs), "one or more, which vary something")
+    values = np.empty((len(lines), len(paths)))
+    for column, path in enumerate(paths):
+        inner: Any = parts.get(path[0])
+        for name in path[1:]:
+            inner = getattr(inner, name, None)
+        # What a line does not name stays as it is in the design; a wrong name is found later.
+        usual = float(inner) if isinstance(inner, int | float) else np.nan
+        values[:, column] = [line.get(path, usual) for line in lines]
+        if inner is None:
+            first = next(number for number, line in enumerate(lines) if path in line)
+            raise InvalidInputError(
+                f"designs.{first}.{'.'.join(path)}", lines[first][path], "the name of a number"
+            )
+    return paths, values
+
+
+def _numbers(here: Any, path: Path, number: int) -> Iterator[tuple[Path, float]]:  # noqa: ANN401
+    if isinstance(here, dict):
+        for name, inner in here.items():
+            yield from _numbers(inner, (*path, name), number)
+    elif isinstance(here, int | float) and not isinstance(here, bool):
+        yield path, float(here)
+    else:
+        raise InvalidInputError(".".join(("designs", str(number), *path)), here, "a number")
+
+
+class TableSize(Wire):
+    """How large a table is, before it is computed."""
+
+    rows: int
+    chunks: int
+    estimated_bytes: Annotated[int, Field(description="Of its numbers, uncompressed.")]
+
+
+class TableJob(Wire):
+    """State of a table job."""
+
+    id: str
+    state: Literal["waiting", "running", "done", "failed", "cancelled"]
+    reason: Annotated[str | None, Field(description="Why it failed.")]
+    created: Annotated[float, Field(description="Seconds since 1970.")]
+    size: TableSize
+    rows_done: int
+    verified: int
+    infeasible: int
+    failed: int
+    rows_per_s: float
+    seconds_left: float | None
+    specification_sha256: str
+    version: str
+
+
+class TableJobs(Wire):
+    """The newest table jobs."""
+
+    tables: list[TableJob]

@@ -1,0 +1,1 @@
+"""Table jobs: their store, what runs them, and their files."""

@@ -1,0 +1,214 @@
+"""The command `table`: a job of its own, its store beside the file that is asked for."""
+
+import argparse
+import os
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from sqlalchemy.exc import DBAPIError
+
+from design.errors import DesignError, InvalidInputError
+from design.export.registry import EXPORTS
+from schemas.tables import TableRequest
+from service.files import LockedError, locked, remove_parts
+from service.jobs.checks import drifts_of_file, drifts_of_text, readable
+from service.jobs.database import StoreError, disk_full
+from service.jobs.executors import SchedulerError, starter
+from service.jobs.plan import Plan, planned
+from service.jobs.progress import Progress
+from service.jobs.reading import ReadingError, Source, read_source
+from service.jobs.results import head_for, pieces, require_taken, rows_of_job, write_result
+from service.jobs.runner import Runner
+from service.jobs.store import Job, Store
+from service.problems import SOLVER_FAILED, Problem, problem_of_design
+
+DRIFTED = 5
+"""Exit status of a check that found a difference."""
+
+STALLED_S = 30.0
+"""Of the command's own store, which no other process uses while its lock is held [s]."""
+
+PAUSE_S = 0.02
+"""Between two looks at a job whose last chunks are being computed [s]."""
+
+
+class CommandError(Exception):
+    """The command cannot go on; the message says why."""
+
+
+def run_table(options: argparse.Namespace, content: bytes) -> int | Problem:
+    """Compute a table into a file, or check one."""
+    source, plan = _planned(options, content)
+    if isinstance(plan, Problem):
+        return source.located(plan)
+    check: Path | None = options.check
+    path: Path = check or options.output
+    name = options.format or _format_of(path)
+    try:
+        require_taken(plan.job, name)
+    except DesignError as error:
+        return problem_of_design(error)
+    size = plan.size
+    _say(
+        f"{size.rows:,} rows in {size.chunks:,} chunks, about {size.estimated_bytes / 1e6:,.1f} MB "
+        "of numbers"
+    )
+    try:
+        if check is not None:
+            return _check(options, plan, path, name)
+        return _write(options, plan, path, name)
+    except KeyboardInterrupt:
+        raise CommandError("stopped; the same command goes on where it was") from None
+    except (StoreError, SchedulerError) as error:
+        raise CommandError(str(error)) from None
+    except DBAPIError as error:
+        reason = "no space left" if disk_full(error) else str(error.orig)
+        raise CommandError(f"the job store beside {path}: {reason}") from None
+    except OSError as error:
+        raise CommandError(
+            f"cannot write {path}: {error.strerror}; nothing is lost, the same command goes on "
+            "where it was"
+        ) from None
+
+
+def _planned(options: argparse.Namespace, content: bytes) -> tuple[Source, Plan | Problem]:
+    given = Path(options.request)
+    try:
+        source = read_source(content, toml=given.suffix.lower() == ".toml", folder=given.parent)
+    except ReadingError as error:
+        return Source(b""), error.problem
+    return source, planned(source.body)
+
+
+def _format_of(path: Path) -> str:
+    for export in EXPORTS.values():
+        if path.suffix.lower() == export.suffix:
+            return export.name
+    return "csv"
+
+
+def _say(text: str) -> None:
+    print(f"shapersmith: {text}", file=sys.stderr)  # noqa: T201 - this is the command line
+
+
+def _write(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> int | Problem:
+    try:
+        with locked(path.with_name(f".{path.name}.lock")):
+            remove_parts(path)
+            file = path.with_name(f".{path.name}.job")
+            store, job = _resumed(file, plan)
+            try:
+                ended = _computed(options, store, job)
+                if ended.state == "failed":
+                    return Problem(SOLVER_FAILED, ended.reason)
+                write_result(store, ended, name, path)
+            finally:
+                store.close()
+            _remove(file)
+    except LockedError:
+        raise CommandError(f"another shapersmith is writing {path}") from None
+    _say(f"wrote {path}: {_counts(ended)}")
+    return 0
+
+
+def _counts(job: Job) -> str:
+    failed = job.done - job.verified - job.infeasible
+    return f"{job.verified:,} verified, {job.infeasible:,} infeasible, {failed:,} failed"
+
+
+def _resumed(file: Path, plan: Plan) -> tuple[Store, str]:
+    """Open the store beside the file; go on with its job if that is the same, else begin anew."""
+    store = _opened(file)
+    held = store.jobs(1)
+    if held:
+        job = held[0]
+        if (job.sha256, job.version) == (plan.job.sha256, plan.job.version):
+            store.release(job.id)
+            store.reopen(job.id)
+            if job.done:
+                _say(f"going on at {job.done:,} rows")
+            return store, job.id
+        store.close()
+        _say("what was begun of another specification, or by another version, is dropped")
+        _remove(file)
+        store = _opened(file)
+    store.add(plan.job)
+    return store, plan.job.id
+
+
+def _opened(file: Path) -> Store:
+    return Store(f"sqlite:///{file}", stalled_s=STALLED_S)
+
+
+def _remove(file: Path) -> None:
+    for end in ("", "-wal", "-shm"):
+        file.with_name(file.name + end).unlink(missing_ok=True)
+
+
+def _computed(options: argparse.Namespace, store: Store, job: str) -> Job:
+    """Run a job to its end."""
+    workers = options.workers or os.cpu_count() or 1
+    progress = Progress()
+    runner = Runner(
+        store, starter(workers, options.scheduler), database_wait_s=STALLED_S, tell=_say
+    )
+    found = store.job(job)
+    if found is None:
+        raise StoreError("the job has gone from its store")
+    ended: list[Job] = [found] if found.ended else []
+
+    def until() -> bool:
+        now = runner.patiently(lambda: store.job(job))
+        if now is None:
+            raise StoreError("the job has gone from its store")
+        progress.show(now)
+        if now.ended:
+            ended.append(now)
+        return now.ended
+
+    if not ended:
+        try:
+            runner.run(until=until, pause_s=PAUSE_S)
+        finally:
+            progress.end()
+    return ended[0]
+
+
+def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> int | Problem:
+    if not path.is_file():
+        raise CommandError(f"there is no file {path} to check")
+    tolerances = TableRequest.model_validate_json(plan.job.specification).tolerances
+    with _temporary_store() as store:
+        store.add(plan.job)
+        job = _computed(options, store, plan.job.id)
+        if job.state == "failed":
+            return Problem(SOLVER_FAILED, job.reason)
+        try:
+            if readable(name):
+                head, rows = head_for(job, name), rows_of_job(store, job)
+                drifts = drifts_of_file(path, name, head, rows, tolerances)
+            else:
+                drifts = drifts_of_text(path, pieces(store, job, name))
+        except InvalidInputError as error:
+            raise CommandError(f"{path} cannot be checked: {error}") from None
+    if not drifts.count:
+        _say(f"{path} is as it was: {_counts(job)}")
+        return 0
+    for text in drifts.told:
+        _say(text)
+    more = drifts.count - len(drifts.told)
+    _say(f"{path} has drifted: {drifts.count} differences" + (f", {more} not told" if more else ""))
+    return DRIFTED
+
+
+@contextmanager
+def _temporary_store() -> Iterator[Store]:
+    with tempfile.TemporaryDirectory(prefix="shapersmith-") as folder:
+        store = _opened(Path(folder) / "check.job")
+        try:
+            yield store
+        finally:
+            store.close()

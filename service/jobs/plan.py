@@ -1,0 +1,117 @@
+"""From a body to a job, and from a job to the head of its files."""
+
+import functools
+import uuid
+from dataclasses import dataclass
+
+from pydantic import ValidationError
+
+from design.errors import DesignError
+from design.fits import fit
+from design.tables.rows import TableHead
+from design.tables.specification import TableSpecification, amplitudes_of, columns_of
+from schemas.tables import TableJob, TableRequest, TableSize, sha256_of
+from service.jobs.store import Job, NewJob
+from service.operations import version
+from service.problems import Problem, problem_of_design, problem_of_validation
+
+STATUS_BYTES = 1
+FLOAT_BYTES = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A job to be, and its size."""
+
+    job: NewJob
+    size: TableSize
+
+
+def planned(body: bytes) -> Plan | Problem:
+    """Validate the specification of a table and return the job that it asks for."""
+    try:
+        request = TableRequest.model_validate_json(body)
+    except ValidationError as error:
+        return problem_of_validation(error, body)
+    try:
+        return plan_of(request)
+    except DesignError as error:
+        return problem_of_design(error)
+
+
+def plan_of(request: TableRequest) -> Plan:
+    """Return the job that a request asks for."""
+    specification = request.to_design()
+    canonical = request.canonical()
+    job = NewJob(
+        id=uuid.uuid4().hex,
+        specification=canonical,
+        sha256=sha256_of(canonical),
+        version=version(),
+        rows=specification.rows,
+        chunk_rows=specification.chunk_rows,
+    )
+    return Plan(job, size_of(specification))
+
+
+def size_of(specification: TableSpecification) -> TableSize:
+    """Return how large a table will be."""
+    numbers = sum(column.kind in {"field", "result"} for column in columns_of(specification))
+    return TableSize(
+        rows=specification.rows,
+        chunks=specification.chunks,
+        estimated_bytes=specification.rows * (FLOAT_BYTES * numbers + STATUS_BYTES),
+    )
+
+
+@functools.lru_cache(maxsize=8)
+def specification_of(canonical: str) -> TableSpecification:
+    """Return the specification of a job."""
+    return TableRequest.model_validate_json(canonical).to_design()
+
+
+def head_of(job: Job | NewJob, *, fitted: bool) -> TableHead:
+    """Return the head of a job's files; the polynomials where they are wanted and asked for."""
+    request = TableRequest.model_validate_json(job.specification)
+    specification = specification_of(job.specification)
+    amplitudes = amplitudes_of(specification.kind)
+    polynomials = None
+    if fitted and request.fit is not None:
+        polynomials = fit(
+            specification.plant,
+            specification.actuator,
+            specification.kind,
+            request.fit.to_design(request.design.plant.kind),
+            specification.options,
+        )
+    return TableHead(
+        version=job.version,
+        specification_json=job.specification,
+        specification_sha256=job.sha256,
+        title=request.title,
+        columns=columns_of(specification),
+        rows=job.rows,
+        impulses=len(amplitudes),
+        amplitudes=amplitudes,
+        fit=polynomials,
+    )
+
+
+def told(job: Job) -> TableJob:
+    """Return the state of a job for the wire."""
+    left = job.left_s
+    return TableJob(
+        id=job.id,
+        state=job.state,
+        reason=job.reason or None,
+        created=job.created,
+        size=size_of(specification_of(job.specification)),
+        rows_done=job.done,
+        verified=job.verified,
+        infeasible=job.infeasible,
+        failed=job.done - job.verified - job.infeasible,
+        rows_per_s=job.rate_rows_s,
+        seconds_left=None if left is None else round(left, 1),
+        specification_sha256=job.sha256,
+        version=job.version,
+    )

@@ -1,0 +1,54 @@
+"""Progress of a job in the terminal."""
+
+import sys
+import time
+
+from service.jobs.store import Job
+
+BAR_CELLS = 30
+REDRAWN_AFTER_S = 0.2
+LINE_EVERY_S = 10.0
+"""Without a terminal: a line now and then, for logs [s]."""
+
+
+class Progress:
+    """A bar on stderr where that is a terminal, else a line now and then."""
+
+    def __init__(self) -> None:
+        self._live = sys.stderr.isatty()
+        self._every_s = REDRAWN_AFTER_S if self._live else LINE_EVERY_S
+        self._shown = time.monotonic() if not self._live else 0.0
+
+    def show(self, job: Job) -> None:
+        """Tell how far a job is, if it is time to."""
+        now = time.monotonic()
+        if now - self._shown < self._every_s and not (self._live and job.ended):
+            return
+        self._shown = now
+        text = line_of(job)
+        if self._live:
+            filled = BAR_CELLS * job.done // job.rows
+            bar = "#" * filled + "." * (BAR_CELLS - filled)
+            sys.stderr.write(f"\r[{bar}] {text}\x1b[K")
+        else:
+            sys.stderr.write(f"{text}\n")
+        sys.stderr.flush()
+
+    def end(self) -> None:
+        """Leave the line of the bar."""
+        if self._live:
+            sys.stderr.write("\n")
+            sys.stderr.flush()
+
+
+def line_of(job: Job) -> str:
+    """Return how far a job is, in words."""
+    left = "" if job.left_s is None else f", {_duration(job.left_s)} left"
+    rate = f", {job.rate_rows_s:,.0f} rows/s" if job.rate_rows_s else ""
+    return f"{job.done:,} of {job.rows:,} rows{rate}{left}"
+
+
+def _duration(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{rest:02}"

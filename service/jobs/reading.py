@@ -1,0 +1,150 @@
+"""The specification of a table from files: JSON or TOML, listed designs from JSON Lines or CSV."""
+
+import csv
+import json
+import math
+import re
+import tomllib
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, NoReturn
+
+from schemas.problems import FieldFault
+from service.problems import INVALID, NOT_JSON, Problem
+
+LISTED = re.compile(r"/designs/(\d+)(/.*)?\Z")
+
+
+class ReadingError(Exception):
+    """A file that cannot be read as what it should be."""
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(problem.detail)
+        self.problem = problem
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A specification as one JSON body, and on which line each of its listed designs stood."""
+
+    body: bytes
+    file: str = ""
+    lines: list[int] = field(default_factory=list)
+
+    def located(self, problem: Problem) -> Problem:
+        """Return a problem of a listed design with the file and the line that it stands on."""
+        faults = []
+        for fault in problem.errors:
+            place = LISTED.match(fault.pointer)
+            if place is None or not self.lines:
+                faults.append(fault)
+                continue
+            line = self.lines[int(place[1])]
+            told = f"{self.file} line {line}: {place[2] or ''} {fault.detail}".replace("  ", " ")
+            faults.append(FieldFault(pointer="/designs_file", detail=told))
+        if faults == list(problem.errors):
+            return problem
+        detail = "; ".join(f"{fault.pointer}: {fault.detail}" for fault in faults)
+        return replace(problem, detail=detail, errors=tuple(faults))
+
+
+def read_source(content: bytes, *, toml: bool, folder: Path) -> Source:
+    """Return a specification with its listed designs read in.
+
+    Raises
+    ------
+    ReadingError
+        If a file is missing, or a line of it is bad: says which.
+    """
+    try:
+        text = content.decode()
+        body = tomllib.loads(text) if toml else json.loads(text, parse_constant=_no_constant)
+    except ValueError as error:
+        raise ReadingError(Problem(NOT_JSON, str(error))) from None
+    name = body.get("designs_file") if isinstance(body, dict) else None
+    if not isinstance(name, str):
+        return Source(json.dumps(body, default=str).encode())
+    if "designs" in body:
+        _refuse("designs_file and designs: give one of them")
+    try:
+        listed = (folder / name).read_text(encoding="utf-8-sig")
+    except OSError as error:
+        _refuse(f"cannot read {name}: {error.strerror}")
+    except UnicodeDecodeError as error:
+        _refuse(f"{name} is no UTF-8 text: {error.reason}")
+    designs = _from_csv(name, listed) if name.lower().endswith(".csv") else _lines(name, listed)
+    del body["designs_file"]
+    body["designs"] = [design for _, design in designs]
+    return Source(json.dumps(body, default=str).encode(), name, [line for line, _ in designs])
+
+
+def _refuse(detail: str) -> NoReturn:
+    fault = FieldFault(pointer="/designs_file", detail=detail)
+    raise ReadingError(Problem(INVALID, f"{fault.pointer}: {detail}", (fault,))) from None
+
+
+def _no_constant(text: str) -> NoReturn:
+    raise ValueError(f"{text} is no JSON number")
+
+
+def _lines(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
+    designs = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        if not line.strip():
+            continue
+        try:
+            design = json.loads(line, parse_constant=_no_constant)
+        except ValueError as error:
+            _refuse(f"{name} line {number}: {error}")
+        if not isinstance(design, dict):
+            _refuse(f"{name} line {number}: must be a JSON object, got {line[:80]}")
+        designs.append((number, design))
+    return designs
+
+
+def _from_csv(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
+    table = csv.reader(text.splitlines(), strict=True)
+    designs: list[tuple[int, dict[str, Any]]] = []
+    header: list[str] = []
+    try:
+        for cells in table:
+            number = table.line_num
+            if not cells:
+                continue
+            if not header:
+                header = _header(name, number, cells)
+            elif len(cells) != len(header):
+                _refuse(f"{name} line {number}: {len(cells)} cells under {len(header)} headings")
+            else:
+                designs.append((number, _nested(name, number, header, cells)))
+    except csv.Error as error:
+        _refuse(f"{name} line {table.line_num}: {error}")
+    return designs
+
+
+def _header(name: str, number: int, cells: list[str]) -> list[str]:
+    pointers = [cell.strip() for cell in cells]
+    for pointer in pointers:
+        if not pointer.startswith("/") or pointers.count(pointer) > 1:
+            _refuse(
+                f"{name} line {number}: headings must be JSON pointers, each once, as "
+                f"/plant/cable_length_m; got {pointer!r}"
+            )
+    return pointers
+
+
+def _nested(name: str, number: int, header: list[str], cells: list[str]) -> dict[str, Any]:
+    design: dict[str, Any] = {}
+    for pointer, cell in zip(header, cells, strict=True):
+        try:
+            value = float(cell)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            _refuse(f"{name} line {number}: {pointer} must be a finite number, got {cell!r}")
+        *parts, last = pointer.removeprefix("/").split("/")
+        here = design
+        for part in parts:
+            here = here.setdefault(part, {})
+        here[last] = value
+    return design

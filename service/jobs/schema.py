@@ -1,0 +1,35 @@
+"""The tables of the job store, as the newest migration leaves them."""
+
+import sqlalchemy as sa
+
+METADATA = sa.MetaData()
+
+JOBS = sa.Table(
+    "jobs",
+    METADATA,
+    sa.Column("id", sa.String(32), primary_key=True),
+    sa.Column("state", sa.String(10), nullable=False),
+    sa.Column("reason", sa.Text, nullable=False, default=""),
+    sa.Column("created", sa.Double, nullable=False),
+    sa.Column("specification", sa.Text, nullable=False),
+    sa.Column("sha256", sa.String(64), nullable=False),
+    sa.Column("version", sa.String(64), nullable=False),
+    sa.Column("rows", sa.BigInteger, nullable=False),
+    sa.Column("chunks", sa.Integer, nullable=False),
+)
+
+CHUNKS = sa.Table(
+    "chunks",
+    METADATA,
+    sa.Column("job", sa.String(32), sa.ForeignKey("jobs.id"), primary_key=True),
+    sa.Column("number", sa.Integer, primary_key=True),
+    sa.Column("state", sa.String(10), nullable=False),
+    sa.Column("attempt", sa.Integer, nullable=False, default=0),
+    sa.Column("worker", sa.String(100)),
+    sa.Column("heartbeat", sa.Double),
+    sa.Column("finished", sa.Double),
+    sa.Column("rows", sa.Integer, nullable=False),
+    sa.Column("verified", sa.Integer, nullable=False, default=0),
+    sa.Column("infeasible", sa.Integer, nullable=False, default=0),
+    sa.Column("blob", sa.LargeBinary),
+)

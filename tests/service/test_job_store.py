@@ -1,0 +1,222 @@
+"""What any job store does, over both databases."""
+
+import sqlite3
+import threading
+import time
+import uuid
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sa
+from alembic import command
+from alembic.config import Config
+
+import service.jobs
+from service.jobs.database import StoreError
+from service.jobs.store import MOST_FAILURES, Claim, Done, NewJob, Store
+from tests.postgres import running_cluster
+
+MIGRATIONS = Path(service.jobs.__file__).parent / "migrations"
+
+
+@pytest.fixture(scope="module")
+def postgres_url() -> Iterator[str]:
+    with running_cluster() as cluster:
+        yield cluster.url
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
+    if request.param == "sqlite":
+        return f"sqlite:///{tmp_path / 'jobs.sqlite'}"
+    return str(request.getfixturevalue("postgres_url"))
+
+
+@pytest.fixture
+def store(url: str) -> Iterator[Store]:
+    opened = Store(url, stalled_s=0.5)
+    for job in opened.jobs(100):
+        opened.cancel(job.id)
+    yield opened
+    opened.close()
+
+
+def job(rows: int = 10, chunk_rows: int = 4) -> NewJob:
+    return NewJob(
+        id=uuid.uuid4().hex,
+        specification="{}",
+        sha256="0" * 64,
+        version="1",
+        rows=rows,
+        chunk_rows=chunk_rows,
+    )
+
+
+def done(blob: bytes = b"rows") -> Done:
+    return Done(blob=blob, verified=1, infeasible=1)
+
+
+def test_chunks_are_claimed_once_and_in_order(store: Store) -> None:
+    new = job()
+    store.add(new)
+    assert store.claim("one", 2) == [Claim(new.id, 0), Claim(new.id, 1)]
+    assert store.claim("two", 2) == [Claim(new.id, 2)]
+    assert store.claim("one", 2) == []
+
+
+def test_a_job_is_done_when_its_chunks_are_and_its_rows_come_in_order(store: Store) -> None:
+    new = job()
+    store.add(new)
+    for claim in reversed(store.claim("one", 9)):
+        assert store.finish("one", claim, done(b"%d" % claim.number))
+    store.settle()
+    found = store.job(new.id)
+    assert found is not None
+    assert (found.state, found.done, found.verified, found.infeasible) == ("done", 10, 3, 3)
+    assert list(store.blobs(new.id)) == [b"0", b"1", b"2"]
+
+
+def test_many_chunks_are_read_in_order(store: Store) -> None:
+    new = job(rows=30, chunk_rows=1)
+    store.add(new)
+    for claim in store.claim("one", 30):
+        store.finish("one", claim, done(b"%d" % claim.number))
+    assert list(store.blobs(new.id)) == [b"%d" % number for number in range(30)]
+
+
+def test_a_silent_worker_loses_its_chunk_and_cannot_record_it_any_more(store: Store) -> None:
+    new = job(rows=1)
+    store.add(new)
+    (claim,) = store.claim("silent", 1)
+    assert store.claim("other", 1) == []
+    time.sleep(0.6)
+    assert store.claim("other", 1) == [claim]
+    assert not store.finish("silent", claim, done(b"late"))
+    assert store.finish("other", claim, done(b"right"))
+    assert not store.finish("silent", claim, done(b"late"))
+    assert list(store.blobs(new.id)) == [b"right"]
+
+
+def test_a_heartbeat_keeps_a_chunk(store: Store) -> None:
+    store.add(job(rows=1))
+    held = store.claim("slow", 1)
+    for _ in range(4):
+        time.sleep(0.2)
+        store.beat("slow", held)
+        assert store.claim("other", 1) == []
+
+
+def test_a_chunk_that_fails_again_and_again_fails_its_job_with_the_reason(store: Store) -> None:
+    new = job(rows=1)
+    store.add(new)
+    for _ in range(MOST_FAILURES):
+        (claim,) = store.claim("one", 1)
+        store.fail("one", claim, "it broke")
+    found = store.job(new.id)
+    assert found is not None
+    assert (found.state, found.reason) == ("failed", "chunk 0 failed 3 times, last: it broke")
+    assert store.claim("one", 1) == []
+    store.reopen(new.id)
+    assert len(store.claim("one", 1)) == 1
+
+
+def test_a_cancelled_job_takes_no_more_rows_and_is_cancelled_twice_like_once(store: Store) -> None:
+    new = job()
+    store.add(new)
+    (claim,) = store.claim("one", 1)
+    assert store.cancel(new.id)
+    assert store.cancel(new.id)
+    assert not store.finish("one", claim, done())
+    store.settle()
+    found = store.job(new.id)
+    assert found is not None
+    assert found.state == "cancelled"
+    assert store.claim("one", 1) == []
+
+
+def test_a_job_that_is_done_is_not_cancelled(store: Store) -> None:
+    new = job(rows=1)
+    store.add(new)
+    (claim,) = store.claim("one", 1)
+    store.finish("one", claim, done())
+    store.settle()
+    assert not store.cancel(new.id)
+    assert list(store.blobs(new.id)) == [b"rows"]
+
+
+def test_many_claim_at_once_and_none_gets_what_another_has(store: Store, url: str) -> None:
+    store.add(job(rows=120, chunk_rows=1))
+    claimed: list[Claim] = []
+
+    def claim(name: str) -> None:
+        mine = Store(url, stalled_s=30.0)
+        while got := mine.claim(name, 3):
+            claimed.extend(got)
+        mine.close()
+
+    threads = [threading.Thread(target=claim, args=(str(number),)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    numbers = [one.number for one in claimed]
+    assert sorted(numbers) == list(range(120))
+
+
+def older(url: str) -> None:
+    """Bring a store back to the schema of the first version."""
+    engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
+    config = Config()
+    config.set_main_option("script_location", str(MIGRATIONS))
+    with engine.begin() as connection:
+        config.attributes["connection"] = connection
+        command.downgrade(config, "0001")
+    engine.dispose()
+
+
+def test_a_store_of_an_older_schema_is_migrated_with_its_jobs(url: str) -> None:
+    first = Store(url, stalled_s=1.0)
+    new = job()
+    first.add(new)
+    first.close()
+    older(url)
+    again = Store(url, stalled_s=1.0)
+    found = again.job(new.id)
+    assert found is not None
+    assert found.rows == 10
+    engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
+    indices = [index["name"] for index in sa.inspect(engine).get_indexes("chunks")]
+    engine.dispose()
+    again.close()
+    assert indices == ["chunks_by_state"]
+
+
+def test_a_store_of_a_newer_schema_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "jobs.sqlite"
+    Store(f"sqlite:///{file}", stalled_s=1.0).close()
+    with sqlite3.connect(file) as connection:
+        connection.execute("UPDATE alembic_version SET version_num = '9999'")
+    connection.close()
+    with pytest.raises(StoreError, match="schema 9999, made by a newer version"):
+        Store(f"sqlite:///{file}", stalled_s=1.0)
+
+
+@pytest.mark.parametrize("url", ["mysql://host/x", "nothing", "sqlite:////proc/no/jobs.sqlite"])
+def test_a_url_that_is_no_store_is_refused(url: str) -> None:
+    with pytest.raises(StoreError, match="job store"):
+        Store(url, stalled_s=1.0)
+
+
+def test_the_migrations_lead_to_the_tables_that_the_store_uses(url: str) -> None:
+    from alembic.autogenerate import compare_metadata
+    from alembic.migration import MigrationContext
+
+    from service.jobs.schema import METADATA
+
+    Store(url, stalled_s=1.0).close()
+    engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
+    with engine.connect() as connection:
+        found = compare_metadata(MigrationContext.configure(connection), METADATA)
+    engine.dispose()
+    assert [change[0] for change in found] == ["remove_index"]  # which the store does not name

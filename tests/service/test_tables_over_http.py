@@ -1,0 +1,238 @@
+"""Table jobs over HTTP."""
+
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from tests.conftest import CRANE, running_service
+
+TABLE: dict[str, Any] = {
+    "design": CRANE,
+    "axes": [
+        {"field": "/plant/cable_length_m", "from": 0.5, "to": 1.0, "points": 4},
+        {"field": "/plant/damping_ratio", "values": [0, 0.01]},
+    ],
+    "chunk_rows": 3,
+}
+
+ENDLESS: dict[str, Any] = {
+    **TABLE,
+    "axes": [{"field": "/plant/cable_length_m", "from": 0.5, "to": 1.0, "points": 1_000_000}],
+    "chunk_rows": 1000,
+}
+
+
+def ended(client: httpx.Client, location: str, state: str = "done") -> dict[str, Any]:
+    deadline = time.monotonic() + 60
+    while True:
+        job: dict[str, Any] = client.get(location).json()
+        if job["state"] not in {"waiting", "running"}:
+            assert job["state"] == state, job
+            return job
+        assert time.monotonic() < deadline, job
+        time.sleep(0.1)
+
+
+@pytest.fixture(scope="module")
+def finished(service: Any) -> str:
+    with service.client() as client:
+        begun = client.post("/v1/tables", json=TABLE)
+        assert begun.status_code == 202, begun.text
+        assert begun.json()["size"] == {"rows": 8, "chunks": 3, "estimated_bytes": 8 * 65}
+        location: str = begun.headers["location"]
+        job = ended(client, location)
+        assert (job["rows_done"], job["verified"], job["failed"]) == (8, 8, 0)
+    return location
+
+
+def test_a_table_holds_the_designs_that_the_service_answers(
+    client: httpx.Client, finished: str
+) -> None:
+    text = client.get(f"{finished}/result", params={"format": "csv"}).text
+    lines = [line.split(",") for line in text.splitlines() if not line.startswith("#")]
+    assert lines[0][:2] == ["plant.cable_length_m", "plant.damping_ratio"]
+    assert len(lines) == 9
+    for row in lines[1:]:
+        plant = {**CRANE["plant"], "cable_length_m": float(row[0]), "damping_ratio": float(row[1])}
+        single = client.post("/v1/designs", json={**CRANE, "plant": plant}).json()
+        wanted = single["shaper"]["impulses"]["times_s"]
+        assert [float(cell) for cell in row[2:7]] == pytest.approx(wanted, abs=1e-10)
+
+
+def test_the_events_end_with_the_state(client: httpx.Client, finished: str) -> None:
+    text = client.get(f"{finished}/events").text
+    event, data = text.strip().splitlines()[-2:]
+    assert event == "event: done"
+    assert json.loads(data.removeprefix("data: "))["rows_done"] == 8
+
+
+def test_progress_is_sent_while_a_job_runs(client: httpx.Client) -> None:
+    location = client.post("/v1/tables", json={**ENDLESS, "chunk_rows": 20}).headers["location"]
+    states = []
+    with client.stream("GET", f"{location}/events") as stream:
+        for line in stream.iter_lines():
+            if line.startswith("data: "):
+                states.append(json.loads(line.removeprefix("data: ")))
+            if states and states[-1]["rows_done"] > 0 and states[-1]["state"] == "running":
+                client.delete(location)
+    assert states[-1]["state"] == "cancelled"
+    counts = [one["rows_done"] for one in states[:-1]]
+    assert counts == sorted(counts)
+
+
+def test_ranges_and_tags_are_served(client: httpx.Client, finished: str) -> None:
+    address = f"{finished}/result"
+    whole = client.get(address)
+    tag = whole.headers["etag"]
+    assert whole.headers["accept-ranges"] == "bytes"
+
+    def get(**headers: str) -> httpx.Response:
+        return client.get(
+            address, headers={name.replace("_", "-"): value for name, value in headers.items()}
+        )
+
+    part = get(range="bytes=10-19")
+    assert (part.status_code, part.content) == (206, whole.content[10:20])
+    assert part.headers["content-range"] == f"bytes 10-19/{len(whole.content)}"
+    assert get(range="bytes=-7").content == whole.content[-7:]
+    assert get(range="bytes=10-19", if_range=tag).status_code == 206
+    assert get(range="bytes=10-19", if_range='"old"').content == whole.content
+    assert get(if_none_match=tag).status_code == 304
+    assert get(if_none_match='"old"').status_code == 200
+    assert get(range="bytes=9-1").content == whole.content
+    assert get(range="lines=1-2").content == whole.content
+    beyond = get(range="bytes=9999999-")
+    assert (beyond.status_code, beyond.json()["type"]) == (
+        416,
+        "urn:shapersmith:range-not-satisfiable",
+    )
+    assert beyond.headers["content-range"] == f"bytes */{len(whole.content)}"
+
+
+def test_an_unknown_format_is_named(client: httpx.Client, finished: str) -> None:
+    refused = client.get(f"{finished}/result", params={"format": "xls"})
+    assert refused.status_code == 422
+    assert refused.json()["errors"][0]["pointer"] == "/format"
+
+
+def test_a_result_asked_for_too_early_is_a_conflict_and_a_job_is_cancelled_twice_like_once(
+    client: httpx.Client,
+) -> None:
+    location = client.post("/v1/tables", json=ENDLESS).headers["location"]
+    early = client.get(f"{location}/result")
+    assert (early.status_code, early.json()["type"]) == (409, "urn:shapersmith:conflict")
+    for _ in range(2):
+        cancelled = client.delete(location)
+        assert (cancelled.status_code, cancelled.json()["state"]) == (200, "cancelled")
+    assert client.get(f"{location}/result").status_code == 409
+    assert location.removeprefix("/v1/tables/") in [
+        job["id"] for job in client.get("/v1/tables").json()["tables"]
+    ]
+
+
+def test_a_job_that_is_done_cannot_be_cancelled(client: httpx.Client, finished: str) -> None:
+    refused = client.delete(finished)
+    assert (refused.status_code, refused.json()["type"]) == (409, "urn:shapersmith:conflict")
+
+
+@pytest.mark.parametrize("route", ["", "/events", "/result"])
+def test_a_job_that_is_none_is_not_found(client: httpx.Client, route: str) -> None:
+    missing = client.get(f"/v1/tables/none{route}")
+    assert (missing.status_code, missing.json()["type"]) == (404, "urn:shapersmith:not-found")
+
+
+def axis(**changes: Any) -> dict[str, Any]:
+    return {
+        "axes": [{"field": "/plant/cable_length_m", "from": 0.5, "to": 1, "points": 2, **changes}]
+    }
+
+
+GRID = [
+    {"field": "/plant/cable_length_m", "from": 0.5, "to": 1, "points": 10**6},
+    {"field": "/plant/damping_ratio", "from": 0, "to": 0.1, "points": 10**6},
+]
+
+
+@pytest.mark.parametrize(
+    ("change", "pointer", "told"),
+    [
+        ({"axes": GRID}, "/axes", "take fewer points"),
+        (axis(points=10**9), "/axes/0/points", "at most"),
+        (axis(field="/plant/mass_kg"), "/axes/0/field", "one of"),
+        (axis(field="/load/mass_kg"), "/axes/0/field", "pattern"),
+        ({"axes": 2 * axis()["axes"]}, "/axes/1/field", "another field"),
+        (
+            {"axes": [{"field": "/plant/damping_ratio", "values": []}]},
+            "/axes/0/values",
+            "one or more",
+        ),
+        ({"axes": []}, "/axes", "given"),
+        (axis(to=0.1), "/axes/0/to", "greater than from"),
+        (axis(values=[1.0]), "/axes/0/values", "given alone"),
+        (axis(**{"from": -1, "spacing": "geometric"}), "/axes/0/from", "> 0"),
+        ({"columns": ["colour"]}, "/columns/0", "one of"),
+        ({"designs": [{"plant": {"damping_ratio": 0.1}}]}, "/axes", "designs in its place"),
+        ({"axes": None, "designs_file": "x.csv"}, "/designs_file", "left out over HTTP"),
+        ({"axes": None, "designs": []}, "/designs", "one or more"),
+        (
+            {
+                "axes": None,
+                "designs": [{"plant": {"damping_ratio": 0.1}}, {"plant": {"mass_kg": 1}}],
+            },
+            "/designs/1/plant/mass_kg",
+            "name of a number",
+        ),
+        (
+            {"axes": None, "designs": [{"plant": {"damping_ratio": "a"}}]},
+            "/designs/0/plant/damping_ratio",
+            "a number",
+        ),
+        (
+            {"axes": None, "designs": [{"plant": {"damping_ratio": 0.7}}]},
+            "/designs/0",
+            "between 0 and 0.5",
+        ),
+        ({"chunk_rows": 0}, "/chunk_rows", "greater than"),
+    ],
+)
+def test_a_faulty_table_is_named(
+    client: httpx.Client, change: dict[str, Any], pointer: str, told: str
+) -> None:
+    answer = client.post("/v1/tables", json={**TABLE, **change})
+    assert answer.status_code == 422, answer.text
+    faults = {fault["pointer"]: fault["detail"] for fault in answer.json()["errors"]}
+    assert told in faults[pointer]
+
+
+def test_listed_designs_keep_what_they_do_not_name(client: httpx.Client) -> None:
+    request = {
+        **TABLE,
+        "axes": None,
+        "designs": [
+            {"plant": {"cable_length_m": 0.6}},
+            {"actuator": {"decel": {"natural_frequency_rad_s": 40}}},
+        ],
+        "chunk_rows": 1,
+    }
+    location = client.post("/v1/tables", json=request).headers["location"]
+    ended(client, location)
+    text = client.get(f"{location}/result").text
+    rows = [line.split(",") for line in text.splitlines() if not line.startswith("#")]
+    assert rows[0][:2] == ["plant.cable_length_m", "actuator.decel.natural_frequency_rad_s"]
+    assert [row[:2] for row in rows[1:]] == [["0.6", "50.0"], ["0.8", "40.0"]]
+
+
+def test_a_service_that_is_started_again_goes_on_with_its_jobs(tmp_path: Path) -> None:
+    request = {**TABLE, "axes": [{**TABLE["axes"][0], "points": 400}], "chunk_rows": 10}
+    settings: dict[str, Any] = {"workers": 1, "job_workers": 1, "stalled_s": 1.0}
+    with running_service(tmp_path / "log", **settings) as service, service.client() as client:
+        location = client.post("/v1/tables", json=request).headers["location"]
+        while client.get(location).json()["rows_done"] == 0:
+            time.sleep(0.05)
+        service.process.kill()
+    with running_service(tmp_path / "log", **settings) as service, service.client() as client:
+        assert ended(client, location)["verified"] == 400
