@@ -1,0 +1,78 @@
+"""What every file tells of itself: tool, specification, units."""
+
+import json
+from typing import Any
+
+from design.errors import InvalidInputError
+from design.tables.rows import Column, TableHead
+
+TOOL = "shapersmith"
+
+FACTS = (
+    "tool",
+    "title",
+    "specification_sha256",
+    "specification",
+    "row_count",
+    "impulses",
+    "amplitudes",
+    "columns",
+)
+"""Names of what a file tells of its table."""
+
+
+def facts(head: TableHead) -> dict[str, str]:
+    """Return the head of a table as JSON texts, one line each.
+
+    `head_of` reads it back; the polynomials of a fit are for programs and not among them.
+    """
+    columns = [[column.name, column.unit, column.kind] for column in head.columns]
+    texts = (
+        json.dumps(f"{TOOL} {head.version}"),
+        json.dumps(head.title),
+        json.dumps(head.specification_sha256),
+        head.specification_json,
+        json.dumps(head.rows),
+        json.dumps(head.impulses),
+        json.dumps(head.amplitudes),
+        json.dumps(columns),
+    )
+    return dict(zip(FACTS, texts, strict=True))
+
+
+def head_of(texts: dict[str, str]) -> TableHead:
+    """Return the head of a table from its `facts`.
+
+    Raises
+    ------
+    InvalidInputError
+        If a fact is missing or is no JSON of its kind.
+    """
+    try:
+        values: dict[str, Any] = {name: json.loads(text) for name, text in texts.items()}
+        return TableHead(
+            version=values["tool"].removeprefix(f"{TOOL} "),
+            specification_json=texts["specification"],
+            specification_sha256=values["specification_sha256"],
+            title=values["title"],
+            columns=tuple(
+                Column(name=name, unit=unit, kind=kind) for name, unit, kind in values["columns"]
+            ),
+            rows=values["row_count"],
+            impulses=values["impulses"],
+            amplitudes=tuple(values["amplitudes"]),
+        )
+    except (KeyError, ValueError, TypeError, AttributeError) as error:
+        raise InvalidInputError(
+            "file", f"a head without a sound {error}", "a table as shapersmith writes it"
+        ) from None
+
+
+def comment_lines(head: TableHead) -> list[str]:
+    """Return the head as lines of a comment, for files that programs or machines read."""
+    units = ", ".join(f"{column.name} [{column.unit}]" for column in head.columns if column.unit)
+    return [
+        f"{head.title}: {head.rows} rows, by {TOOL} {head.version}",
+        f"specification sha256 {head.specification_sha256}",
+        f"units: {units}",
+    ]

@@ -1,0 +1,36 @@
+"""What a format says of itself: its entry in the registry."""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+from design.tables.rows import Rows, TableHead
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Export:
+    """One format of table.
+
+    Attributes
+    ----------
+    name
+        Its ``format`` on the wire.
+    media_type
+        Of its bytes.
+    suffix
+        Of its files, with the dot.
+    checks
+        Raises InvalidInputError where the format cannot take the table, before any row is known.
+    write
+        From the head and the runs of rows, in order, to the file's bytes in pieces. The same rows
+        in the same runs always give the same bytes.
+    """
+
+    name: str
+    media_type: str
+    suffix: str
+    checks: Callable[[TableHead], None]
+    write: Callable[[TableHead, Iterable[Rows]], Iterator[bytes]]
+
+
+def takes_all(head: TableHead) -> None:
+    """Check nothing: the format takes any table."""

@@ -1,0 +1,43 @@
+"""Tables read back from the formats that hold them whole."""
+
+from collections.abc import Callable, Iterator
+from typing import BinaryIO
+
+from design.errors import InvalidInputError
+from design.export.csv_file import read_csv
+from design.export.json_file import read_json
+from design.export.mat_file import read_mat
+from design.export.parquet_file import read_parquet
+from design.tables.rows import Rows, TableHead
+
+READERS: dict[str, Callable[[BinaryIO], tuple[TableHead, Iterator[Rows]]]] = {
+    "csv": read_csv,
+    "json": read_json,
+    "mat": read_mat,
+    "parquet": read_parquet,
+}
+
+
+def rows_of(format_name: str, file: BinaryIO) -> tuple[TableHead, Iterator[Rows]]:
+    """Read a table that `design.export` wrote.
+
+    Parameters
+    ----------
+    format_name
+        ``csv``, ``json``, ``mat`` or ``parquet``.
+    file
+        Its bytes, opened; it must stay open while the rows are read.
+
+    Returns
+    -------
+    head, runs
+        The head, and the rows in runs of the file's own choice, in order.
+
+    Raises
+    ------
+    InvalidInputError
+        If the format cannot be read back, or the file is no such table.
+    """
+    if format_name not in READERS:
+        raise InvalidInputError("format", format_name, f"one of {', '.join(READERS)} to be read")
+    return READERS[format_name](file)

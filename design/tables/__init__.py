@@ -1,0 +1,1 @@
+"""Tables of designs: what they hold, and how to read between their rows."""
