@@ -1,11 +1,10 @@
 """Small tables for the tests: real designs over a grid, made row by row by the pipeline."""
 
 import hashlib
-import io
 import json
 from collections.abc import Iterable
 from itertools import product
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
@@ -140,11 +139,6 @@ def joined(runs: Iterable[Rows]) -> Rows:
             for index, text in rows.reasons.items()
         },
     )
-
-
-def opened(pieces: Iterable[bytes]) -> BinaryIO:
-    """Return the bytes of an export as a file."""
-    return io.BytesIO(b"".join(pieces))
 
 
 def same(left: Rows, right: Rows) -> bool:

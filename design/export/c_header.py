@@ -18,6 +18,7 @@ from design.export.program import (
     decimal,
     listing,
     name_of,
+    range_of,
     remarks,
     unit_of_frequency,
 )
@@ -208,12 +209,13 @@ def _literal(value: float) -> str:
 
 def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
     in_phases = fit.value != "time_s"
+    first, last = range_of(fit)
     text = EVALUATOR.substitute(
         NAME=name,
         UPPER=name.upper(),
         MEANING=fit.variable.meaning,
-        FIRST=decimal(fit.variable.start),
-        LAST=decimal(fit.variable.stop),
+        FIRST=decimal(first),
+        LAST=decimal(last),
         FORMULA=fit.formula,
         DIVIDED="value / natural_frequency_rad_s" if in_phases else "value",
         UNUSED="" if in_phases else "\n    (void)natural_frequency_rad_s;",

@@ -1,14 +1,11 @@
 """JSON: one object, its rows as arrays in the order of its columns, a line each."""
 
 import json
-import math
 from collections.abc import Iterable, Iterator
 from typing import BinaryIO
 
-import numpy as np
-
 from design.errors import InvalidInputError
-from design.export.csv_file import runs_of_cells
+from design.export.csv_file import number_texts, runs_of_cells
 from design.export.header import facts, head_of
 from design.export.kind import Export, takes_all
 from design.tables.rows import STATUSES, Rows, TableHead
@@ -22,14 +19,13 @@ def write_json(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     yield ("{\n" + "".join(lines) + ROWS_LINE).encode()
     between = "\n"
     for rows in runs:
-        numbers = np.hstack((rows.fields, rows.results)).tolist()
-        status = rows.status.tolist()
-        texts = []
-        for index, row in enumerate(numbers):
-            cells = ["null" if math.isnan(value) else repr(value) for value in row]
-            cells.append(f'"{STATUSES[status[index]]}"')
-            cells.append(json.dumps(rows.reasons.get(index)))
-            texts.append("[" + ", ".join(cells) + "]")
+        reasons = {index: json.dumps(text) for index, text in rows.reasons.items()}
+        texts = [
+            f'[{", ".join(cells)}, "{STATUSES[status]}", {reasons.get(index, "null")}]'
+            for index, (cells, status) in enumerate(
+                zip(number_texts(rows, "null"), rows.status.tolist(), strict=True)
+            )
+        ]
         if texts:
             yield (between + ",\n".join(texts)).encode()
             between = ",\n"

@@ -19,13 +19,17 @@ MOST_NUMBERS = 200_000
 """Largest table in a program: 1.6 MB of doubles, what large controllers have in flash."""
 
 LONGEST_NAME = 20
-"""Of a title in names: with what is appended they stay below the 31 significant characters of C99
-(5.2.4.1) and the 32 of common PLC editors."""
+"""Of a title in names: NAME_evaluator, the longest block, has 30 letters, as PLC editors take."""
+
+RANGE_MARGIN = 1e-6
+"""By how much of itself a range is widened in a program: what float makes of an end of it [-]."""
 
 
 def check_program(head: TableHead) -> None:
     """Raise InvalidInputError where a program cannot take the table."""
     require_times(head)
+    if head.rows < 1:
+        raise InvalidInputError("rows", head.rows, "at least 1: a program has no empty table")
     numbers = head.rows * (len(head.columns) - 1)
     if numbers > MOST_NUMBERS:
         raise InvalidInputError(
@@ -92,7 +96,7 @@ def remarks(head: TableHead, rows: Listing) -> list[str]:
         lines.append(
             f"worst residual of the polynomials: {head.fit.worst_residual:.3g} at "
             f"{head.fit.checked_points} points, worst timing error "
-            f"{head.fit.worst_timing_error_s:.3g} s"
+            f"{head.fit.worst_timing_error_s:.3g} s, all but x as the specification's design says"
         )
     counts = [f"{rows.status.count(code)} {name}" for code, name in enumerate(STATUSES)]
     lines.append(f"status: 0 verified, 1 infeasible, 2 failed; rows: {', '.join(counts)}")
@@ -111,6 +115,14 @@ def unit_of_frequency(head: TableHead, fit: Fit) -> float | None:
     if isinstance(actuator, FirstOrder) and actuator.accel_time_constant_s > 0:
         return 1 / actuator.accel_time_constant_s
     return float(fit.variable.meaning.rpartition("/ ")[2])
+
+
+def range_of(fit: Fit) -> tuple[float, float]:
+    """Return the range of x, widened by the rounding of its ends in single precision."""
+    return (
+        fit.variable.start - RANGE_MARGIN * abs(fit.variable.start),
+        fit.variable.stop + RANGE_MARGIN * abs(fit.variable.stop),
+    )
 
 
 def decimal(value: float) -> str:

@@ -40,4 +40,15 @@ def rows_of(format_name: str, file: BinaryIO) -> tuple[TableHead, Iterator[Rows]
     """
     if format_name not in READERS:
         raise InvalidInputError("format", format_name, f"one of {', '.join(READERS)} to be read")
-    return READERS[format_name](file)
+    head, runs = READERS[format_name](file)
+    return head, _counted(head, runs)
+
+
+def _counted(head: TableHead, runs: Iterator[Rows]) -> Iterator[Rows]:
+    """Hand the runs on, and see that none are missing at the end."""
+    rows = 0
+    for run in runs:
+        yield run
+        rows += run.status.size
+    if rows != head.rows:
+        raise InvalidInputError("file", f"{rows} rows", f"of {head.rows} rows, as its head says")

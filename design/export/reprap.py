@@ -1,21 +1,21 @@
 """RepRapFirmware: an M593 P"custom" line for each row, for positive shapers.
 
-``H`` has the amplitudes of all impulses but the last, ``T`` a time for each of those [1]_. What the
-numbers are changed between versions [2]_:
+``H`` and ``T`` changed their meaning with version 3.6 [1]_ [2]_:
 
-- from 3.6 on, ``H`` is each impulse's own amplitude and ``T`` the delay of the impulses after the
-  first, counted from the first;
-- from 3.4 to 3.5, ``H`` is the share of the acceleration in force after each impulse, a running
-  sum, and ``T`` how long it is in force, from impulse to impulse.
+- from 3.6 on, ``H`` is the individual amplitude of each impulse but the last, which gets what is
+  left of 1, and ``T`` the delay of each impulse but the first, in seconds, strictly increasing;
+- from 3.4 to 3.5, ``H`` is the cumulative amplitude of each impulse but the last, and ``T`` the
+  duration of each of those.
 
-Both lines are written, the older one in a comment. A firmware of either age takes four numbers
+Both lines are written, the older one in a comment. Firmware of either age holds four numbers of
 each, hence five impulses.
 
 References
 ----------
-.. [1] Duet3D, G-code dictionary, "M593: Configure Input Shaping".
-.. [2] Duet3D/RepRapFirmware, src/Movement/AxisShaper.cpp, AxisShaper::Configure, case custom, of
-   the branches 3.4, 3.5 and 3.6; AxisShaper.h, MaxExtraImpulses.
+.. [1] Duet3D, G-code dictionary, "M593: Configure Input Shaping", sections "RepRapFirmware 3.6 and
+   later" and "RepRapFirmware 3.3 to 3.5".
+.. [2] Duet3D/RepRapFirmware, src/Movement/AxisShaper.cpp, AxisShaper::Configure, case custom;
+   AxisShaper.h, MaxImpulses = 5 (before: MaxExtraImpulses = 4).
 """
 
 from collections.abc import Iterable, Iterator
@@ -32,10 +32,13 @@ from design.tables.description import require_times, times_of
 from design.tables.rows import Rows, TableHead
 
 MOST_IMPULSES = 5
-"""One more than ``MaxExtraImpulses``, AxisShaper.h."""
+"""``MaxImpulses`` of AxisShaper.h."""
 
 DECIMALS = 9
 """The firmware reads single precision: seven digits of a time of 10 ms."""
+
+SHORTEST_GAP_S = 2e-6
+"""Delays must strictly increase, as counts of a step clock of 750 kHz or faster [s]."""
 
 
 def check_reprap(head: TableHead) -> None:
@@ -56,6 +59,12 @@ def write_reprap(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
         times = times_of(head, rows)[index].tolist()
         delays = [time - times[0] for time in times[1:]]
         gaps = [after - before for before, after in pairwise(times)]
+        if min(gaps) < SHORTEST_GAP_S:
+            raise InvalidInputError(
+                f"times_s of row {rows.first + index}",
+                times,
+                f"{SHORTEST_GAP_S:g} s or more apart for RepRapFirmware",
+            )
         newer = _command(amplitudes[:-1], delays)
         older = _command(list(accumulate(amplitudes[:-1])), gaps)
         return [newer, f"; 3.4 to 3.5: {older}"]

@@ -16,6 +16,7 @@ from design.export.program import (
     decimal,
     listing,
     name_of,
+    range_of,
     remarks,
     unit_of_frequency,
 )
@@ -231,13 +232,14 @@ def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
     unit = unit_of_frequency(head, fit)
     frequency = "    natural_frequency_rad_s : LREAL;"
     by_frequency = unit is not None
+    first, last = range_of(fit)
     return EVALUATOR.substitute(
         NAME=name,
         IMPULSES=head.impulses,
         TERMS=fit.degree + 1,
         MEANING=fit.variable.meaning.replace("*", "times"),
-        FIRST=_literal(fit.variable.start),
-        LAST=_literal(fit.variable.stop),
+        FIRST=_literal(first),
+        LAST=_literal(last),
         FORMULA=fit.formula,
         VARIABLES=frequency if by_frequency else f"    x : LREAL;\n{frequency}",
         LOCAL="    x : LREAL;\n" if by_frequency else "",

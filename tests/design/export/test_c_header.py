@@ -1,7 +1,9 @@
 """The C header, compiled and run: its table, its polynomials, its delay line."""
 
 import subprocess
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from design.shapers.registry import SHAPERS
 from design.tables.description import described, times_of
 from design.tables.rows import Rows, TableHead
 from design.types import FloatArray
-from tests.tables import CRANE, designed_table, made_up_table
+from tests.tables import CRANE, designed_table, head_of, made_up_table
 
 FLAGS = ["-Wall", "-Wextra", "-Werror", "-std=c99", "-O2"]
 """As firmware that takes no warnings compiles."""
@@ -82,6 +84,18 @@ int main(void)
     return 0;
 }
 """
+
+MODE = {
+    **CRANE,
+    "plant": {"kind": "modes", "modes": [{"natural_frequency_rad_s": 3.5, "damping_ratio": 0.0}]},
+}
+THESIS = CRANE["actuator"]
+FIRST_ORDER = {
+    "kind": "first_order",
+    "accel_time_constant_s": 0.03,
+    "decel_time_constant_s": 0.012,
+}
+IDEAL = {"kind": "ideal"}
 
 LENGTHS_M = [0.3, 0.8, 1.1, 1.4]
 
@@ -190,6 +204,44 @@ def test_the_evaluator_gives_the_polynomials(
     )
 
 
+@pytest.mark.parametrize(
+    ("actuator", "over", "start", "stop", "form"),
+    [
+        (THESIS, "damping_ratio", 0.0, 0.1, "dimensionless"),
+        (THESIS, "natural_frequency_rad_s", 3.0, 4.0, "time_in_frequency"),
+        (FIRST_ORDER, "natural_frequency_rad_s", 3.0, 4.0, "dimensionless"),
+        (IDEAL, "natural_frequency_rad_s", 3.0, 4.0, "dimensionless"),
+    ],
+)
+def test_every_kind_of_fit_evaluates_up_to_its_ends(
+    tmp_path: Path, actuator: dict[str, Any], over: Any, start: float, stop: float, form: Any
+) -> None:
+    request = {**MODE, "actuator": actuator}
+    described_by = described(head_of(request, (), 1, (1.0,) * 5))
+    wanted = FitRange(over=over, start=start, stop=stop, degree=2, form=form)
+    made = fit(described_by.plant, described_by.actuator, SHAPERS["numzvd"], wanted)
+    head, rows = designed_table(request, {"plant.damping_ratio": [0.0]}, fit=made)
+    if over == "damping_ratio":
+        call = "crane_numzvd_evaluate((shapersmith_real)frequency, SHAPERSMITH_C(3.5), times)"
+    else:
+        call = "crane_numzvd_evaluate_at((shapersmith_real)frequency, times)"
+    program = EVALUATES.replace(
+        "crane_numzvd_evaluate_at((shapersmith_real)frequency, times)", call
+    )
+    header = b"".join(C.write(head, [rows]))
+    for more, tolerance in (((), 1e-13), (("-DSHAPERSMITH_FLOAT",), 1e-5)):
+        binary = compiled(tmp_path, header, program, *more)
+        for value, x in ((start, made.variable.start), (stop, made.variable.stop)):
+            frequency = 3.5 if over == "damping_ratio" else value
+            scale = 1.0 if form == "time_in_frequency" else frequency
+            expected = made.coefficients @ x ** np.arange(3) / scale
+            done, *times = answers(binary, np.array([value]))[0].split()
+            assert done == "0"
+            np.testing.assert_allclose(
+                [float(time) for time in times], expected, rtol=tolerance, atol=tolerance
+            )
+
+
 def test_the_comment_tells_tool_specification_units_and_worst_residuals(
     table: tuple[TableHead, Rows], polynomials: Fit
 ) -> None:
@@ -208,3 +260,12 @@ def test_a_table_too_long_for_a_program_is_refused() -> None:
     with pytest.raises(InvalidInputError, match="of at most 200000 numbers"):
         C.checks(made_up_table(50_000, 1)[0])
     C.checks(made_up_table(5_000, 1)[0])
+
+
+def test_a_table_that_a_program_cannot_hold_is_refused() -> None:
+    with pytest.raises(InvalidInputError, match="rows must be at least 1"):
+        C.checks(made_up_table(0, 1)[0])
+    head = made_up_table(1, 1)[0]
+    without = replace(head, columns=(head.columns[0], *head.columns[-3:]))
+    with pytest.raises(InvalidInputError, match="columns must be with 'times_s' among them"):
+        C.checks(without)

@@ -64,6 +64,14 @@ def test_something_else_is_refused_by_name(name: str) -> None:
             rows_of(name, io.BytesIO(data))
 
 
+def test_a_table_that_ends_early_is_refused() -> None:
+    for name, end in (("csv", ""), ("json", "]}")):
+        lines = written(name).decode().splitlines(keepends=True)[:2_000]
+        _, runs = rows_of(name, io.BytesIO("".join([*lines, end]).encode()))
+        with pytest.raises(InvalidInputError, match="file must be of 2500 rows"):
+            list(runs)
+
+
 def test_a_mat_file_cut_anywhere_is_refused() -> None:
     data = written("mat")
     for length in (200, 5_000, 150_000, len(data) - 9):

@@ -115,6 +115,21 @@ def test_reprapfirmware_refuses_negative_impulses_and_long_shapers() -> None:
         REPRAP.checks(long)
 
 
+def test_reprapfirmware_refuses_delays_that_do_not_increase() -> None:
+    head, rows = zvd_table()
+    rows.results[1, 2] = rows.results[1, 1]
+    with pytest.raises(InvalidInputError, match="times_s of row 1 must be 2e-06 s or more apart"):
+        list(REPRAP.write(head, [rows]))
+
+
+def test_a_title_on_two_lines_stays_a_comment() -> None:
+    head, rows = zvd_table()
+    object.__setattr__(head, "title", "printer\nG28 ; go home")
+    for export in (REPRAP, KLIPPER):
+        lines = b"".join(export.write(head, [rows])).decode().splitlines()
+        assert not any(line.startswith("G28") for line in lines)
+
+
 def test_amplitudes_that_do_not_add_up_to_one_are_refused() -> None:
     head, rows = zvd_table()
     object.__setattr__(head, "amplitudes", (0.25, 0.5, 0.2))
