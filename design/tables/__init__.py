@@ -1,1 +1,1 @@
-"""Tables of designs: what they hold, and how to read between their rows."""
+"""Lookup tables: many designs over axes or a list."""

@@ -1,7 +1,7 @@
-"""What a table holds: its head, its columns, runs of its rows."""
+"""A table in pieces: its head, and runs of its rows by column."""
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,9 @@ from design.fits import Fit
 from design.types import FloatArray
 
 STATUSES = ("verified", "infeasible", "failed")
-"""What may become of a row; `Rows.status` holds indices into it."""
+"""What may become of a row: a design and its proof; none exists; the solver or the proof failed."""
+
+VERIFIED, INFEASIBLE, FAILED = range(len(STATUSES))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,11 +22,11 @@ class Column:
     Attributes
     ----------
     name
-        ``plant.cable_length_m`` for a varied field, ``t1_s``, ``residual`` ... for a result.
+        As ``plant.cable_length_m`` or ``t2_s``.
     unit
-        ``s``, ``rad/s``, ``1``; empty for status and reason.
+        In words of SI, ``1`` for a ratio; empty where it has none.
     kind
-        A varied field, a result, the status or the reason why there is no design.
+        A varied field, a result, the row's status, or why it is not verified.
     """
 
     name: str
@@ -39,44 +41,46 @@ class Rows:
     Attributes
     ----------
     first
-        Number of its first row in the table.
+        Number of its first row in the table, from 0.
     fields
-        Values of the varied fields, shape (m, f), each in its own unit.
+        Value of each varied field, shape (m, f), in the order of the specification.
     results
-        Values of the result columns, shape (m, r); nan where a row has no design.
+        Shape (m, r); not a number where a row has no design.
     status
-        Index in `STATUSES`, shape (m,), int8.
+        Index in `STATUSES`, shape (m,).
     reasons
-        From the index of a row within this run to why it is not verified; all that are not.
+        Why a row is not verified, by its number within this run; all rows that are not.
     """
 
     first: int
     fields: FloatArray
     results: FloatArray
-    status: NDArray[np.signedinteger[Any]]
+    status: NDArray[np.int8]
     reasons: dict[int, str]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableHead:
-    """What is true of a whole table.
+    """What a file of a table says of it besides its rows.
 
     Attributes
     ----------
     version
-        Of the tool that computed it.
-    specification_json, specification_sha256
-        The specification as canonical JSON, on one line, and the hash of that text.
+        Of the tool.
+    specification_json
+        The specification as canonical JSON.
+    specification_sha256
+        Its hash, in hexadecimal.
     title
-        A name for people; names in generated programs are made from it.
+        One line for people.
     columns
-        Fields, results, then status and reason.
+        Fields, results, status, reason.
     rows
         Number of rows.
     impulses
-        Number of impulses of the shaper, the same in all rows.
+        Impulses of the shaper, all rows alike.
     amplitudes
-        Their heights, shape (impulses,), where no column tells them [-].
+        Their amplitudes, all rows alike [-].
     fit
         Polynomials for the times, where the specification asks for them.
     """
