@@ -27,14 +27,25 @@ def write_csv(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     lines.append(",".join(column.name for column in head.columns) + "\n")
     yield "".join(lines).encode()
     for rows in runs:
-        numbers = np.hstack((rows.fields, rows.results)).tolist()
-        status = rows.status.tolist()
-        texts = []
-        for index, row in enumerate(numbers):
-            cells = ["" if math.isnan(value) else repr(value) for value in row]
-            cells.extend((STATUSES[status[index]], _quoted(rows.reasons.get(index, ""))))
-            texts.append(",".join(cells))
+        reasons = {index: _quoted(text) for index, text in rows.reasons.items()}
+        texts = [
+            f"{','.join(cells)},{STATUSES[status]},{reasons.get(index, '')}"
+            for index, (cells, status) in enumerate(
+                zip(number_texts(rows, ""), rows.status.tolist(), strict=True)
+            )
+        ]
         yield ("\n".join(texts) + "\n").encode() if texts else b""
+
+
+def number_texts(rows: Rows, unknown: str) -> Iterator[Iterable[str]]:
+    """Yield the fields and results of each row as shortest exact texts; nan as ``unknown``."""
+    numbers = np.hstack((rows.fields, rows.results))
+    gaps = np.isnan(numbers).any(axis=1).tolist()
+    for row, gap in zip(numbers.tolist(), gaps, strict=True):
+        if gap:
+            yield [unknown if math.isnan(value) else repr(value) for value in row]
+        else:
+            yield map(repr, row)
 
 
 def _quoted(text: str) -> str:

@@ -72,7 +72,8 @@ def comment_lines(head: TableHead) -> list[str]:
     """Return the head as lines of a comment, for files that programs or machines read."""
     units = ", ".join(f"{column.name} [{column.unit}]" for column in head.columns if column.unit)
     return [
-        f"{head.title}: {head.rows} rows, by {TOOL} {head.version}",
+        # On one line, whatever the title: what follows a comment is run by a machine.
+        f"{' '.join(head.title.split())}: {head.rows} rows, by {TOOL} {head.version}",
         f"specification sha256 {head.specification_sha256}",
         f"units: {units}",
     ]

@@ -72,11 +72,10 @@ def write_parquet(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
         for rows in runs:
             if not rows.status.size:
                 continue
-            reasons = [None] * rows.status.size
             arrays = [pa.array(column) for column in rows.fields.T]
             arrays += [pa.array(column, from_pandas=True) for column in rows.results.T]
             arrays.append(pa.DictionaryArray.from_arrays(rows.status.astype(np.int8), statuses))
-            arrays.append(_reasons(rows) if rows.reasons else pa.array(reasons, pa.string()))
+            arrays.append(_reasons(rows))
             writer.write_table(pa.Table.from_arrays(arrays, schema=schema))
             yield sink.taken()
     yield sink.taken()
@@ -85,6 +84,8 @@ def write_parquet(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
 def _reasons(rows: Rows) -> Any:  # noqa: ANN401
     import pyarrow as pa  # noqa: PLC0415
 
+    if not rows.reasons:
+        return pa.nulls(rows.status.size, pa.string())
     return pa.array([rows.reasons.get(index) for index in range(rows.status.size)], pa.string())
 
 
@@ -127,18 +128,24 @@ def _runs(head: TableHead, opened: Any) -> Iterator[Rows]:  # noqa: ANN401
             columns = [table.column(name).to_numpy() for name in names]
             return np.column_stack(columns) if names else np.empty((table.num_rows, 0))
 
-        reasons = table.column("reason").to_pylist()
+        statuses = table.column("status").combine_chunks()
+        codes = np.array([_code(name) for name in statuses.dictionary.to_pylist()], dtype=np.int8)
+        given = table.column("reason")
+        reasons = given.to_pylist() if given.null_count < table.num_rows else []
         yield Rows(
             first=first,
             fields=numbers(fields),
             results=numbers(results),
-            status=np.array(
-                [STATUSES.index(name) for name in table.column("status").to_pylist()],
-                dtype=np.int8,
-            ),
+            status=codes[statuses.indices.to_numpy()],
             reasons={index: text for index, text in enumerate(reasons) if text is not None},
         )
         first += table.num_rows
+
+
+def _code(name: str) -> int:
+    if name not in STATUSES:
+        raise InvalidInputError("status", name, f"one of {', '.join(STATUSES)}")
+    return STATUSES.index(name)
 
 
 PARQUET = Export(

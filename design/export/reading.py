@@ -5,11 +5,15 @@ from typing import BinaryIO
 
 from design.errors import InvalidInputError
 from design.export.csv_file import read_csv
+from design.export.json_file import read_json
+from design.export.mat_file import read_mat
 from design.export.parquet_file import read_parquet
 from design.tables.rows import Rows, TableHead
 
 READERS: dict[str, Callable[[BinaryIO], tuple[TableHead, Iterator[Rows]]]] = {
     "csv": read_csv,
+    "json": read_json,
+    "mat": read_mat,
     "parquet": read_parquet,
 }
 
@@ -36,4 +40,15 @@ def rows_of(format_name: str, file: BinaryIO) -> tuple[TableHead, Iterator[Rows]
     """
     if format_name not in READERS:
         raise InvalidInputError("format", format_name, f"one of {', '.join(READERS)} to be read")
-    return READERS[format_name](file)
+    head, runs = READERS[format_name](file)
+    return head, _counted(head, runs)
+
+
+def _counted(head: TableHead, runs: Iterator[Rows]) -> Iterator[Rows]:
+    """Hand the runs on, and see that none are missing at the end."""
+    rows = 0
+    for run in runs:
+        yield run
+        rows += run.status.size
+    if rows != head.rows:
+        raise InvalidInputError("file", f"{rows} rows", f"of {head.rows} rows, as its head says")

@@ -6,7 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from design.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.actuators import (
+    Actuator,
+    FirstOrder,
+    Ideal,
+    RateLimited,
+    SecondOrder,
+    SecondOrderSet,
+    Unlimited,
+)
 from design.errors import InvalidInputError
 from design.plants import Mode, Pendulum, Plant
 from design.tables.rows import Rows, TableHead
@@ -47,6 +55,15 @@ def _plant(kind: str, **values: Any) -> Plant:  # noqa: ANN401
 
 
 def _actuator(kind: str, **values: Any) -> Actuator:  # noqa: ANN401
+    if kind == "rate_limited":
+        return RateLimited(**{
+            **values,
+            "then": _unlimited(**values.get("then", {"kind": "ideal"})),
+        })
+    return _unlimited(kind, **values)
+
+
+def _unlimited(kind: str, **values: Any) -> Unlimited:  # noqa: ANN401
     if kind == "first_order":
         return FirstOrder(**values)
     if kind == "second_order":

@@ -1,0 +1,235 @@
+"""A C99 header: the table, polynomials for its times, and a shaper to run on a live command.
+
+Everything is ``static`` in the header, so that no object file is needed, and nothing allocates.
+Numbers are ``double``, or ``float`` where ``SHAPERSMITH_FLOAT`` is defined ahead of the include;
+literals carry the suffix, so that no double arithmetic sneaks into a single-precision unit.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+from string import Template
+
+import numpy as np
+
+from design.export.kind import Export
+from design.export.program import (
+    Listing,
+    check_program,
+    decimal,
+    listing,
+    name_of,
+    range_of,
+    remarks,
+    unit_of_frequency,
+)
+from design.fits import Fit
+from design.tables.description import names_of
+from design.tables.rows import Rows, TableHead
+from design.types import FloatArray
+
+REAL = """\
+#ifndef SHAPERSMITH_REAL_DEFINED
+#define SHAPERSMITH_REAL_DEFINED
+#ifdef SHAPERSMITH_FLOAT
+typedef float shapersmith_real;
+#define SHAPERSMITH_C(value) value##f
+#else
+typedef double shapersmith_real;
+#define SHAPERSMITH_C(value) value
+#endif
+#endif
+"""
+
+SHAPER = Template("""\
+/* A shaper for a live command, sampled every sample_time_s: each impulse delays the command by its
+   time and adds it by its amplitude. A delay between two samples takes the line between them.
+   The caller owns the memory of the delay line: no allocation.
+
+     static shapersmith_real memory[1024];
+     static ${NAME}_shaper shaper;
+     ${NAME}_start(&shaper, memory, 1024, SHAPERSMITH_C(0.0));
+     ${NAME}_set(&shaper, ${NAME}_times[row], ${NAME}_amplitudes[row], sample_time_s);
+     every sample: out = ${NAME}_step(&shaper, in); */
+typedef struct {
+    shapersmith_real *line;
+    size_t length;
+    size_t newest;
+    size_t whole[${UPPER}_IMPULSES];
+    shapersmith_real newer[${UPPER}_IMPULSES];
+    shapersmith_real older[${UPPER}_IMPULSES];
+} ${NAME}_shaper;
+
+/* Begin at rest at a command; until ${NAME}_set the command passes as it is. */
+static inline void ${NAME}_start(${NAME}_shaper *shaper, shapersmith_real *memory, size_t length,
+                              shapersmith_real command)
+{
+    size_t k;
+    for (k = 0; k < length; ++k) {
+        memory[k] = command;
+    }
+    shaper->line = memory;
+    shaper->length = length;
+    shaper->newest = 0;
+    for (k = 0; k < ${UPPER}_IMPULSES; ++k) {
+        shaper->whole[k] = 0;
+        shaper->newer[k] = SHAPERSMITH_C(0.0);
+        shaper->older[k] = SHAPERSMITH_C(0.0);
+    }
+    shaper->newer[0] = SHAPERSMITH_C(1.0);
+}
+
+/* Take other impulses, the delay line stays. Returns 0; or -1, and changes nothing, if a time is no
+   number >= 0, the sample time not above 0, or the line shorter than the last time needs. */
+static inline int ${NAME}_set(${NAME}_shaper *shaper, const shapersmith_real *times_s,
+                           const shapersmith_real *amplitudes, shapersmith_real sample_time_s)
+{
+    size_t k;
+    for (k = 0; k < ${UPPER}_IMPULSES; ++k) {
+        const shapersmith_real samples = times_s[k] / sample_time_s;
+        /* Written so that not-a-number fails. Two cells more: the older sample, and rounding. */
+        if (!(sample_time_s > SHAPERSMITH_C(0.0) && samples >= SHAPERSMITH_C(0.0)
+              && samples + SHAPERSMITH_C(2.0) <= (shapersmith_real)shaper->length)) {
+            return -1;
+        }
+    }
+    for (k = 0; k < ${UPPER}_IMPULSES; ++k) {
+        const shapersmith_real samples = times_s[k] / sample_time_s;
+        const size_t whole = (size_t)samples;
+        const shapersmith_real part = samples - (shapersmith_real)whole;
+        shaper->whole[k] = whole;
+        shaper->newer[k] = amplitudes[k] * (SHAPERSMITH_C(1.0) - part);
+        shaper->older[k] = amplitudes[k] * part;
+    }
+    return 0;
+}
+
+/* Take one sample of the command, return one of the shaped command. */
+static inline shapersmith_real ${NAME}_step(${NAME}_shaper *shaper, shapersmith_real command)
+{
+    shapersmith_real shaped = SHAPERSMITH_C(0.0);
+    size_t k;
+    shaper->newest = shaper->newest + 1 < shaper->length ? shaper->newest + 1 : 0;
+    shaper->line[shaper->newest] = command;
+    for (k = 0; k < ${UPPER}_IMPULSES; ++k) {
+        const size_t back = shaper->whole[k];
+        const size_t at = shaper->newest >= back ? shaper->newest - back
+                                                 : shaper->newest + shaper->length - back;
+        const size_t before = at > 0 ? at - 1 : shaper->length - 1;
+        shaped += shaper->newer[k] * shaper->line[at] + shaper->older[k] * shaper->line[before];
+    }
+    return shaped;
+}
+""")
+
+EVALUATOR = Template("""\
+/* Times of the impulses [s] by polynomials in x = $MEANING,
+   for x from $FIRST to $LAST; returns 0, or -1 and writes nothing outside.
+   $FORMULA */
+static inline int ${NAME}_evaluate(shapersmith_real x, shapersmith_real natural_frequency_rad_s,
+                                shapersmith_real *times_s)
+{
+    size_t k, power;$UNUSED
+    if (!(x >= SHAPERSMITH_C($FIRST) && x <= SHAPERSMITH_C($LAST))) {
+        return -1;
+    }
+    for (k = 0; k < ${UPPER}_IMPULSES; ++k) {
+        shapersmith_real value = ${NAME}_coefficients[k][${UPPER}_DEGREE];
+        for (power = ${UPPER}_DEGREE; power > 0; --power) {
+            value = value * x + ${NAME}_coefficients[k][power - 1];
+        }
+        times_s[k] = $DIVIDED;
+    }
+    return 0;
+}
+""")
+
+AT_FREQUENCY = Template("""\
+
+/* The same for a natural frequency of the plant, with the actuator of the specification. */
+static inline int ${NAME}_evaluate_at(shapersmith_real natural_frequency_rad_s,
+                                   shapersmith_real *times_s)
+{
+    return ${NAME}_evaluate(natural_frequency_rad_s / SHAPERSMITH_C($UNIT), natural_frequency_rad_s,
+                         times_s);
+}
+""")
+
+
+def write_c(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
+    """Write a table as a C99 header, with polynomials if the head has a fit."""
+    name = name_of(head)
+    upper = name.upper()
+    rows = listing(head, runs)
+    # A title or a reason must not end the comment.
+    top = "\n   ".join(line.replace("*/", "* /") for line in remarks(head, rows))
+    yield f"/* {top}\n   float rounds each number by up to 6e-8 of itself. */\n".encode()
+    yield f"#ifndef {upper}_H\n#define {upper}_H\n\n".encode()
+    yield b"#include <math.h>\n#include <stddef.h>\n\n"
+    yield f"{REAL}\n{_columns(head, upper)}\n".encode()
+    yield from _table(name, rows)
+    if head.fit is not None:
+        yield _evaluator(head, head.fit, name).encode()
+    yield SHAPER.substitute(NAME=name, UPPER=upper).encode()
+    yield b"\n#endif\n"
+
+
+def _columns(head: TableHead, upper: str) -> str:
+    named = names_of(head, "field") + names_of(head, "result")
+    names = [re.sub(r"[^A-Z0-9]", "_", name.upper()) for name in named]
+    lines = [f"#define {upper}_ROWS {head.rows}", f"#define {upper}_IMPULSES {head.impulses}"]
+    if head.fit is not None:
+        lines.append(f"#define {upper}_DEGREE {head.fit.degree}")
+    lines += [f"#define {upper}_COLUMNS {len(names)}"]
+    lines += [f"#define {upper}_{column} {index}" for index, column in enumerate(names)]
+    return "\n".join(lines) + "\n"
+
+
+def _table(name: str, rows: Listing) -> Iterator[bytes]:
+    """Yield the table, a row a line, then status, times and amplitudes of each row."""
+    upper = name.upper()
+    yield b"/* A row without a design holds NAN. */\n"
+    yield _matrix(f"{name}_table[{upper}_ROWS][{upper}_COLUMNS]", rows.numbers).encode()
+    codes = ", ".join(map(str, rows.status))
+    yield f"\nstatic const unsigned char {name}_status[{upper}_ROWS] = {{{codes}}};\n\n".encode()
+    shape = f"[{upper}_ROWS][{upper}_IMPULSES]"
+    yield _matrix(f"{name}_times{shape}", rows.times_s).encode()
+    yield b"\n"
+    yield _matrix(f"{name}_amplitudes{shape}", rows.amplitudes).encode()
+    yield b"\n"
+
+
+def _matrix(declared: str, values: FloatArray) -> str:
+    lines = ["    {" + ", ".join(map(_literal, row)) + "}" for row in values.tolist()]
+    return f"static const shapersmith_real {declared} = {{\n" + ",\n".join(lines) + "\n};\n"
+
+
+def _literal(value: float) -> str:
+    return "NAN" if np.isnan(value) else f"SHAPERSMITH_C({decimal(value)})"
+
+
+def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
+    in_phases = fit.value != "time_s"
+    first, last = range_of(fit)
+    text = EVALUATOR.substitute(
+        NAME=name,
+        UPPER=name.upper(),
+        MEANING=fit.variable.meaning,
+        FIRST=decimal(first),
+        LAST=decimal(last),
+        FORMULA=fit.formula,
+        DIVIDED="value / natural_frequency_rad_s" if in_phases else "value",
+        UNUSED="" if in_phases else "\n    (void)natural_frequency_rad_s;",
+    )
+    unit = unit_of_frequency(head, fit)
+    if unit is not None:
+        text += AT_FREQUENCY.substitute(NAME=name, UNIT=decimal(unit))
+    upper = name.upper()
+    coefficients = _matrix(
+        f"{name}_coefficients[{upper}_IMPULSES][{upper}_DEGREE + 1]", fit.coefficients
+    )
+    return f"{coefficients}\n{text}\n"
+
+
+C = Export(
+    name="c", media_type="text/x-c; charset=utf-8", suffix=".h", checks=check_program, write=write_c
+)

@@ -1,0 +1,79 @@
+"""Rules and lines that the printers' firmwares share: positive shapers, a line a row."""
+
+from collections.abc import Callable, Iterable, Iterator
+
+import numpy as np
+
+from design.errors import InvalidInputError
+from design.export.header import comment_lines
+from design.tables.description import amplitudes_of, names_of
+from design.tables.rows import STATUSES, Rows, TableHead
+
+UNIT_SUM = 1e-12
+"""How far the sum of amplitudes may be from 1: roundings, far below what a firmware resolves."""
+
+
+def require_positive_shaper(head: TableHead, firmware: str) -> None:
+    """Raise InvalidInputError if an amplitude is not above 0.
+
+    Both firmwares convolve an acceleration that they have planned within the machine's limits with
+    the impulses; only impulses above 0 that add up to 1 keep it within.
+    """
+    if not all(amplitude > 0 for amplitude in head.amplitudes):
+        raise InvalidInputError(
+            "shaper.kind",
+            list(head.amplitudes),
+            f"a shaper of positive impulses for {firmware}: all amplitudes > 0",
+        )
+
+
+def firmware_lines(
+    head: TableHead,
+    runs: Iterable[Rows],
+    remarks: list[str],
+    commands: Callable[[Rows, int], list[str]],
+) -> Iterator[bytes]:
+    """Write a comment and the commands of each row, after the head.
+
+    Parameters
+    ----------
+    head, runs
+        The table.
+    remarks
+        Further lines of the head's comment.
+    commands
+        From a run and the index of a verified row in it to its lines.
+    """
+    yield "".join(f"; {line}\n" for line in [*comment_lines(head), *remarks]).encode()
+    fields = names_of(head, "field")
+    for rows in runs:
+        lines = []
+        for index, status in enumerate(rows.status.tolist()):
+            values = zip(fields, rows.fields[index].tolist(), strict=True)
+            where = ", ".join(f"{name} {value!r}" for name, value in values)
+            lines.append(f"; row {rows.first + index}: {where}")
+            if STATUSES[status] == "verified":
+                lines += commands(rows, index)
+            else:
+                reason = " ".join(rows.reasons.get(index, "").split())
+                lines.append(f"; {STATUSES[status]}: {reason}")
+        yield "".join(f"{line}\n" for line in lines).encode()
+
+
+def positive_amplitudes(head: TableHead, rows: Rows, index: int, firmware: str) -> list[float]:
+    """Return the amplitudes of one row.
+
+    Raises
+    ------
+    InvalidInputError
+        If they are not above 0, or do not add up to 1.
+    """
+    amplitudes = amplitudes_of(head, rows)[index]
+    if not ((amplitudes > 0).all() and abs(float(np.sum(amplitudes)) - 1) < UNIT_SUM):
+        raise InvalidInputError(
+            f"amplitudes of row {rows.first + index}",
+            amplitudes.tolist(),
+            f"above 0 and add up to 1 for {firmware}",
+        )
+    listed: list[float] = amplitudes.tolist()
+    return listed

@@ -1,0 +1,139 @@
+"""What generated programs share: names, numbers, limits, the facts of their comments."""
+
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.actuators import FirstOrder, SecondOrder
+from design.errors import InvalidInputError
+from design.export.header import comment_lines
+from design.fits import Fit
+from design.tables.description import amplitudes_of, described, require_times, times_of
+from design.tables.rows import STATUSES, Rows, TableHead
+from design.types import FloatArray
+
+MOST_NUMBERS = 200_000
+"""Largest table in a program: 1.6 MB of doubles, what large controllers have in flash."""
+
+LONGEST_NAME = 20
+"""Of a title in names: NAME_evaluator, the longest block, has 30 letters, as PLC editors take."""
+
+RANGE_MARGIN = 1e-6
+"""By how much of itself a range is widened in a program: what float makes of an end of it [-]."""
+
+
+def check_program(head: TableHead) -> None:
+    """Raise InvalidInputError where a program cannot take the table."""
+    require_times(head)
+    if head.rows < 1:
+        raise InvalidInputError("rows", head.rows, "at least 1: a program has no empty table")
+    numbers = head.rows * (len(head.columns) - 1)
+    if numbers > MOST_NUMBERS:
+        raise InvalidInputError(
+            "rows", f"{head.rows} ({numbers} numbers)", f"of at most {MOST_NUMBERS} numbers in all"
+        )
+
+
+def name_of(head: TableHead) -> str:
+    """Return the title as the start of names: lower case, letters, digits, single underscores."""
+    words = "_".join(re.findall(r"[a-z0-9]+", head.title.lower()))[:LONGEST_NAME].strip("_")
+    return words if words[:1].isalpha() else f"table_{words}".rstrip("_")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Listing:
+    """All rows of a table, as a program lists them.
+
+    Attributes
+    ----------
+    numbers
+        Fields and results, shape (rows, columns).
+    status
+        Shape (rows,).
+    times_s, amplitudes
+        Of the impulses, shape (rows, impulses) [s], [-].
+    """
+
+    numbers: FloatArray
+    status: list[int]
+    times_s: FloatArray
+    amplitudes: FloatArray
+
+
+def listing(head: TableHead, runs: Iterable[Rows]) -> Listing:
+    """Gather the rows of a table."""
+    held = list(runs)
+    width = len(head.columns) - 2
+    return Listing(
+        numbers=np.vstack([
+            np.empty((0, width)),
+            *(np.hstack((rows.fields, rows.results)) for rows in held),
+        ]),
+        status=[value for rows in held for value in rows.status.tolist()],
+        times_s=np.vstack([np.empty((0, head.impulses)), *(times_of(head, run) for run in held)]),
+        amplitudes=np.vstack([
+            np.empty((0, head.impulses)),
+            *(amplitudes_of(head, run) for run in held),
+        ]),
+    )
+
+
+def remarks(head: TableHead, rows: Listing) -> list[str]:
+    """Return what the comment at the top of a program says."""
+    names = [column.name for column in head.columns]
+    lines = comment_lines(head)
+    if "residual" in names:
+        residuals = rows.numbers[:, names.index("residual")]
+        known = residuals[~np.isnan(residuals)]
+        worst = f"{float(known.max()):.3g}" if known.size else "none"
+        lines.append(f"worst residual of the rows: {worst} of one unshaped step")
+    else:
+        lines.append("worst residual of the rows: not known, the table has no column residual")
+    if head.fit is not None:
+        lines.append(
+            f"worst residual of the polynomials: {head.fit.worst_residual:.3g} at "
+            f"{head.fit.checked_points} points, worst timing error "
+            f"{head.fit.worst_timing_error_s:.3g} s, all but x as the specification's design says"
+        )
+    counts = [f"{rows.status.count(code)} {name}" for code, name in enumerate(STATUSES)]
+    lines.append(f"status: 0 verified, 1 infeasible, 2 failed; rows: {', '.join(counts)}")
+    return lines
+
+
+def unit_of_frequency(head: TableHead, fit: Fit) -> float | None:
+    """Return what the plant's frequency is divided by to give x [rad/s]; None if x is not that."""
+    if fit.value == "time_s":
+        return 1.0
+    if fit.variable.meaning == "damping_ratio":
+        return None
+    actuator = described(head).actuator
+    if isinstance(actuator, SecondOrder):
+        return actuator.accel.natural_frequency_rad_s
+    if isinstance(actuator, FirstOrder) and actuator.accel_time_constant_s > 0:
+        return 1 / actuator.accel_time_constant_s
+    return float(fit.variable.meaning.rpartition("/ ")[2])
+
+
+def range_of(fit: Fit) -> tuple[float, float]:
+    """Return the range of x, widened by the rounding of its ends in single precision."""
+    return (
+        fit.variable.start - RANGE_MARGIN * abs(fit.variable.start),
+        fit.variable.stop + RANGE_MARGIN * abs(fit.variable.stop),
+    )
+
+
+def decimal(value: float) -> str:
+    """Return a number with a decimal point, exact, as C and Structured Text both read it.
+
+    Examples
+    --------
+    >>> decimal(2.0), decimal(1e-7), decimal(-1.5e+300)
+    ('2.0', '1.0e-07', '-1.5e+300')
+    """
+    if not math.isfinite(value):
+        raise InvalidInputError("value", value, "finite in a program")
+    mantissa, mark, exponent = repr(float(value)).partition("e")
+    return (mantissa if "." in mantissa else f"{mantissa}.0") + mark + exponent

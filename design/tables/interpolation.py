@@ -1,0 +1,271 @@
+"""Between the rows of a table: times by interpolation, and the residual that they may leave.
+
+The times themselves bend like 1/w. The phases ``w t_i`` over the plant's frequency and over the
+actuator's frequency against it bend little, as in `design.fits`; those are interpolated, by the
+cubic through the four nearest points along each axis (by all points, where there are fewer).
+
+Neighbouring rows may be designs of different branches, with nothing to interpolate between them.
+Every cell is tried in its middles, and one that leaves too much there is closed.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from design.actuators import Actuator
+from design.analysis.residual import residuals_of_many
+from design.errors import InvalidInputError
+from design.maps import varied
+from design.plants import Plant
+from design.tables.description import amplitudes_of, described, mode_of, names_of, times_of
+from design.tables.rows import Rows, TableHead
+from design.types import BoolArray, FloatArray
+
+IndexArray = NDArray[np.signedinteger[Any]]
+
+STENCIL = 4
+"""Points along each axis: a cubic."""
+
+INVERTED = (".natural_frequency_rad_s", "_limit_m_s2")
+"""Ends of the actuator's fields whose inverses the phases are smooth in."""
+
+BOUND_MARGIN = 1.25
+"""Over the worst residual at the middles. The error of a cubic at the middle of its cell is the
+largest of the cell where the cell is inside an even grid, and 1/1.07 of it where it is the first or
+the last; the rest is for uneven grids and for what the next order adds."""
+
+
+CLOSED_ABOVE = 0.05
+"""Residual in its middles that closes a cell: more than shapers are commonly allowed. There the
+rows around are of two branches, or too far apart for an error to be of first order [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Interpolant:
+    """Times of a shaper at any point of a table's grid.
+
+    Attributes
+    ----------
+    names
+        The fields, as ``plant.cable_length_m``, in the order of the axes.
+    axes
+        Values of each, increasing.
+    phases
+        ``w t_i`` at the points of the grid, shape (len(axes[0]), ..., impulses) [-].
+    amplitudes
+        Shape (impulses,) [-].
+    plant, actuator
+        What the fields are varied in.
+    closed
+        Cells that are not interpolated, one less along each axis than it has points.
+    residual_bound
+        What the interpolated times leave at most in all other cells, from their middles, with a
+        margin; sampled, not proved. Not a number if there is no such cell [-].
+    """
+
+    names: tuple[str, ...]
+    axes: tuple[FloatArray, ...]
+    phases: FloatArray
+    amplitudes: FloatArray
+    plant: Plant
+    actuator: Actuator
+    closed: BoolArray
+    residual_bound: float
+
+    def times_s(self, points: FloatArray) -> FloatArray:
+        """Return the times of the impulses at points of the table's range.
+
+        Parameters
+        ----------
+        points
+            Values of the fields, shape (m, len(names)), each in its own unit.
+
+        Returns
+        -------
+        FloatArray
+            Shape (m, impulses) [s]; not a number in a closed cell, nor next to a row that has no
+            design.
+
+        Raises
+        ------
+        InvalidInputError
+            If a value is outside its axis: nothing is known there.
+        """
+        return _times_s(self, points)
+
+    def residuals(self, points: FloatArray) -> FloatArray:
+        """Return what the interpolated times leave there, shape (m,) [-].
+
+        Its parameters and errors are those of `times_s`.
+        """
+        return _residuals(self, points)
+
+
+def interpolant(head: TableHead, rows: Rows) -> Interpolant:
+    """Make an interpolant of a table over a grid, and try it in the middle of every cell.
+
+    Parameters
+    ----------
+    head, rows
+        The whole table, as one run.
+
+    Raises
+    ------
+    InvalidInputError
+        If the rows are no grid, have no columns of times, have amplitudes that differ from row to
+        row, or vary what is no field of plant or actuator.
+    """
+    names = tuple(names_of(head, "field"))
+    description = described(head)
+    foreign = [name for name in names if name.partition(".")[0] not in {"plant", "actuator"}]
+    if foreign:
+        raise InvalidInputError("fields", foreign, "fields of plant or actuator, to interpolate")
+    if not names:
+        raise InvalidInputError("fields", [], "one or more, to interpolate")
+    amplitudes = amplitudes_of(head, rows)[rows.status == 0]
+    if not len(amplitudes):
+        raise InvalidInputError("rows", "none verified", "one or more verified, to interpolate")
+    if np.any(amplitudes != amplitudes[:1]):
+        raise InvalidInputError("amplitudes", "other ones from row to row", "the same in all rows")
+    axes, order = _grid(rows.fields)
+    frequencies, _ = mode_of(description.plant, list(names), rows.fields)
+    phases = (times_of(head, rows) * frequencies[:, None])[order]
+    made = Interpolant(
+        names=names,
+        axes=axes,
+        phases=phases.reshape(*(axis.size for axis in axes), head.impulses),
+        amplitudes=amplitudes[0],
+        plant=description.plant,
+        actuator=description.actuator,
+        closed=np.zeros([max(axis.size - 1, 1) for axis in axes], dtype=bool),
+        residual_bound=np.nan,
+    )
+    worst = _worst_of_cells(made)
+    closed = worst > CLOSED_ABOVE
+    bound = BOUND_MARGIN * float(np.max(worst[worst <= CLOSED_ABOVE], initial=-np.inf))
+    return replace(made, closed=closed, residual_bound=bound if bound >= 0 else np.nan)
+
+
+def _grid(fields: FloatArray) -> tuple[tuple[FloatArray, ...], IndexArray]:
+    """Return the axes of a grid and the order of its rows, the last axis running fastest."""
+    axes = tuple(np.unique(column) for column in fields.T)
+    order = np.lexsort(fields.T[::-1])
+    whole = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
+    if whole.shape != fields.shape or np.any(whole != fields[order]):
+        raise InvalidInputError(
+            "rows", f"{len(fields)} rows", f"all {len(whole)} points of a grid, each once"
+        )
+    return axes, order
+
+
+def _coordinate(name: str, values: FloatArray) -> FloatArray:
+    """Return in what the phases are smooth, up to a factor that a polynomial does not see.
+
+    The plant's frequency goes as the root of gravity over length. It is measured against the
+    actuator's, and a ramp lasts the inverse of its limit: hence the inverses of those.
+    """
+    if name == "plant.cable_length_m":
+        return values**-0.5
+    if name == "plant.gravity_m_s2":
+        return np.sqrt(values)
+    if name.startswith("actuator.") and name.endswith(INVERTED):
+        return 1 / values
+    return values
+
+
+def _times_s(made: Interpolant, points: FloatArray) -> FloatArray:
+    starts, weights, cells = [], [], []
+    on_row = np.ones(len(points), dtype=bool)
+    for name, axis, values in zip(made.names, made.axes, points.T, strict=True):
+        outside = ~((values >= axis[0]) & (values <= axis[-1]))
+        if outside.any():
+            raise InvalidInputError(
+                name, float(values[outside][0]), f"between {axis[0]:g} and {axis[-1]:g}"
+            )
+        cell = np.clip(np.searchsorted(axis, values, side="right") - 1, 0, max(axis.size - 2, 0))
+        start, weight = _weights(_coordinate(name, axis), _coordinate(name, values), cell)
+        starts.append(start)
+        weights.append(weight)
+        cells.append(cell)
+        on_row &= (weight == 1).any(axis=1)
+    phases = np.zeros((len(points), made.amplitudes.size))
+    for corner in product(*(range(weight.shape[1]) for weight in weights)):
+        share = np.ones(len(points))
+        for offset, weight in zip(corner, weights, strict=True):
+            share *= weight[:, offset]
+        place = tuple(start + offset for start, offset in zip(starts, corner, strict=True))
+        # A point that lies on a row has no use for its neighbours, which may have no design.
+        phases += np.where(share[:, None] == 0, 0.0, share[:, None] * made.phases[place])
+    phases[made.closed[tuple(cells)] & ~on_row] = np.nan
+    frequencies, _ = mode_of(made.plant, list(made.names), points)
+    return phases / frequencies[:, None]
+
+
+def _weights(nodes: FloatArray, at: FloatArray, cell: IndexArray) -> tuple[IndexArray, FloatArray]:
+    """Return where each point's stencil starts, shape (m,), and Lagrange's weights, (m, points)."""
+    size = min(STENCIL, nodes.size)
+    start = np.clip(cell - (size - 2) // 2, 0, nodes.size - size)
+    stencil = nodes[start[:, None] + np.arange(size)]
+    weights = np.ones((at.size, size))
+    for mine, other in product(range(size), repeat=2):
+        if mine != other:
+            weights[:, mine] *= (at - stencil[:, other]) / (stencil[:, mine] - stencil[:, other])
+    return start, weights
+
+
+def _residuals(made: Interpolant, points: FloatArray) -> FloatArray:
+    times = _times_s(made, points)
+    frequencies, dampings = mode_of(made.plant, list(made.names), points)
+    poles = frequencies * (-dampings + 1j * np.sqrt(1 - dampings**2))
+    drive = [index for index, name in enumerate(made.names) if name.startswith("actuator.")]
+    drives, of = np.unique(points[:, drive], axis=0, return_inverse=True)
+    residuals = np.full(len(points), np.nan)
+    known = ~np.isnan(times).any(axis=1)
+    for number, values in enumerate(drives.tolist()):
+        actuator = made.actuator
+        for index, value in zip(drive, values, strict=True):
+            actuator = varied(actuator, made.names[index].split(".")[1:], value)
+        here = np.flatnonzero((of.ravel() == number) & known)
+        residuals[here] = residuals_of_many(times[here], made.amplitudes, poles[here], actuator)
+    return residuals
+
+
+def _worst_of_cells(made: Interpolant) -> FloatArray:
+    """Return the worst residual tried in each cell, shape of `Interpolant.closed`.
+
+    To first order the error at a point is a sum of one vector an axis, each growing from a row to
+    the middle of the cell and back; its magnitude is convex in those, so the worst is where each
+    axis is either on a row or in a middle. All such points are tried. Not a number in cells that
+    have no times.
+    """
+    axes = []
+    for name, axis in zip(made.names, made.axes, strict=True):
+        x = _coordinate(name, axis)
+        # In the coordinate, not in the field: there the error is even about the middle.
+        middles = _field(name, (x[1:] + x[:-1]) / 2)
+        axes.append(np.sort(np.concatenate((axis, middles))))
+    slabs = []
+    for first in axes[0].tolist():
+        slab = np.stack(np.meshgrid(np.array([first]), *axes[1:], indexing="ij"), axis=-1)
+        slabs.append(_residuals(made, slab.reshape(-1, len(axes))))
+    worst = np.array(slabs).reshape([axis.size for axis in axes])
+    for number, axis in enumerate(made.axes):
+        if axis.size > 1:
+            turned = np.moveaxis(worst, number, 0)
+            inside = np.fmax(np.fmax(turned[:-1:2], turned[1::2]), turned[2::2])
+            worst = np.moveaxis(inside, 0, number)
+    return worst
+
+
+def _field(name: str, coordinates: FloatArray) -> FloatArray:
+    """Return the values of a field from its coordinates: the inverse of `_coordinate`."""
+    if name == "plant.cable_length_m":
+        return coordinates**-2
+    if name == "plant.gravity_m_s2":
+        return coordinates**2
+    if name.startswith("actuator.") and name.endswith(INVERTED):
+        return 1 / coordinates
+    return coordinates

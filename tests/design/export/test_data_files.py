@@ -1,0 +1,183 @@
+"""CSV, JSON, Parquet and .mat: what is written reads back, bit for bit, by us and by others."""
+
+import csv
+import io
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from design.errors import InvalidInputError
+from design.export.mat_file import LARGEST_MATRIX_BYTES, check_mat
+from design.export.reading import READERS, rows_of
+from design.export.registry import EXPORTS
+from design.tables.rows import STATUSES
+from tests.tables import head_of, joined, made_up_table, same
+
+ROWS, RUN_ROWS = 2_500, 1_000
+
+
+def written(name: str, rows: int = ROWS) -> bytes:
+    return b"".join(EXPORTS[name].write(*made_up_table(rows, RUN_ROWS)))
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_what_is_written_reads_back_bit_for_bit(name: str) -> None:
+    head, runs = made_up_table(ROWS, RUN_ROWS)
+    got_head, got_runs = rows_of(name, io.BytesIO(written(name)))
+    assert got_head == head
+    assert same(joined(got_runs), joined(runs))
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_a_table_without_rows_is_a_file_too(name: str) -> None:
+    head, runs = rows_of(name, io.BytesIO(written(name, 0)))
+    assert head.rows == 0
+    assert sum(run.status.size for run in runs) == 0
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_the_bytes_are_the_same_in_another_process_at_another_time(name: str) -> None:
+    code = (
+        "import sys; from tests.design.export.test_data_files import written;"
+        f"sys.stdout.buffer.write(written({name!r}))"
+    )
+    other = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
+    assert other.stdout == written(name)
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_every_file_names_tool_specification_and_units(name: str) -> None:
+    head, _ = made_up_table(ROWS, RUN_ROWS)
+    data = written(name)
+    assert b"shapersmith 0.1.0" in data
+    assert head.specification_sha256.encode() in data
+    assert b'["t1_s", "s", "result"]' in data
+
+
+@pytest.mark.parametrize("name", READERS)
+def test_something_else_is_refused_by_name(name: str) -> None:
+    for data in (b"", b"\xff\xfe nothing of the kind", b'{"rows": []}\n', b"a,b\n1,2\n"):
+        with pytest.raises(InvalidInputError, match="file"):
+            rows_of(name, io.BytesIO(data))
+
+
+def test_a_table_that_ends_early_is_refused() -> None:
+    for name, end in (("csv", ""), ("json", "]}")):
+        lines = written(name).decode().splitlines(keepends=True)[:2_000]
+        _, runs = rows_of(name, io.BytesIO("".join([*lines, end]).encode()))
+        with pytest.raises(InvalidInputError, match="file must be of 2500 rows"):
+            list(runs)
+
+
+def test_a_mat_file_cut_anywhere_is_refused() -> None:
+    data = written("mat")
+    for length in (200, 5_000, 150_000, len(data) - 9):
+        with pytest.raises(InvalidInputError, match="file"):
+            rows_of("mat", io.BytesIO(data[:length]))
+
+
+def test_a_format_that_only_goes_out_is_not_read() -> None:
+    with pytest.raises(InvalidInputError, match="format must be one of csv, json"):
+        rows_of("st", io.BytesIO())
+
+
+def test_a_bad_line_of_csv_is_named_by_its_number() -> None:
+    lines = written("csv").decode().splitlines(keepends=True)
+    lines[40] = lines[40].replace(",", ",x", 1)
+    _, runs = rows_of("csv", io.BytesIO("".join(lines).encode()))
+    with pytest.raises(InvalidInputError, match="line 41 must be 8 numbers"):
+        list(runs)
+    lines[40] = "1.0,2.0\n"
+    _, runs = rows_of("csv", io.BytesIO("".join(lines).encode()))
+    with pytest.raises(InvalidInputError, match="line 41 must be"):
+        list(runs)
+
+
+def test_a_bad_line_of_json_is_named_by_its_number() -> None:
+    lines = written("json").decode().splitlines(keepends=True)
+    lines[40] = lines[40].replace("[", "[[", 1)
+    _, runs = rows_of("json", io.BytesIO("".join(lines).encode()))
+    with pytest.raises(InvalidInputError, match="line 41 must be a row"):
+        list(runs)
+
+
+def test_csv_reads_by_the_standard_library_once_comments_are_skipped() -> None:
+    lines = [line for line in written("csv").decode().splitlines() if not line.startswith("#")]
+    rows = list(csv.DictReader(lines))
+    expected = joined(made_up_table(ROWS, RUN_ROWS)[1])
+    times = [float(row["t2_s"] or "nan") for row in rows]
+    assert np.array_equal(times, expected.results[:, 1], equal_nan=True)
+    assert {index: row["reason"] for index, row in enumerate(rows) if row["reason"]} == (
+        expected.reasons
+    )
+
+
+def test_json_is_one_document() -> None:
+    document = json.loads(written("json"))
+    expected = joined(made_up_table(ROWS, RUN_ROWS)[1])
+    assert document["specification"]["design"]["shaper"] == {"kind": "numzvd"}
+    assert len(document["rows"]) == document["row_count"] == ROWS
+    first = document["rows"][0]
+    assert first[2:8] == expected.results[0].tolist()
+    assert first[8:] == ["verified", None]
+
+
+def test_parquet_keeps_units_a_group_for_each_run_and_status_as_dictionary() -> None:
+    import pyarrow.parquet
+
+    file = pyarrow.parquet.ParquetFile(io.BytesIO(written("parquet")))
+    assert [file.metadata.row_group(group).num_rows for group in range(3)] == [1000, 1000, 500]
+    schema = file.schema_arrow
+    assert schema.field("t1_s").metadata[b"unit"] == b"s"
+    assert str(schema.field("status").type).startswith("dictionary<values=string")
+    expected = joined(made_up_table(ROWS, RUN_ROWS)[1])
+    statuses = [STATUSES[code] for code in expected.status.tolist()]
+    assert file.read().column("status").to_pylist() == statuses
+    assert file.read().column("t1_s").null_count == statuses.count("infeasible") + statuses.count(
+        "failed"
+    )
+
+
+def test_mat_holds_matrices_and_names_for_matlab() -> None:
+    from scipy.io import loadmat
+
+    data = written("mat")
+    assert data.startswith(b"MATLAB 5.0 MAT-file, shapersmith 0.1.0 ")
+    held = loadmat(io.BytesIO(data), simplify_cells=True)
+    expected = joined(made_up_table(ROWS, RUN_ROWS)[1])
+    assert np.array_equal(held["results"], expected.results, equal_nan=True)
+    assert held["result_names"].tolist() == ["t1_s", "t2_s", "t3_s", "t4_s", "t5_s", "residual"]
+    assert held["field_units"].tolist() == ["m", "1"]
+    assert np.array_equal(held["reason_rows"] - 1, list(expected.reasons))
+
+
+def test_mat_refuses_what_its_sizes_cannot_count() -> None:
+    most = LARGEST_MATRIX_BYTES // (8 * 6)
+    amplitudes = (1.0, -1.0, 1.0, -1.0, 1.0)
+    check_mat(head_of({}, ("plant.cable_length_m",), most, amplitudes))
+    with pytest.raises(InvalidInputError, match="rows must be at most 44739242 for a"):
+        check_mat(head_of({}, ("plant.cable_length_m",), most + 1, amplitudes))
+
+
+PEAK = """
+import resource
+from design.export.registry import EXPORTS
+from tests.tables import made_up_table
+size = sum(map(len, EXPORTS["parquet"].write(*made_up_table({rows}, 10_000))))
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, size)
+"""
+
+
+def test_parquet_needs_no_more_memory_for_ten_times_the_rows() -> None:
+    peaks = []
+    for rows in (100_000, 1_000_000):
+        code = PEAK.format(rows=rows)
+        out = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout
+        peak, size = map(int, out.split())
+        assert size > 40 * rows  # the rows are really there
+        peaks.append(peak)
+    # The rows take 76 MB more; a tenth of the whole process is noise of the allocator.
+    assert peaks[1] < 1.1 * peaks[0], peaks

@@ -1,0 +1,137 @@
+"""Klipper and RepRapFirmware: what they can take, and what is refused by name."""
+
+import math
+import re
+from itertools import accumulate, pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+from design.errors import InvalidInputError
+from design.export.klipper import KLIPPER
+from design.export.reprap import REPRAP
+from design.tables.rows import Rows, TableHead
+from tests.tables import CRANE, designed_table, head_of
+
+PLANT = {"kind": "mode", "natural_frequency_rad_s": 250.0, "damping_ratio": 0.0}
+
+
+def zvd_table(kind: str = "zvd", actuator: dict[str, Any] | None = None) -> tuple[TableHead, Rows]:
+    """Return a table of undamped ZVD shapers, half a period apart, and one failure."""
+    request = {
+        "plant": PLANT,
+        "actuator": actuator or {"kind": "ideal"},
+        "shaper": {"kind": kind},
+    }
+    field = "plant.natural_frequency_rad_s"
+    frequencies = np.array([200.0, 250.0, 300.0])
+    half = math.pi / frequencies
+    results = np.stack((0 * half, half, 2 * half, 0 * half), axis=1)
+    results[2] = math.nan
+    rows = Rows(
+        first=0,
+        fields=frequencies[:, None],
+        results=results,
+        status=np.array([0, 0, 2], dtype=np.int8),
+        reasons={2: "the solver\ngave up"},
+    )
+    return head_of(request, (field,), 3, (0.25, 0.5, 0.25), title="printer"), rows
+
+
+def test_klipper_gets_its_own_name_frequency_and_damping() -> None:
+    head, rows = zvd_table()
+    KLIPPER.checks(head)
+    lines = b"".join(KLIPPER.write(head, [rows])).decode().splitlines()
+    commands = [line for line in lines if not line.startswith(";")]
+    assert len(commands) == 2
+    for command, frequency in zip(commands, (200.0, 250.0), strict=True):
+        name, *pairs = command.split()
+        given = dict(pair.split("=") for pair in pairs)
+        assert name == "SET_INPUT_SHAPER"
+        assert given["SHAPER_TYPE"] == "zvd"
+        assert float(given["SHAPER_FREQ_X"]) == frequency / (2 * math.pi)
+        assert given["SHAPER_FREQ_Y"] == given["SHAPER_FREQ_X"]
+        assert float(given["DAMPING_RATIO_X"]) == float(given["DAMPING_RATIO_Y"]) == 0.0
+    assert "; failed: the solver gave up" in lines
+    assert any(head.specification_sha256 in line for line in lines)
+
+
+def test_klipper_refuses_shapers_and_drives_that_it_does_not_know() -> None:
+    unity, _ = designed_table(CRANE, {"plant.cable_length_m": [0.8]})
+    with pytest.raises(InvalidInputError, match=r"shaper.kind must be one of Klipper's own, zv,"):
+        KLIPPER.checks(unity)
+    lagging = {"kind": "first_order", "accel_time_constant_s": 0.1, "decel_time_constant_s": 0.1}
+    with pytest.raises(InvalidInputError, match=r"actuator.kind must be ideal for Klipper"):
+        KLIPPER.checks(zvd_table(actuator=lagging)[0])
+
+
+def test_klipper_gets_no_line_for_a_damping_ratio_beyond_its_own_limit() -> None:
+    head, rows = zvd_table("3hump_ei")
+    text = head.specification_json.replace('"damping_ratio":0.0', '"damping_ratio":0.3')
+    damped = head_of({}, ("plant.natural_frequency_rad_s",), 3, head.amplitudes)
+    object.__setattr__(damped, "specification_json", text)
+    lines = b"".join(KLIPPER.write(damped, [rows])).decode()
+    assert "SET_INPUT_SHAPER" not in lines
+    assert "; Klipper takes 3hump_ei up to a damping ratio of 0.2" in lines
+
+
+def impulses_of_36(heights: list[float], delays: list[float]) -> list[tuple[float, float]]:
+    """Read M593 as RepRapFirmware 3.6 does: own amplitudes, delays from the first impulse."""
+    return list(zip([*heights, 1 - sum(heights)], [0.0, *delays], strict=True))
+
+
+def impulses_of_35(heights: list[float], durations: list[float]) -> list[tuple[float, float]]:
+    """Read M593 as RepRapFirmware 3.4 does: acceleration in force, and for how long."""
+    levels = [0.0, *heights, 1.0]
+    steps = [after - before for before, after in pairwise(levels)]
+    return list(zip(steps, accumulate([0.0, *durations]), strict=True))
+
+
+def test_both_ages_of_reprapfirmware_read_the_same_impulses() -> None:
+    head, rows = zvd_table()
+    REPRAP.checks(head)
+    lines = b"".join(REPRAP.write(head, [rows])).decode().splitlines()
+    newer = [line for line in lines if line.startswith("M593")]
+    older = [line for line in lines if line.startswith("; 3.4 to 3.5: M593")]
+    assert len(newer) == len(older) == 2
+    for reader, found in ((impulses_of_36, newer), (impulses_of_35, older)):
+        for row, line in enumerate(found):
+            match = re.search(r'M593 P"custom" H([\d.:]+) T([\d.:]+)$', line)
+            assert match is not None
+            heights, times = ([float(x) for x in group.split(":")] for group in match.groups())
+            expected = list(zip(head.amplitudes, rows.results[row, :3].tolist(), strict=True))
+            np.testing.assert_allclose(reader(heights, times), expected, atol=2e-9)
+
+
+def test_reprapfirmware_refuses_negative_impulses_and_long_shapers() -> None:
+    unity, _ = designed_table(CRANE, {"plant.cable_length_m": [0.8]})
+    with pytest.raises(
+        InvalidInputError, match=r"shaper.kind must be a shaper of positive impulses for RepRap"
+    ):
+        REPRAP.checks(unity)
+    long = head_of({"shaper": {"kind": "x"}}, (), 1, (0.2, 0.2, 0.2, 0.2, 0.1, 0.1))
+    with pytest.raises(InvalidInputError, match="impulses must be 2 to 5 for RepRapFirmware"):
+        REPRAP.checks(long)
+
+
+def test_reprapfirmware_refuses_delays_that_do_not_increase() -> None:
+    head, rows = zvd_table()
+    rows.results[1, 2] = rows.results[1, 1]
+    with pytest.raises(InvalidInputError, match="times_s of row 1 must be 2e-06 s or more apart"):
+        list(REPRAP.write(head, [rows]))
+
+
+def test_a_title_on_two_lines_stays_a_comment() -> None:
+    head, rows = zvd_table()
+    object.__setattr__(head, "title", "printer\nG28 ; go home")
+    for export in (REPRAP, KLIPPER):
+        lines = b"".join(export.write(head, [rows])).decode().splitlines()
+        assert not any(line.startswith("G28") for line in lines)
+
+
+def test_amplitudes_that_do_not_add_up_to_one_are_refused() -> None:
+    head, rows = zvd_table()
+    object.__setattr__(head, "amplitudes", (0.25, 0.5, 0.2))
+    with pytest.raises(InvalidInputError, match="amplitudes of row 0 must be above 0 and add up"):
+        list(REPRAP.write(head, [rows]))
