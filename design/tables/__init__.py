@@ -1,0 +1,1 @@
+"""Tables of designs: many rows, each verified."""

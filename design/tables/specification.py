@@ -1,0 +1,275 @@
+"""What a table is of: a design, the fields that vary, and the columns wanted."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from design.actuators import Actuator, FirstOrder, Ideal
+from design.errors import InvalidInputError
+from design.maps import varied
+from design.plants import Mode, Plant
+from design.shapers.kind import ShaperKind
+from design.shapers.problem import ClosedForm
+from design.tables.rows import Column
+from design.types import FloatArray, require_between
+
+COLUMNS = ("times_s", "amplitudes", "phases_rad", "duration_s", "residual", "slope")
+"""Results that a table may hold. A phase is the plant's natural frequency times a time."""
+
+DEFAULT_COLUMNS = ("times_s", "residual")
+
+MOST_ROWS = 10_000_000_000
+"""Rows of one table: at 40 bytes a row, 400 GB of results."""
+
+MOST_CHUNKS = 1_000_000
+"""Chunks of one table; the store holds a record of each."""
+
+MOST_CHUNK_ROWS = 1_000_000
+"""Rows of one chunk, which a worker holds in memory."""
+
+UNITS = {
+    "_rad_s": "rad/s",
+    "_m_s2": "m/s^2",
+    "_m_s": "m/s",
+    "_rad": "rad",
+    "_hz": "Hz",
+    "_s": "s",
+    "_m": "m",
+}
+"""Units by the end of a field's name; the longer ends first."""
+
+Path = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Axis:
+    """One field and the values that it takes.
+
+    Attributes
+    ----------
+    path
+        ``plant``, ``actuator`` or ``shaper``, then names of fields.
+    values
+        Shape (m,), each in the field's own unit.
+    """
+
+    path: Path
+    values: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class TableSpecification:
+    """A table of designs over axes that multiply, or over a list.
+
+    Attributes
+    ----------
+    plant, actuator, kind, options
+        The design in which fields are varied, as for `design.pipeline.design`.
+    axes
+        They multiply, the last runs fastest; empty where the designs are listed.
+    listed
+        In place of axes: the values of the fields, shape (rows, fields).
+    listed_paths
+        The fields of ``listed``.
+    columns
+        Of `COLUMNS`.
+    chunk_rows
+        Rows that are computed and stored at a time. Results depend on it no more than on anything
+        else of the specification, and on nothing outside of it.
+
+    Raises
+    ------
+    InvalidInputError
+        If a field does not exist or is varied twice, a value breaks the rule of its field, or the
+        table is empty or too large. Rules that bind several fields are found row by row.
+    """
+
+    plant: Plant
+    actuator: Actuator
+    kind: ShaperKind
+    options: Any
+    axes: tuple[Axis, ...] = ()
+    listed: FloatArray | None = None
+    listed_paths: tuple[Path, ...] = ()
+    columns: tuple[str, ...] = DEFAULT_COLUMNS
+    chunk_rows: int = 10_000
+    fields: tuple[Path, ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        if (self.listed is None) == (not self.axes):
+            raise InvalidInputError("axes", len(self.axes), "given, or listed designs in its place")
+        if self.actuator.kind not in self.kind.actuators:
+            raise InvalidInputError(
+                "actuator.kind",
+                self.actuator.kind,
+                f"one that {self.kind.name} serves: {', '.join(self.kind.actuators)}",
+            )
+        paths = tuple(axis.path for axis in self.axes) if self.listed is None else self.listed_paths
+        object.__setattr__(self, "fields", paths)
+        for number, path in enumerate(self.fields):
+            if path in self.fields[:number]:
+                raise InvalidInputError(
+                    f"axes.{number}.field", "/".join(path), "another field than those before it"
+                )
+        self._check_columns()
+        require_between("chunk_rows", self.chunk_rows, 1, MOST_CHUNK_ROWS)
+        if self.listed is not None:
+            if self.listed.shape[0] == 0:
+                raise InvalidInputError("designs", 0, "a list of one or more designs")
+            for path, values in zip(self.fields, self.listed.T, strict=True):
+                self._check_values(path, values, lambda index: f"designs.{index}")
+        for number, axis in enumerate(self.axes):
+            if axis.values.size == 0:
+                raise InvalidInputError(f"axes.{number}.values", [], "one or more values")
+            place = f"axes.{number}.values"
+            self._check_values(axis.path, axis.values, lambda _, place=place: place)
+        self._check_size()
+
+    def _check_columns(self) -> None:
+        if not self.columns:
+            raise InvalidInputError("columns", [], f"one or more of {', '.join(COLUMNS)}")
+        for number, name in enumerate(self.columns):
+            if name not in COLUMNS or name in self.columns[:number]:
+                raise InvalidInputError(
+                    f"columns.{number}", name, f"one of {', '.join(COLUMNS)}, each once"
+                )
+
+    def _check_size(self) -> None:
+        require_rows(self.rows)
+        if self.chunks > MOST_CHUNKS:
+            raise InvalidInputError(
+                "chunk_rows",
+                self.chunk_rows,
+                f"at least {math.ceil(self.rows / MOST_CHUNKS)} for {self.rows} rows",
+            )
+
+    def _check_values(self, path: Path, values: FloatArray, place: Any) -> None:  # noqa: ANN401
+        """Check the extremes: every rule of a field is an interval, some with 0 besides."""
+        outside = np.flatnonzero(~np.isfinite(values))
+        if outside.size:
+            index = int(outside[0])
+            raise InvalidInputError(place(index), float(values[index]), "finite")
+        extremes = [int(values.argmin()), int(values.argmax())]
+        above_zero = np.flatnonzero(values > 0)
+        if above_zero.size:
+            extremes.append(int(above_zero[values[above_zero].argmin()]))
+        for index in sorted(set(extremes)):
+            value = float(values[index])
+            try:
+                self._with(path, value)
+            except InvalidInputError as error:
+                if error.name == "field":
+                    where = place(index).removesuffix(".values")
+                    raise error.within(where) from None
+                raise InvalidInputError(place(index), value, error.rule) from None
+
+    def _with(self, path: Path, value: float) -> dict[str, Any]:
+        parts = {"plant": self.plant, "actuator": self.actuator, "shaper": self.options}
+        part, *rest = path
+        if part not in parts or not rest:
+            raise InvalidInputError(
+                "field", "/".join(path), "a number of plant, actuator or shaper"
+            )
+        return {part: varied(parts[part], rest, value)}
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        if self.listed is not None:
+            return int(self.listed.shape[0])
+        return math.prod(axis.values.size for axis in self.axes)
+
+    @property
+    def chunks(self) -> int:
+        """Number of chunks."""
+        return -(-self.rows // self.chunk_rows)
+
+    def chunk(self, number: int) -> tuple[int, int]:
+        """Return the first row of a chunk, and that after its last."""
+        first = number * self.chunk_rows
+        return first, min(first + self.chunk_rows, self.rows)
+
+    def field_values(self, start: int, stop: int) -> FloatArray:
+        """Return the values of the varied fields in some rows, shape (stop - start, f)."""
+        if self.listed is not None:
+            return self.listed[start:stop]
+        sizes = [axis.values.size for axis in self.axes]
+        places = np.unravel_index(np.arange(start, stop, dtype=np.int64), sizes)
+        return np.stack(
+            [axis.values[place] for axis, place in zip(self.axes, places, strict=True)], axis=1
+        )
+
+    def at(self, values: FloatArray) -> tuple[Plant, Actuator, Any]:
+        """Return plant, actuator and options of one row.
+
+        Parameters
+        ----------
+        values
+            Of the varied fields, shape (f,).
+        """
+        parts: dict[str, Any] = {
+            "plant": self.plant,
+            "actuator": self.actuator,
+            "shaper": self.options,
+        }
+        for (part, *rest), value in zip(self.fields, values.tolist(), strict=True):
+            parts[part] = varied(parts[part], rest, value)
+        return parts["plant"], parts["actuator"], parts["shaper"]
+
+
+def require_rows(rows: int) -> None:
+    """Raise InvalidInputError if a table would have too many rows; says what to do instead."""
+    if rows > MOST_ROWS:
+        raise InvalidInputError(
+            "axes",
+            f"{rows:.3g} rows",
+            f"of at most {MOST_ROWS:.0e} rows in all: take fewer points and interpolate, vary the "
+            "ratio of two frequencies in place of both, or cut it into several tables",
+        )
+
+
+def amplitudes_of(kind: ShaperKind) -> tuple[float, ...]:
+    """Return the amplitudes of a kind of shaper, which all rows of a table share [-].
+
+    They do not depend on plant and actuator: taken at a symmetric one, where every kind exists.
+    """
+    actuator: Actuator = Ideal()
+    if actuator.kind not in kind.actuators:
+        actuator = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1)
+    formulation = kind.formulate(Mode(natural_frequency_rad_s=1.0), actuator, kind.options())
+    if isinstance(formulation, ClosedForm):
+        return tuple(formulation.impulses.amplitudes.tolist())
+    return tuple(formulation.amplitudes.tolist())
+
+
+def columns_of(specification: TableSpecification) -> tuple[Column, ...]:
+    """Return the columns of a table: fields, results, status, reason."""
+    impulses = len(amplitudes_of(specification.kind))
+    series = {
+        "times_s": [(f"t{number}_s", "s") for number in range(1, impulses + 1)],
+        "amplitudes": [(f"a{number}", "1") for number in range(1, impulses + 1)],
+        "phases_rad": [(f"phase{number}_rad", "rad") for number in range(1, impulses + 1)],
+        "duration_s": [("duration_s", "s")],
+        "residual": [("residual", "1")],
+        "slope": [("slope", "1")],
+    }
+    return (
+        *(
+            Column(name=".".join(path), unit=unit_of(path[-1]), kind="field")
+            for path in specification.fields
+        ),
+        *(
+            Column(name=name, unit=unit, kind="result")
+            for wanted in specification.columns
+            for name, unit in series[wanted]
+        ),
+        Column(name="status", unit="", kind="status"),
+        Column(name="reason", unit="", kind="reason"),
+    )
+
+
+def unit_of(name: str) -> str:
+    """Return the unit that the end of a field's name tells, ``1`` where it tells none."""
+    return next((unit for end, unit in UNITS.items() if name.endswith(end)), "1")
