@@ -11,6 +11,7 @@ units of the plant's frequency [-], [rad].
 
 import functools
 import math
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,9 @@ IntArray = NDArray[np.int8]
 
 Gains = tuple[complex, complex, complex]
 """The plant's unit pole, G_decel / G_accel there and its derivative by w."""
+
+Switched = Literal[True] | None
+"""None for superposed steps, not False: by its type numba leaves out the other model's code."""
 
 Work = tuple[FloatArray, FloatArray, ComplexArray, ComplexArray, ComplexArray, FloatArray]
 """Room for equations, Jacobian and what they are made of, taken once for all rows."""
@@ -258,11 +262,11 @@ def _workspace(size: int) -> Work:
 
 @compiled
 def _equations(
-    switched: bool, gains: Gains, row: FloatArray, gaps: FloatArray, work: Work
+    switched: Switched, gains: Gains, row: FloatArray, gaps: FloatArray, work: Work
 ) -> float:
-    if switched:
-        return _switched(gains, row, gaps, work)
-    return _superposed(gains, gaps, work)
+    if switched is None:
+        return _superposed(gains, gaps, work)
+    return _switched(gains, row, gaps, work)
 
 
 @compiled
@@ -284,7 +288,9 @@ def _within(row: FloatArray, gaps: FloatArray, margin: float) -> bool:
 
 
 @compiled
-def _from_seed(switched: bool, gains: Gains, row: FloatArray, gaps: FloatArray, work: Work) -> bool:
+def _from_seed(
+    switched: Switched, gains: Gains, row: FloatArray, gaps: FloatArray, work: Work
+) -> bool:
     """Take full Newton steps in place; return whether they converged."""
     for _ in range(FULL_STEPS):
         miss = _equations(switched, gains, row, gaps, work)
@@ -317,7 +323,7 @@ def _seed(table: FloatArray, row: FloatArray, shift: float, gaps: FloatArray) ->
 
 @compiled
 def _nearest_to_seeds(
-    table: FloatArray, switched: bool, rows: FloatArray, gaps: FloatArray, ends: IntArray
+    table: FloatArray, switched: Switched, rows: FloatArray, gaps: FloatArray, ends: IntArray
 ) -> None:
     work = _workspace(gaps.shape[1])
     for m in range(rows.shape[0]):
@@ -337,7 +343,7 @@ def _nearest_to_seeds(
 
 @compiled
 def _from_start(
-    switched: bool, gains: Gains, row: FloatArray, horizon: float, gaps: FloatArray, work: Work
+    switched: Switched, gains: Gains, row: FloatArray, horizon: float, gaps: FloatArray, work: Work
 ) -> bool:
     """Take capped Newton steps in place; return whether they ended at a root."""
     size = gaps.size
@@ -376,7 +382,7 @@ def _from_start(
 
 @compiled
 def _fastest(
-    switched: bool,
+    switched: Switched,
     gains: Gains,
     row: FloatArray,
     unit: FloatArray,
@@ -399,16 +405,19 @@ def _fastest(
         if total > duration + LONGER_RAD:
             break
         if _from_start(switched, gains, row, horizon, x, work) and _within(row, x, 0.0):
-            total = x.sum()
+            total = 0.0
+            for k in range(size):
+                total += x[k]
             if total <= horizon and total < duration:
                 duration = total
-                best[:] = x
+                for k in range(size):
+                    best[k] = x[k]
     return duration
 
 
 @compiled
 def _of_all_branches(
-    switched: bool, unit: FloatArray, rows: FloatArray, gaps: FloatArray, ends: IntArray
+    switched: Switched, unit: FloatArray, rows: FloatArray, gaps: FloatArray, ends: IntArray
 ) -> None:
     work = _workspace(gaps.shape[1])
     for m in range(rows.shape[0]):
@@ -533,11 +542,12 @@ def solved(rows: FloatArray, impulses: int, *, switched: bool) -> tuple[FloatArr
     size = impulses - 1
     gaps, ends = np.empty((len(rows), size)), np.empty(len(rows), dtype=np.int8)
     table = ZV if impulses == len(ZV) + 1 else ZVD
-    _nearest_to_seeds(table, switched, rows, gaps, ends)
+    model: Switched = True if switched else None
+    _nearest_to_seeds(table, model, rows, gaps, ends)
     left = np.flatnonzero(ends == NO_SEED)
     if left.size:
         others, ends_of_others = np.empty((left.size, size)), np.empty(left.size, dtype=np.int8)
-        _of_all_branches(switched, _starts(size), rows[left], others, ends_of_others)
+        _of_all_branches(model, _starts(size), rows[left], others, ends_of_others)
         gaps[left], ends[left] = others, ends_of_others
     return gaps, ends
 
