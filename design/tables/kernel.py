@@ -38,7 +38,10 @@ Gains = tuple[complex, complex, complex]
 Switched = Literal[True] | None
 """None for superposed steps, not False: by its type numba leaves out the other model's code."""
 
-Work = tuple[FloatArray, FloatArray, ComplexArray, ComplexArray, ComplexArray, FloatArray]
+Unknowns = tuple[int, ...]
+"""As many zeros as a problem has unknowns: numba knows the length by the type, and unrolls loops."""
+
+Work = tuple[FloatArray, FloatArray, ComplexArray, ComplexArray, ComplexArray, FloatArray, Unknowns]
 """Room for equations, Jacobian and what they are made of, taken once for all rows."""
 
 ZV = np.array(ZV_POLYNOMIALS)
@@ -62,7 +65,7 @@ ASTRAY_RAD = 0.3
 LONGER_RAD = 0.75 * PERIOD_RAD
 """Starts are not tried that are longer than the fastest root so far by this [rad]."""
 
-LAST_STEP_RAD = 1e-8
+LAST_STEP_RAD = 1e-7
 """After a step as short as this, the next would be below rounding: convergence is quadratic."""
 
 BOUND_MARGIN_RAD = 1e-3
@@ -76,8 +79,9 @@ FOUND, NO_SEED, UNSURE = 0, 1, 2
 
 
 @compiled
-def _solve(matrix: FloatArray, right: FloatArray, size: int) -> bool:
+def _solve(matrix: FloatArray, right: FloatArray, unknowns: Unknowns) -> bool:
     """Solve in place by elimination with row pivots; False if the matrix is singular."""
+    size = len(unknowns)
     for column in range(size):
         pivot = column
         for row in range(column + 1, size):
@@ -115,9 +119,14 @@ def _gains(row: FloatArray) -> Gains:
 
 @compiled
 def _fill(
-    values: FloatArray, jacobian: FloatArray, totals: ComplexArray, by_gap: ComplexArray, size: int
+    values: FloatArray,
+    jacobian: FloatArray,
+    totals: ComplexArray,
+    by_gap: ComplexArray,
+    unknowns: Unknowns,
 ) -> float:
     """Write complex equations and derivatives as real ones; return the largest equation."""
+    size = len(unknowns)
     miss = 0.0
     for k in range(size // 2):
         values[2 * k], values[2 * k + 1] = totals[k].real, totals[k].imag
@@ -138,9 +147,9 @@ def _superposed(gains: Gains, gaps: FloatArray, work: Work) -> float:
     ``V = sum v_i exp(s L_i)`` with L_i the time from step i to the last, v_i = 1 or -ratio.
     Each gap lengthens the L of all steps before it: derivatives are sums over those.
     """
-    values, jacobian, turns, totals, by_gap = work[:5]
+    values, jacobian, turns, totals, by_gap, _, unknowns = work
     s, ratio, slope = gains
-    size = gaps.size
+    size = len(unknowns)
     turns[size] = 1.0
     left = 0.0
     for i in range(size - 1, -1, -1):
@@ -162,7 +171,7 @@ def _superposed(gains: Gains, gaps: FloatArray, work: Work) -> float:
             by_gap[1, i] = s * (change + vector)
             left -= gaps[i]
     totals[0], totals[1] = vector, change
-    return _fill(values, jacobian, totals, by_gap, size)
+    return _fill(values, jacobian, totals, by_gap, unknowns)
 
 
 @compiled
@@ -192,9 +201,9 @@ def _switched(gains: Gains, row: FloatArray, gaps: FloatArray, work: Work) -> fl
     actuator's state would leave under the new set less what under the old. State and rate before a
     step depend on all gaps before it; `states` holds those derivatives.
     """
-    values, jacobian, turns, totals, by_gap, states = work
+    values, jacobian, turns, totals, by_gap, states, unknowns = work
     s, ratio, slope = gains
-    size = gaps.size
+    size = len(unknowns)
     turns[size] = 1.0
     left = 0.0
     for i in range(size - 1, -1, -1):
@@ -245,11 +254,12 @@ def _switched(gains: Gains, row: FloatArray, gaps: FloatArray, work: Work) -> fl
             by_gap[1, i] += s * (change + vector)
             left -= gaps[i]
     totals[0], totals[1] = vector, change
-    return _fill(values, jacobian, totals, by_gap, size)
+    return _fill(values, jacobian, totals, by_gap, unknowns)
 
 
 @compiled
-def _workspace(size: int) -> Work:
+def _workspace(unknowns: Unknowns) -> Work:
+    size = len(unknowns)
     return (
         np.empty(size),
         np.empty((size, size)),
@@ -257,6 +267,7 @@ def _workspace(size: int) -> Work:
         np.empty(2, dtype=np.complex128),
         np.empty((2, size), dtype=np.complex128),
         np.empty((2, size)),
+        unknowns,
     )
 
 
@@ -294,7 +305,7 @@ def _from_seed(
     """Take full Newton steps in place; return whether they converged."""
     for _ in range(FULL_STEPS):
         miss = _equations(switched, gains, row, gaps, work)
-        if not math.isfinite(miss) or not _solve(work[1], work[0], gaps.size):
+        if not math.isfinite(miss) or not _solve(work[1], work[0], work[6]):
             return False
         longest = 0.0
         for k in range(gaps.size):
@@ -323,9 +334,14 @@ def _seed(table: FloatArray, row: FloatArray, shift: float, gaps: FloatArray) ->
 
 @compiled
 def _nearest_to_seeds(
-    table: FloatArray, switched: Switched, rows: FloatArray, gaps: FloatArray, ends: IntArray
+    unknowns: Unknowns,
+    table: FloatArray,
+    switched: Switched,
+    rows: FloatArray,
+    gaps: FloatArray,
+    ends: IntArray,
 ) -> None:
-    work = _workspace(gaps.shape[1])
+    work = _workspace(unknowns)
     for m in range(rows.shape[0]):
         row, x = rows[m], gaps[m]
         gains = _gains(row)
@@ -367,7 +383,7 @@ def _from_start(
                 largest = max(largest, abs(work[1][k, j]))
         for k in range(size):
             work[1][k, k] += max(1e-14 * largest, 1e-300)
-        if not _solve(work[1], work[0], size):
+        if not _solve(work[1], work[0], work[6]):
             return False
         longest = 0.0
         for k in range(size):
@@ -417,9 +433,14 @@ def _fastest(
 
 @compiled
 def _of_all_branches(
-    switched: Switched, unit: FloatArray, rows: FloatArray, gaps: FloatArray, ends: IntArray
+    unknowns: Unknowns,
+    switched: Switched,
+    unit: FloatArray,
+    rows: FloatArray,
+    gaps: FloatArray,
+    ends: IntArray,
 ) -> None:
-    work = _workspace(gaps.shape[1])
+    work = _workspace(unknowns)
     for m in range(rows.shape[0]):
         row, x = rows[m], gaps[m]
         gains = _gains(row)
@@ -542,12 +563,13 @@ def solved(rows: FloatArray, impulses: int, *, switched: bool) -> tuple[FloatArr
     size = impulses - 1
     gaps, ends = np.empty((len(rows), size)), np.empty(len(rows), dtype=np.int8)
     table = ZV if impulses == len(ZV) + 1 else ZVD
+    unknowns = (0,) * size
     model: Switched = True if switched else None
-    _nearest_to_seeds(table, model, rows, gaps, ends)
+    _nearest_to_seeds(unknowns, table, model, rows, gaps, ends)
     left = np.flatnonzero(ends == NO_SEED)
     if left.size:
         others, ends_of_others = np.empty((left.size, size)), np.empty(left.size, dtype=np.int8)
-        _of_all_branches(model, _starts(size), rows[left], others, ends_of_others)
+        _of_all_branches(unknowns, model, _starts(size), rows[left], others, ends_of_others)
         gaps[left], ends[left] = others, ends_of_others
     return gaps, ends
 

@@ -74,6 +74,12 @@ def _relaxed(gap: float, first: float, second: float, state: FloatArray) -> None
 
 
 @compiled
+def _little_turn(exponent: complex) -> complex:
+    """Return the exponential of at most `STEP_PHASE_RAD`: the next term is below rounding."""
+    return 1.0 + exponent * (1.0 + exponent / 2.0 * (1.0 + exponent / 3.0))
+
+
+@compiled
 def _prove(
     switched: bool,
     lags: FloatArray,
@@ -108,6 +114,8 @@ def _prove(
             amplitude = 1.0 if i % 2 == 0 else -1.0
             if i > 0:
                 gap = w[m] * (times[m, i] - times[m, i - 1])
+                decay = math.exp(-z * gap)
+                turn = complex(decay * math.cos(root * gap), decay * math.sin(root * gap))
                 for f in range(count):
                     x = forced[f]
                     # The free part of the swing turns by itself.
@@ -115,9 +123,10 @@ def _prove(
                     for k in range(2):
                         q -= x[k, 0] * lag[k, 0] + x[k, 1] * lag[k, 1]
                         p -= x[k, 2] * lag[k, 0] + x[k, 3] * lag[k, 1]
-                    decay = math.exp(-z * ratios[f] * gap)
-                    c = decay * math.cos(root * ratios[f] * gap)
-                    s = decay * math.sin(root * ratios[f] * gap) / root
+                    turned = turn
+                    if f > 0:
+                        turned *= _little_turn(complex(-z, root) * ((ratios[f] - 1.0) * gap))
+                    c, s = turned.real, turned.imag / root
                     swing[f, 0], swing[f, 1] = c * q + s * (z * q + p), c * p - s * (q + z * p)
                 for k in range(2):
                     if not switched or k == force:
@@ -152,8 +161,7 @@ def _prove(
             for f in range(1, 3):
                 # From the last step back to the first, the origin of V(w).
                 off = (1.0 - ratios[f]) * duration
-                decay = math.exp(-z * off)
-                left[f] *= complex(decay * math.cos(root * off), decay * math.sin(root * off))
+                left[f] *= _little_turn(complex(-z, root) * off)
             out[m, 1] = abs(left[2] - left[1]) / (2.0 * step) / unit
 
 
