@@ -181,6 +181,9 @@ def _square(specification: TableSpecification) -> bool:
         return False
     known = {one.name for one in (*fields(SettleOptions), *fields(NoOptions))}
     others = [] if options is None else [one for one in fields(options) if one.name not in known]
+    varied = {path[1:] for path in specification.fields if path[0] == "shaper"}
+    if not varied <= {("max_duration_periods",)}:
+        return False
     return of_one_mode_and_lags(specification) and all(
         getattr(options, one.name) == one.default for one in others
     )

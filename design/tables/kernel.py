@@ -39,7 +39,7 @@ Switched = Literal[True] | None
 """None for superposed steps, not False: by its type numba leaves out the other model's code."""
 
 Unknowns = tuple[int, ...]
-"""As many zeros as a problem has unknowns: numba knows the length by the type, and unrolls loops."""
+"""As many zeros as unknowns: numba knows the length by the type, and unrolls loops."""
 
 Work = tuple[FloatArray, FloatArray, ComplexArray, ComplexArray, ComplexArray, FloatArray, Unknowns]
 """Room for equations, Jacobian and what they are made of, taken once for all rows."""
