@@ -10,7 +10,7 @@ from design.actuators import Actuator, FirstOrder, Model
 from design.errors import DesignError
 from design.pipeline import Design, design
 from design.plants import Plant
-from design.shapers.kind import SettleOptions
+from design.shapers.kind import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS
 from design.solvers.newton import roots
 from design.solvers.search import spread_starts
@@ -184,3 +184,17 @@ def test_a_function_that_cannot_be_cached_is_compiled_all_the_same() -> None:
     names: dict[str, Any] = {}
     exec("def twice(x):\n    return 2 * x\n", names)
     assert compiled(names["twice"])(21) == 42
+
+
+def test_what_the_kernel_does_not_know_runs_through_the_pipeline() -> None:
+    """A peak velocity other than full speed, given or varied."""
+    options = PeakOptions(max_velocity_ratio=1.2)
+    table = replace(crane_table(2, kind="numzv"), options=options)
+    varied = replace(
+        crane_table(2, kind="numzv"),
+        axes=(Axis(path=("shaper", "max_velocity_ratio"), values=np.array([1.0, 1.2])),),
+    )
+    for one in (table, varied):
+        rows, counts = counted_rows(one, 0, 2)
+        assert counts.single == 2
+        assert (rows.status == VERIFIED).all()
