@@ -96,15 +96,22 @@ def spread_starts(problem: Problem) -> FloatArray:
     A Kronecker sequence on the generalised golden ratio, sorted into times: the same for every
     run and machine.
     """
-    count = problem.shortest_gaps_rad.size
+    free = problem.horizon_rad - problem.shortest_gaps_rad.sum()
+    starts: FloatArray = problem.shortest_gaps_rad + free * unit_starts(
+        problem.shortest_gaps_rad.size
+    )
+    return starts
+
+
+def unit_starts(count: int) -> FloatArray:
+    """Return the gaps of `spread_starts` over a horizon of 1, shape (m, count) [-]."""
     golden = 2.0  # the root of g^(n+1) = g + 1
     for _ in range(60):
         golden = (1 + golden) ** (1 / (count + 1))
     steps = golden ** -np.arange(1.0, count + 1)
     unit = np.sort((0.5 + np.arange(1, BRANCH_STARTS + 1)[:, None] * steps) % 1.0, axis=1)
-    free = problem.horizon_rad - problem.shortest_gaps_rad.sum()
-    starts: FloatArray = problem.shortest_gaps_rad + free * np.diff(unit, axis=1, prepend=0.0)
-    return starts
+    gaps: FloatArray = np.diff(unit, axis=1, prepend=0.0)
+    return gaps
 
 
 def _solved(problem: Problem, start: FloatArray, seed: str, tried: int) -> Iterator[Candidate]:

@@ -1,1 +1,1 @@
-"""Lookup tables: many designs over axes or a list."""
+"""Tables of designs: many rows, each verified."""

@@ -1,55 +1,302 @@
-"""The rows of a table, each by the pipeline."""
+"""Rows of a table: designed, proven, each with a status."""
 
-import math
+import zlib
+from collections.abc import Callable
+from dataclasses import dataclass, fields
 
 import numpy as np
+from numpy.typing import NDArray
 
-from design.analysis.certificate import certify
+from design.actuators import Actuator
+from design.analysis.certificate import LIMITS, certify
 from design.errors import (
     DesignError,
     InfeasibleDesignError,
     InvalidInputError,
 )
-from design.pipeline import design
+from design.pipeline import Design, design
+from design.plants import Plant
+from design.shapers.kind import NoOptions, SettleOptions, ShaperKind
+from design.tables.parameters import RowParameters, of_one_mode_and_lags, row_parameters
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, Rows
-from design.tables.specification import TableSpecification, columns_of
-from design.types import FloatArray
+from design.tables.specification import TableSpecification, amplitudes_of
+from design.types import BoolArray, FloatArray
+
+IndexArray = NDArray[np.int_]
+
+
+SQUARE = {"umzv", "umzvd", "umzvc", "numzv", "numzvd"}
+"""Shapers whose equations are as many as their unknowns."""
+
+FOR_IDEAL = {"umzv", "umzvd"}
+"""Those of them that do not know the actuator."""
+
+CLOSED_FORM_UNDAMPED = {"umzv", "umzvc", "numzv"}
+"""Those of them that are a closed form for an undamped plant and superposed steps."""
+
+GUARDED_SHARE = 1000
+"""One row in so many is designed by the pipeline as well, to guard against a wrong branch [-]."""
+
+SAME = 1e-10
+"""Times that differ by less are the same, as a share of the duration [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RowCounts:
+    """How rows came about.
+
+    Attributes
+    ----------
+    compiled
+        Designed by the compiled kernel.
+    single
+        Designed one by one.
+    guarded
+        Designed by both.
+    corrected
+        Of those, rows where the single design was shorter, and stands.
+    """
+
+    compiled: int
+    single: int
+    guarded: int
+    corrected: int
+
+
+@dataclass(slots=True, kw_only=True, eq=False)
+class _Table:
+    """Rows in the making."""
+
+    times_s: FloatArray  # (m, n)
+    amplitudes: FloatArray  # (m, n)
+    natural_frequencies_rad_s: FloatArray  # (m,)
+    residuals: FloatArray  # (m,)
+    slopes: FloatArray  # (m,)
+    verified: BoolArray  # (m,)
+    wants_slopes: bool
+
+    def take(self, row: int, plant: Plant, actuator: Actuator, found: Design) -> None:
+        """Enter a single design."""
+        self.times_s[row] = found.impulses.times_s
+        self.amplitudes[row] = found.impulses.amplitudes
+        self.natural_frequencies_rad_s[row] = plant.mode.natural_frequency_rad_s
+        self.residuals[row] = found.residual
+        if self.wants_slopes:
+            claims = certify(found.impulses, plant.mode, actuator, ("slope",)).claims
+            self.slopes[row] = claims[0].value
+        self.verified[row] = True
+
+    def results(self, columns: tuple[str, ...]) -> FloatArray:
+        """Return the columns asked for, shape (m, r)."""
+        of_name: dict[str, Callable[[], FloatArray]] = {
+            "times_s": lambda: self.times_s,
+            "amplitudes": lambda: self.amplitudes,
+            "phases_rad": lambda: self.natural_frequencies_rad_s[:, None] * self.times_s,
+            "duration_s": lambda: self.times_s[:, -1:] - self.times_s[:, :1],
+            "residual": lambda: self.residuals[:, None],
+            "slope": lambda: self.slopes[:, None],
+        }
+        results = np.concatenate([of_name[name]() for name in columns], axis=1)
+        results[~self.verified] = np.nan
+        return results
 
 
 def compute_rows(specification: TableSpecification, start: int, stop: int) -> Rows:
-    """Compute rows ``start`` to ``stop``; they depend on nothing but these arguments."""
-    fields = specification.field_values(start, stop)
-    width = sum(column.kind == "result" for column in columns_of(specification))
-    results = np.full((stop - start, width), math.nan)
-    status = np.full(stop - start, VERIFIED, dtype=np.int8)
+    """Design the rows ``start`` to ``stop`` of a table.
+
+    Square problems are solved by the compiled kernel; what it cannot answer, and shapers with
+    freedom, by `design.pipeline.design`, row by row. The result depends on the specification and
+    the numbers of the rows alone.
+
+    Parameters
+    ----------
+    specification
+        The table.
+    start, stop
+        Numbers of its first row and of the one after its last.
+
+    Returns
+    -------
+    Rows
+        Every row with a status; a row marked verified holds what its shaper claims.
+    """
+    return counted_rows(specification, start, stop)[0]
+
+
+def counted_rows(
+    specification: TableSpecification, start: int, stop: int
+) -> tuple[Rows, RowCounts]:
+    """Return what `compute_rows` does, and how the rows came about."""
+    values = specification.field_values(start, stop)
+    table = _empty(specification, len(values))
+    guarded = corrected = compiled_rows = 0
+    if _square(specification):
+        _compile_rows(specification, row_parameters(specification, values), table)
+        compiled_rows = int(table.verified.sum())
+        for row in np.flatnonzero(table.verified & _guarded(specification, start, stop)).tolist():
+            guarded += 1
+            corrected += _correct(specification, values[row], table, row)
+    status = np.full(len(values), VERIFIED, dtype=np.int8)
     reasons = {}
-    for index, values in enumerate(fields):
+    for row in np.flatnonzero(~table.verified).tolist():
         try:
-            results[index] = _row(specification, values)
-        except (InvalidInputError, InfeasibleDesignError) as error:
-            status[index], reasons[index] = INFEASIBLE, str(error)
+            plant, actuator, options = specification.at(values[row])
+            found = design(plant, actuator, specification.kind, options)
+            table.take(row, plant, actuator, found)
         except DesignError as error:
-            status[index], reasons[index] = FAILED, str(error)
-    return Rows(first=start, fields=fields, results=results, status=status, reasons=reasons)
+            # Values that break a rule only together: no such design exists either.
+            none_exists = isinstance(error, InfeasibleDesignError | InvalidInputError)
+            status[row] = INFEASIBLE if none_exists else FAILED
+            reasons[row] = str(error)
+    rows = Rows(
+        first=start,
+        fields=values,
+        results=table.results(specification.columns),
+        status=status,
+        reasons=reasons,
+    )
+    single = len(values) - compiled_rows
+    return rows, RowCounts(
+        compiled=compiled_rows, single=single, guarded=guarded, corrected=corrected
+    )
 
 
-def _row(specification: TableSpecification, values: FloatArray) -> list[float]:
-    plant, actuator, options = specification.at(values)
-    found = design(plant, actuator, specification.kind, options)
-    times = found.impulses.times_s
-    results: list[float] = []
-    for name in specification.columns:
-        if name == "times_s":
-            results += times.tolist()
-        elif name == "amplitudes":
-            results += found.impulses.amplitudes.tolist()
-        elif name == "phases_rad":
-            results += (plant.mode.natural_frequency_rad_s * times).tolist()
-        elif name == "duration_s":
-            results.append(found.impulses.duration_s)
-        elif name == "residual":
-            results.append(found.residual)
+def _empty(specification: TableSpecification, rows: int) -> _Table:
+    impulses = len(amplitudes_of(specification.kind))
+    return _Table(
+        times_s=np.full((rows, impulses), np.nan),
+        amplitudes=np.full((rows, impulses), np.nan),
+        natural_frequencies_rad_s=np.full(rows, np.nan),
+        residuals=np.full(rows, np.nan),
+        slopes=np.full(rows, np.nan),
+        verified=np.zeros(rows, dtype=np.bool_),
+        wants_slopes="slope" in specification.columns,
+    )
+
+
+def _square(specification: TableSpecification) -> bool:
+    """Whether the kernel knows the shaper, all its parameters, the plant and the actuator."""
+    kind, options = specification.kind, specification.options
+    if kind.name not in SQUARE or specification.actuator.kind not in kind.actuators:
+        return False
+    known = {one.name for one in (*fields(SettleOptions), *fields(NoOptions))}
+    others = [] if options is None else [one for one in fields(options) if one.name not in known]
+    varied = {path[1:] for path in specification.fields if path[0] == "shaper"}
+    if not varied <= {("max_duration_periods",)}:
+        return False
+    return of_one_mode_and_lags(specification) and all(
+        getattr(options, one.name) == one.default for one in others
+    )
+
+
+def _compile_rows(
+    specification: TableSpecification, parameters: RowParameters, table: _Table
+) -> None:
+    """Enter what the kernel solves and the compiled certificate verifies."""
+    # Numba takes half a second to import, which nothing but tables should pay.
+    from design.tables.kernel import (  # noqa: PLC0415
+        FOUND,
+        closed_triangles,
+        rows_of_problems,
+        solved,
+    )
+
+    kind, impulses = specification.kind, table.times_s.shape[1]
+    given, w = parameters.lags, parameters.natural_frequencies_rad_s
+    switched = specification.actuator.model == "switched"
+    drive = _Drive(lags=given, switched=switched)
+    designed_for = drive
+    if kind.name in FOR_IDEAL:
+        designed_for = _Drive(lags=given * [1.0, 0.0, 0.0, 0.0, 0.0], switched=False)
+    settle = bool(getattr(specification.options, "settle", False))
+    problems = rows_of_problems(designed_for.lags, parameters.max_duration_periods, settle=settle)
+    fits = parameters.workable & (problems[:, 5:7].sum(axis=1) <= problems[:, 7])
+    closed = np.zeros(len(fits), dtype=np.bool_)
+    if kind.name in CLOSED_FORM_UNDAMPED and not designed_for.switched:
+        closed = fits & (given[:, 0] == 0)
+    for which in (closed, fits & ~closed):
+        index = np.flatnonzero(which)
+        if not index.size:
+            continue
+        if which is closed:
+            gaps, ends = closed_triangles(problems[index])
         else:
-            claims = certify(found.impulses, plant.mode, actuator, ("slope",)).claims
-            results.append(claims[0].value)
-    return results
+            gaps, ends = solved(problems[index], impulses, switched=designed_for.switched)
+        index, gaps = index[ends == FOUND], gaps[ends == FOUND]
+        times = np.zeros((index.size, impulses))
+        np.cumsum(gaps, axis=1, out=times[:, 1:])
+        times /= w[index, None]
+        _enter_proven(kind, designed_for, drive, w, index, times, table)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Drive:
+    """Plants' damping ratios and lags, shape (m, 5), and how the two sets share an actuator."""
+
+    lags: FloatArray
+    switched: bool
+
+
+def _enter_proven(
+    kind: ShaperKind,
+    designed_for: _Drive,
+    given: _Drive,
+    w: FloatArray,
+    index: IndexArray,
+    times: FloatArray,
+    table: _Table,
+) -> None:
+    """Enter the rows of ``index`` whose claims hold, and what they leave with the drive given."""
+    from design.tables.proofs import proven  # noqa: PLC0415
+
+    of_rows = w[index]
+    claimed = "slope" in kind.claims
+    apart = designed_for is not given
+    left = proven(
+        designed_for.lags[index],
+        of_rows,
+        times,
+        switched=designed_for.switched,
+        slopes=claimed or (table.wants_slopes and not apart),
+    )
+    holds = left[:, 0] <= LIMITS["residual"]
+    if claimed:
+        holds &= left[:, 1] <= LIMITS["slope"]
+    if apart:
+        left = proven(
+            given.lags[index], of_rows, times, switched=given.switched, slopes=table.wants_slopes
+        )
+    index = index[holds]
+    table.times_s[index] = times[holds]
+    table.amplitudes[index] = np.where(np.arange(times.shape[1]) % 2 == 0, 1.0, -1.0)
+    table.natural_frequencies_rad_s[index] = w[index]
+    table.residuals[index] = left[holds, 0]
+    table.slopes[index] = left[holds, 1]
+    table.verified[index] = True
+
+
+def _guarded(specification: TableSpecification, start: int, stop: int) -> BoolArray:
+    """Return which rows both routes design: a hash of specification and row number decides."""
+    base = (specification.plant, specification.actuator, specification.options)
+    key = zlib.crc32(repr((*base, specification.kind.name, specification.fields)).encode())
+    mixed = np.arange(start, stop, dtype=np.uint64) + np.uint64(key << 32)
+    # The finaliser of splitmix64 (Steele, Lea, Flood 2014).
+    for shift, factor in ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB), (31, 1)):
+        mixed = (mixed ^ (mixed >> np.uint64(shift))) * np.uint64(factor)
+    chosen: BoolArray = mixed % np.uint64(GUARDED_SHARE) == 0
+    return chosen
+
+
+def _correct(
+    specification: TableSpecification, values: FloatArray, table: _Table, row: int
+) -> bool:
+    """Design a row of the kernel's once more; keep the single design where it is shorter."""
+    plant, actuator, options = specification.at(values)
+    try:
+        found = design(plant, actuator, specification.kind, options)
+    except DesignError:
+        return False  # the kernel's row is verified, the pipeline has nothing against it
+    shorter = bool(found.impulses.duration_s < table.times_s[row, -1] * (1 - SAME))
+    if shorter:
+        table.take(row, plant, actuator, found)
+    return shorter

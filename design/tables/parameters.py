@@ -1,0 +1,145 @@
+"""From the varied fields of many rows to the parameters of their dimensionless problems."""
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from design.actuators import (
+    LARGEST_DAMPING_RATIO as LARGEST_LAG_DAMPING,
+)
+from design.actuators import (
+    SMALLEST_DAMPING_RATIO as SMALLEST_LAG_DAMPING,
+)
+from design.actuators import FirstOrder, Ideal, SecondOrder
+from design.analysis.residual import RESONANCE, SLOWEST
+from design.plants import LARGEST_DAMPING_RATIO, Mode, Pendulum
+from design.shapers.kind import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
+from design.shapers.umzv import LONGEST_PERIODS
+from design.tables.specification import TableSpecification
+from design.types import LARGEST, SMALLEST, BoolArray, FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RowParameters:
+    """Parameters of m rows.
+
+    Attributes
+    ----------
+    natural_frequencies_rad_s
+        Of the plants, shape (m,) [rad/s].
+    lags
+        Damping ratio of the plant, ``first, second`` of the acceleration and of the deceleration
+        set, in units of the plant's frequency, shape (m, 5): as
+        `design.shapers.unity_magnitude.lag_parameters` [-].
+    max_duration_periods
+        Longest shaper, shape (m,) [-].
+    workable
+        Rows whose values obey every rule, of each field and of all together, shape (m,).
+    """
+
+    natural_frequencies_rad_s: FloatArray
+    lags: FloatArray
+    max_duration_periods: FloatArray
+    workable: BoolArray
+
+
+class _Fields:
+    """Values of named fields, varied or constant, and whether they obey their rules."""
+
+    def __init__(self, specification: TableSpecification, values: FloatArray) -> None:
+        self._specification = specification
+        self._values = values
+        self.lawful = np.ones(len(values), dtype=np.bool_)
+
+    def __call__(
+        self, *path: str, least: float = SMALLEST, most: float = LARGEST, zero: bool = False
+    ) -> FloatArray:
+        """Return one field of every row, shape (m,)."""
+        if path in self._specification.fields:
+            column = self._values[:, self._specification.fields.index(path)]
+        else:
+            record: Any = {
+                "plant": self._specification.plant,
+                "actuator": self._specification.actuator,
+                "shaper": self._specification.options,
+            }[path[0]]
+            for name in path[1:]:
+                record = getattr(record, name)
+            column = np.full(len(self._values), float(record))
+        self.lawful &= ((column >= least) & (column <= most)) | (zero & (column == 0.0))
+        return column
+
+
+def row_parameters(specification: TableSpecification, values: FloatArray) -> RowParameters:
+    """Return the parameters of rows of a table.
+
+    Parameters
+    ----------
+    specification
+        Of a plant with one mode and an actuator of lags.
+    values
+        Varied fields of the rows, shape (m, f).
+    """
+    field = _Fields(specification, values)
+    with np.errstate(all="ignore"):  # unlawful rows are marked, not computed with
+        w = _natural_frequencies(specification, field)
+        z = field("plant", "damping_ratio", least=0.0, most=LARGEST_DAMPING_RATIO)
+        lags = np.stack([z, *_lags(specification, field, w)], axis=1)
+        if any(one.name == "max_duration_periods" for one in fields(specification.options)):
+            longest = field(
+                "shaper",
+                "max_duration_periods",
+                least=SHORTEST_HORIZON_PERIODS,
+                most=LONGEST_HORIZON_PERIODS,
+            )
+        else:
+            longest = np.full(len(values), LONGEST_PERIODS)
+        pole = -z + 1j * np.sqrt(1 - z * z)
+        workable = field.lawful & (w >= SMALLEST) & (w <= LARGEST)
+        for first, second in ((lags[:, 1], lags[:, 2]), (lags[:, 3], lags[:, 4])):
+            workable &= np.maximum(first, np.sqrt(second)) <= SLOWEST
+            workable &= np.abs(1 + pole * (first + pole * second)) >= RESONANCE
+    return RowParameters(
+        natural_frequencies_rad_s=w,
+        lags=lags,
+        max_duration_periods=longest,
+        workable=workable,
+    )
+
+
+def _natural_frequencies(specification: TableSpecification, field: _Fields) -> FloatArray:
+    if isinstance(specification.plant, Pendulum):
+        length = field("plant", "cable_length_m")
+        frequencies: FloatArray = np.sqrt(field("plant", "gravity_m_s2") / length)
+        return frequencies
+    return field("plant", "natural_frequency_rad_s")
+
+
+def _lags(specification: TableSpecification, field: _Fields, w: FloatArray) -> list[FloatArray]:
+    """Return ``first, second`` of either set at w = 1."""
+    actuator = specification.actuator
+    if isinstance(actuator, Ideal):
+        return [np.zeros(w.size) for _ in range(4)]
+    field("actuator", "dead_time_s", least=0.0)
+    lags: list[FloatArray] = []
+    for name in ("accel", "decel"):
+        if isinstance(actuator, FirstOrder):
+            lags += [field("actuator", f"{name}_time_constant_s", zero=True) * w, np.zeros(w.size)]
+        else:
+            corner = field("actuator", name, "natural_frequency_rad_s")
+            damping = field(
+                "actuator",
+                name,
+                "damping_ratio",
+                least=SMALLEST_LAG_DAMPING,
+                most=LARGEST_LAG_DAMPING,
+            )
+            lags += [2 * damping / corner * w, corner**-2.0 * w * w]
+    return lags
+
+
+def of_one_mode_and_lags(specification: TableSpecification) -> bool:
+    """Whether `row_parameters` serves a table: one mode, an actuator of lags, no more fields."""
+    known = type(specification.actuator) in {Ideal, FirstOrder, SecondOrder}
+    return known and type(specification.plant) in {Mode, Pendulum}
