@@ -375,3 +375,18 @@ def test_what_makes_no_table_does_not_wait_for_its_libraries() -> None:
     )
     heavy = {"sqlalchemy", "alembic", "pyarrow", "numba", "distributed"}
     assert not heavy & set(told.stdout.split())
+
+
+def test_a_worker_killed_in_a_chunk_costs_nothing_but_time(spec: Path, tmp_path: Path) -> None:
+    from tests.service.test_server import children
+
+    spec.write_text(json.dumps({**LONG, "axes": [{**SMALL["axes"][0], "points": 600}]}))
+    path, undisturbed = tmp_path / "t.csv", tmp_path / "u.csv"
+    with begun(spec, path) as process:
+        # The youngest are the workers; the fork server, their parent, is the eldest.
+        os.kill(max(children(process.pid)), signal.SIGKILL)
+        _, told = process.communicate(timeout=60)
+    assert process.returncode == 0, told
+    assert "failed: BrokenProcessPool" in told
+    assert table(spec, "-o", undisturbed).returncode == 0
+    assert path.read_bytes() == undisturbed.read_bytes()
