@@ -50,6 +50,13 @@ EXAMPLE_ACTUATORS = {
         "decel_time_constant_s": 0.05,
     },
     "second_order": THESIS_CRANE["actuator"],
+    "rate_limited": {
+        "kind": "rate_limited",
+        "accel_limit_m_s2": 30.0,
+        "decel_limit_m_s2": 5e4,
+        "speed_m_s": 0.2,
+        "then": THESIS_CRANE["actuator"],
+    },
 }
 
 AFTERMATH_PERIODS = 3.0

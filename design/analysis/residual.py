@@ -216,10 +216,13 @@ def vectors_of_many(
     """
     # The signs of the changes are the same for all, whatever their times.
     changes = _apart(amplitudes, actuator)
-    if changes.changes.size != amplitudes.size:  # a reversal: two changes for a step
-        whole = np.full(len(times_s), fill_value=False)
-    else:
-        whole = np.all(np.diff(times_s) >= changes.ramps_s[:-1], axis=1)
+    if not isinstance(actuator, RateLimited):
+        return _vectors_of_whole(replace(changes, times_s=times_s), poles_rad_s, actuator)
+    whole = np.full(len(times_s), fill_value=False)
+    if changes.changes.size == amplitudes.size:  # a reversal makes two changes of a step
+        gaps = np.diff(times_s)
+        # Times that a poor fit puts out of order are no command: judged as if ramps could overlap.
+        whole = np.all(gaps >= changes.ramps_s[:-1], axis=1) | np.any(gaps < 0, axis=1)
     vectors = np.empty(len(times_s), dtype=np.complex128)
     if whole.any():
         those = replace(changes, times_s=times_s[whole])

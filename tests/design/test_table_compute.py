@@ -79,7 +79,7 @@ def test_a_row_of_any_square_shaper_equals_the_single_design(
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("kind", ["numzv", "numzvd"])
 def test_a_row_that_lets_each_step_settle_equals_the_single_design(kind: str, model: Model) -> None:
-    options = SettleOptions(settle=True, max_duration_periods=4.0)
+    options = SHAPERS[kind].options(settle=True, max_duration_periods=4.0)
     require_same_as_single(
         random_table(20, 6, order=2, model=model, kind=kind, options=options, poles=(3.0, 9.0))
     )

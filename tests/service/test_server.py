@@ -67,7 +67,10 @@ def workers(service: Running) -> dict[int, float]:
     """Return the processes below the service with the processor time that each has used [s]."""
     used = {}
     for pid in children(service.process.pid):
-        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        try:
+            fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        except FileNotFoundError:
+            continue  # it ended meanwhile
         used[pid] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
     return used
 
