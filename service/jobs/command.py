@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import signal
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -46,8 +47,8 @@ def run_table(options: argparse.Namespace, content: bytes) -> int | Problem:
         return source.located(plan)
     check: Path | None = options.check
     path: Path = check or options.output
-    name = options.format or _format_of(path)
     try:
+        name = options.format or _format_of(path)
         require_taken(plan.job, name)
     except DesignError as error:
         return problem_of_design(error)
@@ -87,7 +88,8 @@ def _format_of(path: Path) -> str:
     for export in EXPORTS.values():
         if path.suffix.lower() == export.suffix:
             return export.name
-    return "csv"
+    endings = ", ".join(export.suffix for export in EXPORTS.values())
+    raise InvalidInputError("format", path.name, f"given, or the file's name end in {endings}")
 
 
 def _say(text: str) -> None:
@@ -170,11 +172,24 @@ def _computed(options: argparse.Namespace, store: Store, job: str) -> Job:
         return now.ended
 
     if not ended:
-        try:
-            runner.run(until=until, pause_s=PAUSE_S)
-        finally:
-            progress.end()
+        with _stopped_by_interrupt(runner):
+            try:
+                runner.run(until=until, pause_s=PAUSE_S)
+            finally:
+                progress.end()
+    if not ended:
+        raise KeyboardInterrupt
     return ended[0]
+
+
+@contextmanager
+def _stopped_by_interrupt(runner: Runner) -> Iterator[None]:
+    """Let an interrupt stop the runner between two rounds, never in the middle of a lock."""
+    before = signal.signal(signal.SIGINT, lambda *_: runner.stopping.set())
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> int | Problem:

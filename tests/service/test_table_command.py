@@ -127,12 +127,18 @@ def test_check_tells_missing_rows_and_another_specification(spec: Path, tmp_path
     whole = path.read_text()
     path.write_text(whole[: whole.rindex("\n", 0, -1) + 1])
     missing = table(spec, "--check", path)
-    assert (missing.returncode, "rows from 39 on are missing" in missing.stderr) == (5, True)
+    assert (missing.returncode, "as its head says, got '39 rows'" in missing.stderr) == (5, True)
     path.write_text(whole)
     spec.write_text(json.dumps({**SMALL, "chunk_rows": 5}))
     other = table(spec, "--check", path)
     assert (other.returncode, "another specification" in other.stderr) == (5, True)
     assert table(spec, "--check", tmp_path / "none.csv").returncode == 1
+
+
+def test_a_name_that_tells_no_format_is_refused(spec: Path, tmp_path: Path) -> None:
+    told = table(spec, "-o", tmp_path / "t.c")
+    assert (told.returncode, "/format: must be given, or" in told.stderr) == (2, True)
+    assert not (tmp_path / "t.c").exists()
 
 
 def test_tolerances_are_those_of_the_specification(spec: Path, tmp_path: Path) -> None:
