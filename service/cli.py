@@ -133,6 +133,10 @@ def _table(options: argparse.Namespace) -> int:
         _require_file(options.output)
     content = _read(options.request)
 
+    from service.jobs import executors  # noqa: PLC0415
+
+    if not options.scheduler:
+        executors.prepare()
     from service.jobs.command import CommandError, run_table  # noqa: PLC0415
     from service.problems import Problem  # noqa: PLC0415
 

@@ -34,7 +34,7 @@ FOR_IDEAL = {"umzv", "umzvd"}
 CLOSED_FORM_UNDAMPED = {"umzv", "umzvc", "numzv"}
 """Those of them that are a closed form for an undamped plant and superposed steps."""
 
-GUARDED_SHARE = 1000
+GUARDED_SHARE = 5000
 """One row in so many is designed by the pipeline as well, to guard against a wrong branch [-]."""
 
 SAME = 1e-10

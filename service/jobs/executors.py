@@ -6,8 +6,7 @@ import re
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass
-
-from service.jobs.work import begin
+from multiprocessing import forkserver
 
 CONNECT_WAIT_S = 20.0
 """How long a scheduler may take to answer [s]."""
@@ -35,12 +34,20 @@ class Started:
 Start = Callable[[], Started]
 
 
-def processes(workers: int) -> Started:
-    """Return a pool of processes; one chunk more waits than is computed."""
+def prepare() -> None:
+    """Start the process that workers are forked from: it imports what they need meanwhile."""
     # One thread of BLAS a worker: the workers are the parallelism.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    forkserver.set_forkserver_preload(["service.answers", "service.pool", "service.jobs.work"])
+    forkserver.ensure_running()
+
+
+def processes(workers: int) -> Started:
+    """Return a pool of processes; one chunk more waits than is computed."""
+    from service.jobs.work import begin  # noqa: PLC0415 - a second that `prepare` must not wait
+
+    prepare()
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["service.answers", "service.pool", "service.jobs.work"])
     pool = ProcessPoolExecutor(workers, mp_context=context, initializer=begin)
 
     def end() -> None:
