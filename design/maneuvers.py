@@ -11,7 +11,7 @@ from design.actuators import (
     Unlimited,
     require_speed,
 )
-from design.analysis.certificate import Certificate, certify
+from design.analysis.certificate import Certificate, certify, zeros
 from design.analysis.residual import residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
@@ -169,7 +169,7 @@ def maneuver(
         command, as_one = over_pulse(parts, pulse_s)
     if joint and not as_one:
         command, as_one = faster_as_one(parts, command)
-    certificate = certify(command, parts.mode, parts.designed_for, kind.claims, swing)
+    certificate = certify(command, parts.mode, parts.designed_for, parts.claims, swing)
     if not certificate.verified:
         raise SolverFailedError(
             f"the whole move of {kind.name} was not verified: {shortfall_of(certificate)}"
@@ -274,12 +274,13 @@ def _require_provable(name: str, value: float, travel_s: float, mode: Mode) -> N
 
 def _parts(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any) -> Parts:  # noqa: ANN401
     start = design(plant, actuator, kind, options).impulses
+    formulation = kind.formulate(plant.mode, actuator, options)
     settling = options if isinstance(options, SettleOptions) else SettleOptions()
     parts = Parts(
         mode=plant.mode,
         actuator=actuator,
-        designed_for=kind.formulate(plant.mode, actuator, options).designed_for,
-        claims=kind.claims,
+        designed_for=formulation.designed_for,
+        claims=formulation.claims or zeros(kind.claims),
         settle=settling.settle,
         horizon_rad=2 * settling.max_duration_periods * PERIOD_RAD,
         start=start,

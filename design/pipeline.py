@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from design.actuators import SETTLED_SHARE, Actuator, unit_ramps_s
-from design.analysis.certificate import Certificate, certify
+from design.analysis.certificate import Certificate, certify, zeros
 from design.analysis.residual import require_workable, residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
@@ -131,10 +131,11 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
     mode = plant.mode
     require_workable(mode, actuator)
     formulation = kind.formulate(mode, actuator, kind.options() if options is None else options)
+    promises = formulation.claims or zeros(kind.claims)
     unverified: Certificate | None = None
     try:
         for impulses, report in solutions(formulation):
-            certificate = certify(impulses, mode, formulation.designed_for, kind.claims)
+            certificate = certify(impulses, mode, formulation.designed_for, promises)
             if certificate.verified:
                 return Design(
                     impulses=impulses,

@@ -12,7 +12,7 @@ from design.errors import InfeasibleDesignError
 from design.impulses import Impulses
 from design.plants import Mode
 from design.responses import travel
-from design.shapers.kind import Quantity
+from design.shapers.kind import Promise
 from design.shapers.problem import Problem, Seed
 from design.shapers.unity_magnitude import (
     UnityMagnitude,
@@ -91,7 +91,7 @@ class Parts:
     mode: Mode
     actuator: Actuator
     designed_for: Actuator
-    claims: tuple[Quantity, ...]
+    claims: tuple[Promise, ...]
     settle: bool
     horizon_rad: float
     start: Impulses
@@ -104,7 +104,7 @@ class Parts:
     @property
     def derivatives(self) -> int:
         """How many derivatives of the vibration vanish too."""
-        return int("slope" in self.claims)
+        return int(any(promise.quantity == "slope" for promise in self.claims))
 
     @property
     def steps(self) -> int:

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from design.actuators import Actuator
-from design.analysis.certificate import LIMITS, Certificate, Claim, certify
+from design.analysis.certificate import LIMITS, Certificate, Claim, certify, zeros
 from design.analysis.residual import require_workable, residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
@@ -266,7 +266,7 @@ def sampled_design(
     sampled = sample(
         continuous.impulses, mode, actuator, sample_time_s, claims, tolerance=tolerance
     )
-    (simulated,) = certify(sampled.impulses, mode, actuator, ("residual",)).claims
+    (simulated,) = certify(sampled.impulses, mode, actuator, zeros(["residual"])).claims
     limit = sampled.residual * (1 + AGREEMENT) + LIMITS["residual"]
     claim = Claim(quantity="residual", value=simulated.value, limit=limit)
     proven = replace(

@@ -4,7 +4,7 @@ from typing import Annotated, Self
 
 from pydantic import Field
 
-from design.analysis.certificate import Certificate
+from design.analysis.certificate import Certificate, Claim
 from design.impulses import Impulses
 from design.pipeline import Design
 from design.sampled import Sampled
@@ -99,12 +99,41 @@ class SampledOut(Wire):
         )
 
 
+def _says_nothing(value: object) -> bool:
+    return value is None
+
+
 class ClaimOut(Wire):
     """One promise of the shaper, recomputed."""
 
     quantity: str
     value: float
     limit: float
+    mode: Annotated[
+        int | None,
+        Field(
+            exclude_if=_says_nothing,
+            description="Number of the plant's mode, from 0; left out for the first.",
+        ),
+    ] = None
+    band: Annotated[
+        tuple[float, float] | None,
+        Field(
+            exclude_if=_says_nothing,
+            description="For band: its ends, ratios of the mode's frequency; left out else.",
+        ),
+    ] = None
+
+    @classmethod
+    def from_design(cls, claim: Claim) -> Self:
+        """Wrap the design record."""
+        return cls.model_construct(
+            quantity=claim.quantity,
+            value=claim.value,
+            limit=claim.limit,
+            mode=claim.mode or None,
+            band=claim.band,
+        )
 
 
 class CertificateOut(Wire):
@@ -120,12 +149,7 @@ class CertificateOut(Wire):
         return cls.model_construct(
             verified=certificate.verified,
             method=certificate.method,
-            claims=[
-                ClaimOut.model_construct(
-                    quantity=claim.quantity, value=claim.value, limit=claim.limit
-                )
-                for claim in certificate.claims
-            ],
+            claims=[ClaimOut.from_design(claim) for claim in certificate.claims],
         )
 
 

@@ -157,7 +157,7 @@ def _designed(
                 plant.mode,
                 actuator,
                 sample_time_s,
-                kind.claims,
+                found.certificate.zeros,
                 tolerance=request.shaper.grid_tolerance(),
             )
         told = SampledOut.from_design(sampled, continuous)
@@ -228,17 +228,16 @@ def _impulses(
     options: Any,  # noqa: ANN401 - each kind has a record of its own
 ) -> Impulses:
     """Return a designed shaper, on samples where asked."""
-    kind = shaper.registered()
-    impulses = design(plant, actuator, kind, options).impulses
+    found = design(plant, actuator, shaper.registered(), options)
     if shaper.sample_time_s is None:
-        return impulses
+        return found.impulses
     with named("shaper"):
         return sample(
-            impulses,
+            found.impulses,
             plant.mode,
             actuator,
             shaper.sample_time_s,
-            kind.claims,
+            found.certificate.zeros,
             tolerance=shaper.grid_tolerance(),
         ).impulses
 
@@ -303,6 +302,11 @@ def _mapped(request: MapRequest) -> tuple[MapCase, Axis, Axis | None, Map]:
     return case, x, y, field_map(case, x, y)
 
 
+def _richest(kinds: tuple[str, ...]) -> str:
+    """Return the last of the actuator kinds that there is an example of."""
+    return [kind for kind in kinds if kind in EXAMPLE_ACTUATORS][-1]
+
+
 def shaper_catalogue() -> Catalogue:
     """Return every kind of shaper, with parameters, example and source."""
     return Catalogue(
@@ -317,7 +321,7 @@ def shaper_catalogue() -> Catalogue:
                 parameters=MODELS[kind.name].model_json_schema(),
                 example={
                     "plant": THESIS_CRANE["plant"],
-                    "actuator": EXAMPLE_ACTUATORS[kind.actuators[-1]],
+                    "actuator": EXAMPLE_ACTUATORS[_richest(kind.actuators)],
                     "shaper": {"kind": kind.name},
                 },
             )

@@ -124,7 +124,7 @@ def _findings(response: Response) -> list[str]:
     if isinstance(response, DesignResponse):
         certificate = response.certificate
         claims = ", ".join(
-            f"{claim.quantity} {claim.value:.2g} <= {claim.limit:.0e}"
+            f"{claim.quantity} {claim.value:.2g} <= {claim.limit:.2g}"
             for claim in certificate.claims
         )
         return [

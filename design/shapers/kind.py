@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 from design.actuators import Actuator
 from design.plants import Mode
-from design.shapers.problem import Formulation
+from design.shapers.problem import Formulation, Promise, Quantity
 from design.types import require_between
+
+__all__ = ["NoOptions", "PeakOptions", "Promise", "Quantity", "SettleOptions", "ShaperKind"]
 
 SHORTEST_HORIZON_PERIODS = 0.1
 LONGEST_HORIZON_PERIODS = 100.0
@@ -16,9 +18,6 @@ LONGEST_HORIZON_PERIODS = 100.0
 SMALLEST_PEAK = 0.01
 LARGEST_PEAK = 100.0
 """Bounds of the peak command over the cruise speed: beyond them one of the two is nothing [-]."""
-
-Quantity = Literal["residual", "slope"]
-"""What a shaper may claim to be zero: its residual vibration; its vector's slope in frequency."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,7 +98,7 @@ class ShaperKind:
     source
         Where it was published.
     claims
-        What its impulses make zero.
+        What its impulses keep small, by name: zero unless the formulation says more.
     options
         Record of its parameters; field metadata hold description and bounds.
     actuators

@@ -1,11 +1,40 @@
 """A shaper design as data: what formulations say and solvers read."""
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 from design.actuators import Actuator
 from design.impulses import Impulses
 from design.types import FloatArray
+
+Quantity = Literal["residual", "slope", "second_derivative", "third_derivative", "band"]
+"""What a shaper may claim to keep small.
+
+Its residual vibration; derivatives of its vector V, ``|d^k V / d(ln w)^k|`` with z fixed, over the
+unshaped step; the largest residual over a band of frequencies.
+"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Promise:
+    """One thing that the impulses of a shaper keep.
+
+    Attributes
+    ----------
+    quantity
+        What is kept small.
+    limit
+        It holds if the value is at most this: nearly zero, or a tolerance [-].
+    mode
+        Number of the plant's mode that it is about, from 0.
+    band
+        Ends of the band as ratios of the mode's frequency, lower first [-]; for ``band`` only.
+    """
+
+    quantity: Quantity
+    limit: float
+    mode: int = 0
+    band: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,6 +107,8 @@ class Problem:
         Starts in order of preference.
     designed_for
         The actuator of the claims: an ideal one for shapers that know no actuator.
+    claims
+        What the impulses keep; none stands for the claims of the kind, each at its zero.
     """
 
     model: Model
@@ -88,6 +119,7 @@ class Problem:
     horizon_rad: float
     seeds: tuple[Seed, ...]
     designed_for: Actuator
+    claims: tuple[Promise, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -100,10 +132,13 @@ class ClosedForm:
         The shaper.
     designed_for
         The actuator of the claims.
+    claims
+        What the impulses keep; none stands for the claims of the kind, each at its zero.
     """
 
     impulses: Impulses
     designed_for: Actuator
+    claims: tuple[Promise, ...] = ()
 
 
 Formulation = ClosedForm | Problem

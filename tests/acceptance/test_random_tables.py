@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from design.actuators import Model
-from design.analysis.certificate import LIMITS, certify
+from design.analysis.certificate import LIMITS, certify, zeros
 from design.impulses import Impulses
 from design.tables.compute import counted_rows
 from design.tables.rows import VERIFIED
@@ -31,7 +31,7 @@ def test_rows_marked_verified_are_shapers(order: int, model: Model) -> None:
         impulses = Impulses(
             times_s=rows.results[index, :5], amplitudes=np.array([1.0, -1.0, 1.0, -1.0, 1.0])
         )
-        assert certify(impulses, plant.mode, actuator, ("residual", "slope")).verified
+        assert certify(impulses, plant.mode, actuator, zeros(["residual", "slope"])).verified
         if model == "superposed":
             left = claims_by_formula(impulses, plant.mode, actuator)
             assert left["residual"] <= LIMITS["residual"]

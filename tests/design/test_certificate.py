@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from design.actuators import Actuator, FirstOrder, SecondOrder
-from design.analysis.certificate import LIMITS, METHOD, Certificate, Claim, certify
+from design.analysis.certificate import LIMITS, METHOD, Certificate, Claim, certify, zeros
 from design.impulses import Impulses
 from design.pipeline import design
 from design.plants import Mode, Plant
@@ -31,13 +31,15 @@ def moved(impulses: Impulses, index: int, by: float) -> Impulses:
 
 
 def values(impulses: Impulses, mode: Mode, actuator: Actuator) -> dict[str, float]:
-    return {one.quantity: one.value for one in certify(impulses, mode, actuator, CLAIMS).claims}
+    return {
+        one.quantity: one.value for one in certify(impulses, mode, actuator, zeros(CLAIMS)).claims
+    }
 
 
 @pytest.mark.parametrize("plant", [CRANE, DAMPED])
 @pytest.mark.parametrize("actuator", [IDEAL, FIRST_ORDER, THESIS])
 def test_a_right_shaper_is_verified(plant: Plant, actuator: Actuator) -> None:
-    certificate = certify(shaper("numzvd", plant, actuator), plant.mode, actuator, CLAIMS)
+    certificate = certify(shaper("numzvd", plant, actuator), plant.mode, actuator, zeros(CLAIMS))
     assert certificate.verified
     assert [claim.limit for claim in certificate.claims] == [1e-9, 1e-7]
 
@@ -47,13 +49,13 @@ def test_a_right_shaper_is_verified(plant: Plant, actuator: Actuator) -> None:
 def test_a_switch_a_tenth_of_a_microsecond_off_is_found(index: int, by: float) -> None:
     wrong = moved(shaper("numzvd", CRANE, THESIS), index, by)
     # 3.5 rad/s for 1e-7 s: 3.5e-7 of a step, 350 times the limit.
-    assert not certify(wrong, CRANE.mode, THESIS, ("residual",)).verified
+    assert not certify(wrong, CRANE.mode, THESIS, zeros(("residual",))).verified
 
 
 @pytest.mark.parametrize("actuator", [IDEAL, FIRST_ORDER, SWAPPED])
 def test_a_shaper_for_another_actuator_is_not_verified(actuator: Actuator) -> None:
     made = shaper("numzvd", CRANE, THESIS)
-    assert not certify(made, CRANE.mode, actuator, ("residual",)).verified
+    assert not certify(made, CRANE.mode, actuator, zeros(("residual",))).verified
 
 
 @pytest.mark.parametrize("ratio", [0.999, 1.001])
@@ -61,17 +63,17 @@ def test_a_shaper_for_another_frequency_is_not_verified(ratio: float) -> None:
     other = Mode(natural_frequency_rad_s=ratio * CRANE.mode.natural_frequency_rad_s)
     made = shaper("numzvd", CRANE, THESIS)
     # A zero slope still leaves (width ~ .26 at 5 %) about 3e-6 at a thousandth.
-    assert not certify(made, other, THESIS, ("residual",)).verified
+    assert not certify(made, other, THESIS, zeros(("residual",))).verified
 
 
 def test_a_wrong_amplitude_is_not_verified() -> None:
     made = shaper("umzv", CRANE, IDEAL)
     wrong = Impulses(times_s=made.times_s, amplitudes=np.array([1.0, -1.0, 1.0 + 1e-8]))
-    assert not certify(wrong, CRANE.mode, IDEAL, ("residual",)).verified
+    assert not certify(wrong, CRANE.mode, IDEAL, zeros(("residual",))).verified
 
 
 def test_a_shaper_of_three_impulses_has_a_slope() -> None:
-    certificate = certify(shaper("numzv", CRANE, THESIS), CRANE.mode, THESIS, CLAIMS)
+    certificate = certify(shaper("numzv", CRANE, THESIS), CRANE.mode, THESIS, zeros(CLAIMS))
     holds = {claim.quantity: claim.holds for claim in certificate.claims}
     assert holds == {"residual": True, "slope": False}
     assert not certificate.verified
@@ -109,7 +111,7 @@ def test_a_stiff_actuator_does_not_drown_the_slope_in_rounding(rate: float) -> N
 
 
 def test_only_what_is_claimed_is_recomputed() -> None:
-    certificate = certify(shaper("umzv", CRANE, IDEAL), CRANE.mode, IDEAL, ("residual",))
+    certificate = certify(shaper("umzv", CRANE, IDEAL), CRANE.mode, IDEAL, zeros(("residual",)))
     assert [claim.quantity for claim in certificate.claims] == ["residual"]
     assert certificate.method == METHOD
 
@@ -132,7 +134,7 @@ def test_a_right_shaper_of_five_periods_is_verified() -> None:
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=0.05)
     made = Impulses(times_s=long_solution(mode, lag), amplitudes=np.array([1.0, -1, 1, -1, 1]))
     assert claims_by_formula(made, mode, lag)["slope"] <= 1e-11
-    assert certify(made, mode, lag, CLAIMS).verified
+    assert certify(made, mode, lag, zeros(CLAIMS)).verified
 
 
 def long_solution(mode: Mode, actuator: FirstOrder) -> FloatArray:
