@@ -36,6 +36,9 @@ CHECKED_POINTS = 1001
 
 TIMES_TIME = " * time_s"
 
+SAME_AMPLITUDE = 1e-12
+"""Difference of two amplitudes that is rounding [-]."""
+
 STARTING_DEGREE = 8
 """Of the fit that the exact curve is found from, by Newton's method."""
 
@@ -307,10 +310,17 @@ class _Curve:
         self.poles_rad_s = np.array([mode.pole_rad_s for mode in modes])
         self.frequencies_rad_s = np.array([mode.natural_frequency_rad_s for mode in modes])
         self.formulations = [kind.formulate(mode, actuator, self.options) for mode in modes]
-        first = self.formulations[0]
-        self.amplitudes = (
-            first.amplitudes if isinstance(first, Problem) else first.impulses.amplitudes
+        self.amplitudes, last = (
+            form.amplitudes if isinstance(form, Problem) else form.impulses.amplitudes
+            for form in (self.formulations[0], self.formulations[-1])
         )
+        if np.abs(self.amplitudes - last).max() > SAME_AMPLITUDE:
+            raise InvalidInputError(
+                "over",
+                axis.variable.meaning,
+                f"a field on which the amplitudes of {kind.name} do not depend: a fit is of times; "
+                "a table holds both",
+            )
         self.exact_times_s = self._exact_times_s()
 
     def designed(self, x: float) -> Impulses:

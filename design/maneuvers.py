@@ -3,6 +3,8 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from design.actuators import (
     Actuator,
     FirstOrder,
@@ -275,6 +277,13 @@ def _require_provable(name: str, value: float, travel_s: float, mode: Mode) -> N
 def _parts(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any) -> Parts:  # noqa: ANN401
     start = design(plant, actuator, kind, options).impulses
     formulation = kind.formulate(plant.mode, actuator, options)
+    peak = options.max_velocity_ratio if isinstance(options, PeakOptions) else 1.0
+    if not set(np.cumsum(start.amplitudes[:-1]).tolist()) <= {0.0, peak} or formulation.claims:
+        raise InvalidInputError(
+            "shaper.kind",
+            kind.name,
+            "one of unity magnitude that leaves nothing: moves are solved on levels 0 and 1",
+        )
     settling = options if isinstance(options, SettleOptions) else SettleOptions()
     parts = Parts(
         mode=plant.mode,
@@ -285,7 +294,7 @@ def _parts(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any) -> 
         horizon_rad=2 * settling.max_duration_periods * PERIOD_RAD,
         start=start,
         stop=mirrored_stop(start),
-        peak=options.max_velocity_ratio if isinstance(options, PeakOptions) else 1.0,
+        peak=peak,
     )
     try:
         return _with_stop(parts, plant, kind, options)

@@ -34,7 +34,7 @@ class SolverReport:
     Attributes
     ----------
     name
-        ``ipopt`` or ``closed_form``.
+        ``ipopt``, ``closed_form`` or ``newton``: the latter followed from a closed form.
     status
         How the run ended.
     iterations
@@ -169,7 +169,11 @@ def solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport
         yield (
             formulation.impulses,
             SolverReport(
-                name="closed_form", status="solve_succeeded", iterations=0, seed="none", starts=0
+                name=formulation.method,
+                status="solve_succeeded",
+                iterations=0,
+                seed="none",
+                starts=0,
             ),
         )
         return

@@ -35,13 +35,15 @@ def denominator(actuator: Actuator, *, accel: bool) -> tuple[float, float]:
     return 2 * one.damping_ratio / one.natural_frequency_rad_s, 1 / one.natural_frequency_rad_s**2
 
 
-def gain_and_slope(actuator: Actuator, s: complex, *, accel: bool) -> tuple[complex, complex]:
-    """G(s) and dG/ds of one set, with the ramp that a limit makes of a unit step."""
+def gain_and_slope(
+    actuator: Actuator, s: complex, *, accel: bool, height: float = 1.0
+) -> tuple[complex, complex]:
+    """G(s) and dG/ds of one set, with the ramp that a limit makes of a step of that height."""
     if isinstance(actuator, RateLimited):
         gain, slope = gain_and_slope(actuator.then, s, accel=accel)
         limit = actuator.accel_limit_m_s2 if accel else actuator.decel_limit_m_s2
         # exp(-y) sinh(y)/y with y half the ramp's turn: no digits are lost in short ramps.
-        half = actuator.speed_m_s / limit / 2
+        half = abs(height) * actuator.speed_m_s / limit / 2
         y = s * half
         wave = cmath.sinh(y) / y
         wave_slope = (cmath.cosh(y) - wave) / y if abs(y) > 0.1 else y / 3 + y**3 / 30 + y**5 / 840
@@ -68,13 +70,39 @@ def claims_by_formula(
         strict=True,
     )
     for time, amplitude, accel in steps:
-        gain, gain_slope = gain_and_slope(actuator, s, accel=accel)
+        gain, gain_slope = gain_and_slope(actuator, s, accel=accel, height=amplitude)
         turn = amplitude * cmath.exp(-s * (time - start))
         vector += turn * gain
         slope += turn * s * (gain_slope - (time - start) * gain)
     unit = abs(gain_and_slope(actuator, s, accel=True)[0])
     shrink = math.exp(-z * w * impulses.duration_s) / unit
     return {"residual": abs(vector) * shrink, "slope": abs(slope) * shrink}
+
+
+def ideal_derivative_by_formula(impulses: Impulses, mode: Mode, order: int) -> float:
+    """``|d^k V / d(ln w)^k|`` of steps through an ideal actuator, as a Bell polynomial in s t.
+
+    With ``x = -s t``, ``d^k exp(x) / d(ln w)^k`` is ``x``, ``x^2 + x``, ``x^3 + 3 x^2 + x`` times
+    ``exp(x)``: the Touchard polynomials.
+    """
+    touchard = {0: (1.0,), 1: (0, 1.0), 2: (0, 1.0, 1.0), 3: (0, 1.0, 3.0, 1.0)}[order]
+    z, w = mode.damping_ratio, mode.natural_frequency_rad_s
+    s = w * complex(-z, math.sqrt(1 - z * z))
+    total = 0j
+    for time, amplitude in zip(
+        impulses.times_s.tolist(), impulses.amplitudes.tolist(), strict=True
+    ):
+        x = -s * (time - float(impulses.times_s[0]))
+        total += amplitude * cmath.exp(x) * sum(c * x**k for k, c in enumerate(touchard))
+    return abs(total) * math.exp(-z * w * impulses.duration_s)
+
+
+def largest_in_band_by_formula(
+    impulses: Impulses, mode: Mode, actuator: Actuator, band: tuple[float, float], points: int
+) -> float:
+    """Return the largest residual on an even grid over a band of ratios, by the same formula."""
+    ratios = np.linspace(*band, points).tolist()
+    return max(claims_by_formula(impulses, mode, actuator, ratio)["residual"] for ratio in ratios)
 
 
 def _lag_parts(actuator: Actuator) -> list[tuple[float, float]]:

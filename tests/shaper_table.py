@@ -8,7 +8,10 @@ from typing import Any
 
 from design.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder, SecondOrderSet
 from design.plants import Mode, Pendulum, Plant
+from design.shapers.ei import ToleranceOptions
 from design.shapers.kind import NoOptions, PeakOptions, SettleOptions
+from design.shapers.negative import NegativeOptions
+from design.shapers.positive import MzvOptions
 
 CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81)
 """The thesis's crane, 3.50178526 rad/s."""
@@ -45,28 +48,97 @@ class Row:
         Every combination is designed.
     impulses
         Number of impulses of each.
+    unity
+        Whether their amplitudes are +1, -1, +1, ...
+    for_ideal
+        Kinds of actuator that are taken to follow their command.
     """
 
     plants: tuple[Plant, ...]
     actuators: tuple[Actuator, ...]
     options: tuple[Any, ...]
     impulses: int
+    unity: bool = True
+    for_ideal: frozenset[str] = frozenset()
 
 
 PLANTS: tuple[Plant, ...] = (CRANE, DAMPED, HEAVILY_DAMPED)
 
+ALL = (IDEAL, FIRST_ORDER, THESIS, LIMITED)
+EVERY_KIND = frozenset(actuator.kind for actuator in ALL)
+LIMITED_KIND = frozenset({LIMITED.kind})
+
+
+def _positive(impulses: int, *options: Any, plants: tuple[Plant, ...] = PLANTS) -> Row:
+    return Row(
+        plants=plants,
+        actuators=ALL,
+        options=(None, *options),
+        impulses=impulses,
+        unity=False,
+        for_ideal=LIMITED_KIND,
+    )
+
+
 SHAPER_TABLE: dict[str, Row] = {
+    "zv": _positive(2, NoOptions()),
+    "zvd": _positive(3, NoOptions()),
+    "zvdd": _positive(4, NoOptions()),
+    "zvddd": _positive(5, NoOptions()),
+    "mzv": _positive(3, MzvOptions(t=0.6), MzvOptions(tau=1.2)),
+    "ei": _positive(3, ToleranceOptions(tolerance=0.1), ToleranceOptions(tolerance=0.01)),
+    "two_hump_ei": _positive(
+        4, ToleranceOptions(tolerance=0.02), ToleranceOptions(tolerance=0.005)
+    ),
+    "three_hump_ei": _positive(
+        5, ToleranceOptions(tolerance=0.02), ToleranceOptions(tolerance=0.005)
+    ),
+    "um_ei": Row(
+        plants=PLANTS,
+        actuators=ALL,
+        options=(None, ToleranceOptions(tolerance=0.02)),
+        impulses=5,
+        for_ideal=EVERY_KIND,
+    ),
+    "um_2ei": Row(
+        plants=PLANTS,
+        actuators=ALL,
+        options=(None, ToleranceOptions(tolerance=0.02)),
+        impulses=7,
+        for_ideal=EVERY_KIND,
+    ),
+    "ps_zv": Row(
+        plants=PLANTS,
+        actuators=ALL,
+        options=(None, NoOptions()),
+        impulses=3,
+        unity=False,
+        for_ideal=EVERY_KIND,
+    ),
+    "sna_zv": Row(
+        plants=PLANTS,
+        actuators=(IDEAL, FIRST_ORDER, THESIS),
+        options=(
+            None,
+            NegativeOptions(negative_amplitude=0.05),
+            NegativeOptions(negative_amplitude=1.0),
+        ),
+        impulses=3,
+        unity=False,
+    ),
     "umzv": Row(
         plants=PLANTS,
         actuators=(IDEAL, FIRST_ORDER, THESIS, LIMITED),
         options=(None, NoOptions()),
         impulses=3,
+        for_ideal=EVERY_KIND,
     ),
     "umzvd": Row(
         plants=PLANTS,
         actuators=(IDEAL, FIRST_ORDER, THESIS, LIMITED),
         options=(None, NoOptions()),
         impulses=5,
+        for_ideal=EVERY_KIND,
     ),
     "umzvc": Row(
         plants=PLANTS,

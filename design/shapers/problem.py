@@ -124,7 +124,7 @@ class Problem:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ClosedForm:
-    """A shaper that needs no solver.
+    """A shaper that needs no search.
 
     Attributes
     ----------
@@ -134,11 +134,14 @@ class ClosedForm:
         The actuator of the claims.
     claims
         What the impulses keep; none stands for the claims of the kind, each at its zero.
+    method
+        ``closed_form``, or ``newton`` for equations followed from one.
     """
 
     impulses: Impulses
     designed_for: Actuator
     claims: tuple[Promise, ...] = ()
+    method: Literal["closed_form", "newton"] = "closed_form"
 
 
 Formulation = ClosedForm | Problem

@@ -1,7 +1,14 @@
 """Every kind of shaper. One more: write its file, then list it here (CONTRIBUTING.md)."""
 
+from design.shapers.ei import EI, THREE_HUMP_EI, TWO_HUMP_EI, UM_2EI, UM_EI
 from design.shapers.kind import ShaperKind
+from design.shapers.negative import PS_ZV, SNA_ZV
 from design.shapers.numzv import NUMZV, NUMZVD, UMZVC
+from design.shapers.positive import MZV, ZV, ZVD, ZVDD, ZVDDD
 from design.shapers.umzv import UMZV, UMZVD
 
-SHAPERS: dict[str, ShaperKind] = {kind.name: kind for kind in (UMZV, UMZVD, UMZVC, NUMZV, NUMZVD)}
+POSITIVE = (ZV, ZVD, ZVDD, ZVDDD, MZV, EI, TWO_HUMP_EI, THREE_HUMP_EI)
+UNITY = (UMZV, UMZVD, UM_EI, UM_2EI, UMZVC, NUMZV, NUMZVD)
+NEGATIVE = (PS_ZV, SNA_ZV)
+
+SHAPERS: dict[str, ShaperKind] = {kind.name: kind for kind in (*POSITIVE, *UNITY, *NEGATIVE)}

@@ -162,7 +162,7 @@ def counted_rows(
 
 
 def _empty(specification: TableSpecification, rows: int) -> _Table:
-    impulses = len(amplitudes_of(specification.kind))
+    impulses = len(amplitudes_of(specification.kind, specification.options))
     return _Table(
         times_s=np.full((rows, impulses), np.nan),
         amplitudes=np.full((rows, impulses), np.nan),

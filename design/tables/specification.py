@@ -20,6 +20,9 @@ COLUMNS = ("times_s", "amplitudes", "phases_rad", "duration_s", "residual", "slo
 
 DEFAULT_COLUMNS = ("times_s", "residual")
 
+SOME_DAMPING = 0.01
+"""A damping ratio at which every kind of shaper exists [-]."""
+
 MOST_ROWS = 10_000_000_000
 """Rows of one table: at 40 bytes a row, 400 GB of results."""
 
@@ -135,6 +138,16 @@ class TableSpecification:
                 raise InvalidInputError(
                     f"columns.{number}", name, f"one of {', '.join(COLUMNS)}, each once"
                 )
+        if "amplitudes" not in self.columns and {"times_s", "phases_rad"} & set(self.columns):
+            undamped, damped = (
+                amplitudes_of(self.kind, self.options, ratio) for ratio in (0.0, SOME_DAMPING)
+            )
+            if undamped != damped:
+                raise InvalidInputError(
+                    "columns",
+                    list(self.columns),
+                    f"with amplitudes: those of {self.kind.name} depend on the damping",
+                )
 
     def _check_size(self) -> None:
         require_rows(self.rows)
@@ -230,15 +243,17 @@ def require_rows(rows: int) -> None:
         )
 
 
-def amplitudes_of(kind: ShaperKind) -> tuple[float, ...]:
-    """Return the amplitudes of a kind of shaper, which all rows of a table share [-].
+def amplitudes_of(kind: ShaperKind, options: Any, damping_ratio: float = 0.0) -> tuple[float, ...]:  # noqa: ANN401
+    """Return the amplitudes of a kind of shaper behind a symmetric actuator [-].
 
-    They do not depend on plant and actuator: taken at a symmetric one, where every kind exists.
+    Those of unity magnitude do not depend on plant and actuator, and all rows of a table share
+    them; others do, and stand in columns of their own.
     """
     actuator: Actuator = Ideal()
     if actuator.kind not in kind.actuators:
         actuator = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1)
-    formulation = kind.formulate(Mode(natural_frequency_rad_s=1.0), actuator, kind.options())
+    mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=damping_ratio)
+    formulation = kind.formulate(mode, actuator, kind.options() if options is None else options)
     if isinstance(formulation, ClosedForm):
         return tuple(formulation.impulses.amplitudes.tolist())
     return tuple(formulation.amplitudes.tolist())
@@ -246,7 +261,7 @@ def amplitudes_of(kind: ShaperKind) -> tuple[float, ...]:
 
 def columns_of(specification: TableSpecification) -> tuple[Column, ...]:
     """Return the columns of a table: fields, results, status, reason."""
-    impulses = len(amplitudes_of(specification.kind))
+    impulses = len(amplitudes_of(specification.kind, specification.options))
     series = {
         "times_s": [(f"t{number}_s", "s") for number in range(1, impulses + 1)],
         "amplitudes": [(f"a{number}", "1") for number in range(1, impulses + 1)],

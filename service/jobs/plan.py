@@ -74,7 +74,7 @@ def head_of(job: Job | NewJob, *, fitted: bool) -> TableHead:
     """Return the head of a job's files; the polynomials where they are wanted and asked for."""
     request = TableRequest.model_validate_json(job.specification)
     specification = specification_of(job.specification)
-    amplitudes = amplitudes_of(specification.kind)
+    amplitudes = amplitudes_of(specification.kind, specification.options)
     polynomials = None
     if fitted and request.fit is not None:
         polynomials = fit(

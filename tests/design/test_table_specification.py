@@ -1,6 +1,7 @@
 """What a table is of."""
 
 import itertools
+import math
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from design.actuators import SecondOrder, SecondOrderSet
 from design.errors import InvalidInputError
 from design.plants import Pendulum
 from design.shapers.registry import SHAPERS
+from design.tables.compute import compute_rows
 from design.tables.specification import Axis, TableSpecification, amplitudes_of, columns_of
 
 DRIVE = SecondOrder(
@@ -69,8 +71,23 @@ def test_columns_are_fields_results_status_and_reason() -> None:
 
 
 @pytest.mark.parametrize("name", SHAPERS)
-def test_unity_magnitude_amplitudes_sum_to_one(name: str) -> None:
-    assert sum(amplitudes_of(SHAPERS[name])) == 1.0
+def test_amplitudes_sum_to_one(name: str) -> None:
+    assert sum(amplitudes_of(SHAPERS[name], None)) == pytest.approx(1.0, abs=1e-15)
+
+
+def test_amplitudes_that_differ_from_row_to_row_need_columns() -> None:
+    def of_zvd(*columns: str) -> TableSpecification:
+        axis = Axis(path=DAMPING, values=np.linspace(0.0, 0.2, 3))
+        return table(kind=SHAPERS["zvd"], options=None, axes=(axis,), columns=columns)
+
+    with pytest.raises(InvalidInputError, match=r"^columns must be with amplitudes: those of zvd "):
+        of_zvd("times_s", "residual")
+    rows = compute_rows(of_zvd("times_s", "amplitudes", "residual"), 0, 3)
+    assert (rows.status == 0).all()
+    for (z,), found in zip(rows.fields.tolist(), rows.results, strict=True):
+        decay = math.exp(-math.pi * z / math.sqrt(1 - z * z))
+        shares = np.array([1, 2 * decay, decay**2]) / (1 + decay) ** 2
+        assert found[3:6] == pytest.approx(shares, abs=1e-15)
 
 
 def huge(points: int) -> Axis:

@@ -1,0 +1,123 @@
+"""EI, two- and three-hump EI, UM-EI and UM-2EI: what a shaper leaves may reach a tolerance.
+
+At the price of that the band of frequencies is wider than that of a shaper without vibration at the
+nominal one. The equations and their solution are those of `design.shapers.humps`.
+"""
+
+import functools
+from dataclasses import dataclass, field
+
+from design.actuators import Actuator, Ideal
+from design.impulses import Impulses
+from design.plants import Mode
+from design.shapers.humps import Humps, humped
+from design.shapers.kind import ShaperKind
+from design.shapers.positive import EVERY_ACTUATOR, served
+from design.shapers.problem import ClosedForm, Formulation, Promise
+from design.types import require_between
+
+SMALLEST_TOLERANCE, LARGEST_TOLERANCE = 1e-3, 0.5
+"""Below it the zeros beside a hump are nearly one; above it little is suppressed [-]."""
+
+ZERO = 1e-9
+"""What counts as no residual: as in the certificate, which formulations do not import [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToleranceOptions:
+    """Parameters of the extra-insensitive shapers.
+
+    Attributes
+    ----------
+    tolerance
+        Largest residual vibration between the outermost zeros [-].
+    """
+
+    tolerance: float = field(
+        default=0.05,
+        metadata={
+            "description": "Residual vibration that each hump of the curve reaches.",
+            "ge": SMALLEST_TOLERANCE,
+            "le": LARGEST_TOLERANCE,
+        },
+    )
+
+    def __post_init__(self) -> None:
+        require_between("tolerance", self.tolerance, SMALLEST_TOLERANCE, LARGEST_TOLERANCE)
+
+
+def extra_insensitive(
+    mode: Mode, actuator: Actuator, options: ToleranceOptions, *, seed: str
+) -> Formulation:
+    """Formulate one of the shapers of this module, by the name of its undamped form."""
+    found = humped(seed, mode.damping_ratio, options.tolerance)
+    return ClosedForm(
+        impulses=Impulses(
+            times_s=found.phases_rad / mode.natural_frequency_rad_s, amplitudes=found.amplitudes
+        ),
+        designed_for=Ideal() if found.unity else served(actuator),
+        claims=_promises(found, options.tolerance),
+        method="newton" if mode.damping_ratio > 0 or found.unity else "closed_form",
+    )
+
+
+def _promises(found: Humps, tolerance: float) -> tuple[Promise, ...]:
+    """Return what the curve keeps: a hump or a zero at the nominal frequency, and all humps."""
+    nominal = tolerance if 1.0 in found.peaks else ZERO
+    band = (float(found.zeros[0]), float(found.zeros[-1]))
+    return (
+        Promise(quantity="residual", limit=nominal),
+        Promise(quantity="band", limit=tolerance, band=band),
+    )
+
+
+def _kind(name: str, summary: str, source: str) -> ShaperKind:
+    return ShaperKind(
+        name=name,
+        summary=summary,
+        source=source,
+        claims=("residual", "band"),
+        options=ToleranceOptions,
+        actuators=EVERY_ACTUATOR,
+        formulate=functools.partial(extra_insensitive, seed=name),
+    )
+
+
+MULTI_HUMP = (
+    'W. Singhose, L. Porter, T. Tuttle, N. Singer, "Vibration reduction using multi-hump input '
+    'shapers", J. Dyn. Sys., Meas., Control 119 (1997)'
+)
+NEGATIVE = (
+    'W. Singhose, W. Seering, N. Singer, "Time-optimal negative input shapers", '
+    "J. Dyn. Sys., Meas., Control 119 (1997)"
+)
+
+EI = _kind(
+    "ei",
+    "Three positive impulses, one hump of the tolerance at the nominal frequency, zeros beside it.",
+    'W. Singhose, W. Seering, N. Singer, "Residual vibration reduction using vector diagrams to '
+    'generate shaped inputs", J. Mech. Des. 116 (1994); damped: its equations, solved',
+)
+TWO_HUMP_EI = _kind(
+    "two_hump_ei",
+    "Four positive impulses, zero at the nominal frequency, a hump of the tolerance on either "
+    "side.",
+    f"{MULTI_HUMP}; damped: its equations, solved",
+)
+THREE_HUMP_EI = _kind(
+    "three_hump_ei",
+    "Five positive impulses, three humps of the tolerance, one at the nominal frequency.",
+    f"{MULTI_HUMP}; damped: its equations, solved",
+)
+UM_EI = _kind(
+    "um_ei",
+    "Five impulses of unity magnitude, one hump of the tolerance at the nominal frequency, for an "
+    "actuator that follows its command.",
+    f"{NEGATIVE}; its equations, solved",
+)
+UM_2EI = _kind(
+    "um_2ei",
+    "Seven impulses of unity magnitude, zero at the nominal frequency, a hump of the tolerance on "
+    "either side, for an actuator that follows its command.",
+    f"{NEGATIVE}; its equations, solved",
+)

@@ -1,0 +1,167 @@
+"""Negative shapers between the positive and those of unity magnitude: SNA and partial sums.
+
+A larger negative impulse makes a shaper faster and swings the drive more.
+"""
+
+import cmath
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from design.actuators import Actuator, Ideal
+from design.errors import InfeasibleDesignError, InvalidInputError
+from design.impulses import Impulses
+from design.plants import Mode
+from design.shapers.kind import NoOptions, ShaperKind
+from design.shapers.positive import EVERY_ACTUATOR
+from design.shapers.problem import ClosedForm, Formulation
+from design.shapers.unity_magnitude import (
+    ZERO_VIBRATION,
+    decel_over_accel,
+    undamped_times_rad,
+    unity_magnitude_problem,
+)
+
+SOURCE = (
+    'W. Singhose, W. Seering, N. Singer, "Time-optimal negative input shapers", '
+    "J. Dyn. Sys., Meas., Control 119 (1997)"
+)
+
+LONGEST_PERIODS = 3.0
+"""Longest of these shapers that is searched, in undamped periods [-]."""
+
+PARTIAL_SUMS = np.array([1.0, -2.0, 2.0])
+"""Impulses of PS-ZV: the command is at 1, -1 and 1 [-]."""
+
+HALVINGS = 60
+"""Of an interval of a quarter turn: to the last digit."""
+
+
+def ps_zv(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+    """Formulate the three impulses 1, -2, 2, whose sums are 1 in magnitude.
+
+    The second step takes the command from 1 to -1: which set of an asymmetric actuator drives which
+    part of it no model of steps can say. So the actuator is taken to follow its command.
+    """
+    if mode.damping_ratio == 0:
+        phases = undamped_times_rad(1.0, np.zeros(2), 2 * math.pi, PARTIAL_SUMS)
+        times = phases / mode.natural_frequency_rad_s
+        return ClosedForm(
+            impulses=Impulses(times_s=times, amplitudes=PARTIAL_SUMS), designed_for=Ideal()
+        )
+    return unity_magnitude_problem(
+        ZERO_VIBRATION,
+        mode,
+        Ideal(),
+        settle=False,
+        max_duration_periods=LONGEST_PERIODS,
+        amplitudes=PARTIAL_SUMS,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NegativeOptions:
+    """Parameters of the shapers of given negative amplitude.
+
+    Attributes
+    ----------
+    negative_amplitude
+        Size of the negative impulse [-].
+    """
+
+    negative_amplitude: float = field(
+        default=0.5,
+        metadata={
+            "description": "Size of the negative impulse: 1 for unity magnitude, towards 0 the "
+            "shaper tends to zv.",
+            "gt": 0,
+            "le": 1,
+        },
+    )
+
+    def __post_init__(self) -> None:
+        if not 0 < self.negative_amplitude <= 1:
+            raise InvalidInputError(
+                "negative_amplitude", self.negative_amplitude, "greater than 0 and at most 1"
+            )
+
+
+def sna_zv(mode: Mode, actuator: Actuator, options: NegativeOptions) -> Formulation:
+    """Formulate three impulses of which the second is given and none is above 1.
+
+    The first and third swing alike at the end: undamped the fastest of all their shares, damped by
+    less than 0.05 % slower up to z = 0.1, 0.6 % at 0.5. Where the first would be above 1 it is 1,
+    and the third as large as the second. A switched actuator gets the amplitudes of a superposed
+    one, and times of its own.
+    """
+    b, z = options.negative_amplitude, mode.damping_ratio
+    ratio = decel_over_accel(mode, actuator)
+    turn = _isosceles(b, z, ratio)
+    first = (1 + b) / (1 + math.exp(-2 * turn * z / math.sqrt(1 - z * z)))
+    amplitudes = np.array([min(first, 1.0), -b, 1 + b - min(first, 1.0)])
+    if first <= 1 and actuator.model == "superposed":
+        damped = math.sqrt(1 - z * z) * mode.natural_frequency_rad_s
+        times = np.array([0.0, turn + cmath.phase(ratio), 2 * turn]) / damped
+        if 0 < times[1] < times[2]:
+            return ClosedForm(
+                impulses=Impulses(times_s=times, amplitudes=amplitudes), designed_for=actuator
+            )
+    return unity_magnitude_problem(
+        ZERO_VIBRATION,
+        mode,
+        actuator,
+        settle=False,
+        max_duration_periods=LONGEST_PERIODS,
+        amplitudes=amplitudes,
+    )
+
+
+def _isosceles(b: float, damping_ratio: float, ratio: complex) -> float:
+    """Return half the damped phase of a shaper whose outer impulses swing alike [rad].
+
+    With c the first amplitude, ``k = z / sqrt(1 - z^2)`` and ``a exp(j p) = G_decel / G_accel``,
+    ``V = 0`` for impulses c, -b, 1 + b - c at 0, x + p and 2 x is::
+
+        c = (1 + b) / (1 + exp(-2 k x)),    (1 + b) cos x = b a exp(k p) cosh(k x)
+
+    whose left side falls from x = 0 to a quarter turn while its right side does not.
+    """
+    k = damping_ratio / math.sqrt(1 - damping_ratio**2)
+    pull = b * abs(ratio) * math.exp(k * cmath.phase(ratio))
+    if pull >= 1 + b:
+        raise InfeasibleDesignError(
+            f"the vector diagram does not close: behind the deceleration set an impulse of {b:g} "
+            f"acts as one of {pull:.6g}, more than the other two together, {1 + b:g}"
+        )
+    low, high = 0.0, math.pi / 2
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        if (1 + b) * math.cos(middle) > pull * math.cosh(k * middle):
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+PS_ZV = ShaperKind(
+    name="ps_zv",
+    summary="Impulses 1, -2, 2 (partial sums of magnitude 1), zero vibration, for an actuator that "
+    "follows its command.",
+    source=SOURCE,
+    claims=("residual",),
+    options=NoOptions,
+    actuators=EVERY_ACTUATOR,
+    formulate=ps_zv,
+)
+
+SNA_ZV = ShaperKind(
+    name="sna_zv",
+    summary="Three impulses, the negative one of given amplitude, zero vibration, behind an "
+    "asymmetric actuator.",
+    source=f"{SOURCE}; asymmetric actuator: its vector diagram at the pole, closed",
+    claims=("residual",),
+    options=NegativeOptions,
+    actuators=("ideal", "first_order", "second_order"),
+    formulate=sna_zv,
+)

@@ -1,0 +1,215 @@
+"""ZV, ZVD, ZVDD, ZVDDD and MZV: positive impulses, evenly spaced, in closed form.
+
+All their steps increase the command, so behind an actuator they share its acceleration set's G:
+one factor, which changes no zero. They are exact for superposed and for switched steps. Behind
+limits a lower step has a shorter ramp, G is no common factor: there they are for an ideal one.
+"""
+
+import cmath
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from design.actuators import Actuator, Ideal, RateLimited
+from design.errors import InvalidInputError
+from design.impulses import Impulses
+from design.plants import Mode
+from design.shapers.kind import NoOptions, Quantity, ShaperKind
+from design.shapers.problem import ClosedForm, Formulation
+from design.types import require_between
+
+EVERY_ACTUATOR = ("ideal", "rate_limited", "first_order", "second_order")
+
+DERIVATIVES: tuple[Quantity, ...] = (
+    "residual",
+    "slope",
+    "second_derivative",
+    "third_derivative",
+)
+
+BINOMIALS = ((1.0, 1.0), (1.0, 2.0, 1.0), (1.0, 3.0, 3.0, 1.0), (1.0, 4.0, 6.0, 4.0, 1.0))
+
+FEWEST_MZV, MOST_MZV = 3, 12
+"""Impulses of an MZV: from twelve on its zeros lie so close that a wide band costs little more."""
+
+MZV_DURATION = 0.75
+"""Duration of an MZV in damped periods if neither t nor tau is given [-]."""
+
+
+def served(actuator: Actuator) -> Actuator:
+    """Return the actuator for which a positive shaper is exact: the one given but for limits."""
+    return Ideal() if isinstance(actuator, RateLimited) else actuator
+
+
+def evenly(
+    mode: Mode, actuator: Actuator, weights: tuple[float, ...], spacing_rad: float
+) -> ClosedForm:
+    """Return impulses a damped phase apart, of undamped weights.
+
+    Their swings at the last impulse are to each other as the weights: impulse i is smaller by
+    ``exp(-z spacing i / sqrt(1 - z^2))``, as a swing that began with the first has decayed by then.
+    """
+    z = mode.damping_ratio
+    damped = math.sqrt(1 - z * z)
+    decay = math.exp(-z * spacing_rad / damped)
+    amplitudes = [weight * decay**number for number, weight in enumerate(weights)]
+    total = math.fsum(amplitudes)
+    gap = spacing_rad / (damped * mode.natural_frequency_rad_s)
+    return ClosedForm(
+        impulses=Impulses(
+            times_s=gap * np.arange(len(weights)),
+            amplitudes=np.array([amplitude / total for amplitude in amplitudes]),
+        ),
+        designed_for=served(actuator),
+    )
+
+
+def _zero_vibration(order: int) -> Callable[[Mode, Actuator, Any], Formulation]:
+    weights = BINOMIALS[order]
+
+    def formulate(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+        return evenly(mode, actuator, weights, math.pi)
+
+    return formulate
+
+
+def _zv_kind(name: str, order: int, summary: str, source: str) -> ShaperKind:
+    return ShaperKind(
+        name=name,
+        summary=summary,
+        source=source,
+        claims=DERIVATIVES[: order + 1],
+        options=NoOptions,
+        actuators=EVERY_ACTUATOR,
+        formulate=_zero_vibration(order),
+    )
+
+
+SINGER = (
+    'N. C. Singer, W. P. Seering, "Preshaping command inputs to reduce system vibration", '
+    "J. Dyn. Sys., Meas., Control 112 (1990)"
+)
+
+ZV = _zv_kind(
+    "zv",
+    0,
+    "Two positive impulses half a period apart, zero vibration; also known as posicast.",
+    f'O. J. M. Smith, "Posicast control of damped oscillatory systems", Proc. IRE 45 (1957); '
+    f"{SINGER}",
+)
+ZVD = _zv_kind("zvd", 1, "Three positive impulses, zero vibration and slope.", SINGER)
+ZVDD = _zv_kind(
+    "zvdd", 2, "Four positive impulses, zero vibration, slope and second derivative.", SINGER
+)
+ZVDDD = _zv_kind(
+    "zvddd", 3, "Five positive impulses, zero vibration and its first three derivatives.", SINGER
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MzvOptions:
+    """Parameters of an MZV shaper.
+
+    Attributes
+    ----------
+    n
+        Number of impulses [-].
+    t
+        Duration in damped periods, below (n - 1)/2 [-].
+    tau
+        In place of t: the duration that it tends to with n, ``t = tau (n - 1)/(n + 2 tau - 2)``
+        [-].
+    """
+
+    n: int = field(
+        default=FEWEST_MZV,
+        metadata={"description": "Number of impulses.", "ge": FEWEST_MZV, "le": MOST_MZV},
+    )
+    t: float | None = field(
+        default=None,
+        metadata={
+            "description": "Duration in damped periods, below (n - 1)/2; 0.75 if neither t nor "
+            "tau is given.",
+            "ge": 0.1,
+            "le": 5.5,
+        },
+    )
+    tau: float | None = field(
+        default=None,
+        metadata={
+            "description": "In place of t: the duration that it tends to as n grows, "
+            "t = tau (n - 1)/(n + 2 tau - 2).",
+            "ge": 0.1,
+            "le": 100.0,
+        },
+    )
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.n, int):
+            raise InvalidInputError("n", self.n, "a whole number")
+        require_between("n", self.n, FEWEST_MZV, MOST_MZV)
+        if self.t is not None and self.tau is not None:
+            raise InvalidInputError("tau", self.tau, "left out where t is given")
+        if self.t is not None and not 0 < self.t < (self.n - 1) / 2:
+            raise InvalidInputError(
+                "t", self.t, f"between 0 and (n - 1)/2 = {(self.n - 1) / 2:g}, both excluded"
+            )
+        if self.tau is not None and not 0 < self.tau < math.inf:
+            raise InvalidInputError("tau", self.tau, "finite and > 0")
+
+    @property
+    def duration_periods(self) -> float:
+        """Duration in damped periods [-]."""
+        if self.tau is not None:
+            return self.tau * (self.n - 1) / (self.n + 2 * self.tau - 2)
+        return MZV_DURATION if self.t is None else self.t
+
+
+def mzv(mode: Mode, actuator: Actuator, options: MzvOptions) -> Formulation:
+    """Formulate a shaper faster than ZVD: impulses closer than half a period.
+
+    With x the turn from one impulse to the next, ``V`` is a polynomial in x. Its n - 1 roots lie on
+    the unit circle, evenly from the nominal phase ``p = 2 pi t / (n - 1)`` to ``2 pi - p``: so the
+    zeros go on at equal distances in frequency, the first of them at the nominal one.
+    """
+    phase = 2 * math.pi * options.duration_periods / (options.n - 1)
+    weights = mzv_weights(options.n, phase)
+    if min(weights) < 0:
+        raise InvalidInputError(
+            "shaper.t",
+            options.duration_periods,
+            f"longer: {options.n} impulses in as many damped periods would not all be positive",
+        )
+    return evenly(mode, actuator, weights, phase)
+
+
+@functools.lru_cache(maxsize=256)
+def mzv_weights(n: int, phase: float) -> tuple[float, ...]:
+    """Return the coefficients of the polynomial whose roots are those of `mzv`, shape (n,)."""
+    step = 2 * (math.pi - phase) / (n - 2)
+    polynomial: list[complex] = [1.0]
+    for number in range(n - 1):
+        root = cmath.exp(1j * (phase + number * step))
+        shifted = [*polynomial, 0j]
+        for index, coefficient in enumerate(polynomial):
+            shifted[index + 1] -= root * coefficient
+        polynomial = shifted
+    # Each root's conjugate is a root: what is left of imaginary parts is rounding.
+    return tuple(coefficient.real for coefficient in polynomial)
+
+
+MZV = ShaperKind(
+    name="mzv",
+    summary="Evenly spaced positive impulses, zero vibration; three in 3/4 of a period unless told "
+    "otherwise.",
+    source="D. Butyugin, Klipper firmware, input shapers (2020), decay per impulse "
+    "exp(-2 pi t z / ((n - 1) sqrt(1 - z^2)))",
+    claims=("residual",),
+    options=MzvOptions,
+    actuators=EVERY_ACTUATOR,
+    formulate=mzv,
+)
