@@ -36,12 +36,14 @@ slope up to a hundred periods.
 HIGHER: dict[Quantity, int] = {"second_derivative": 2, "third_derivative": 3}
 """Derivatives that are taken of a polynomial through several frequencies, and their orders."""
 
-NODES = 13
-REACH_RAD = 0.5
-"""Frequencies of that polynomial, and the turn of the last phase from the middle one to the ends.
+NODES = 17
+REACH_RAD = 1.0
+LARGEST_REACH = 0.3
+"""Frequencies of that polynomial; the turn of the last phase from the middle one to the ends, which
+are at most a third away, so that an actuator's poles stay far.
 
-Of a vibration that turns by phase p the third derivative is off by less than 1e-13 p^3 by the
-polynomial's degree, and by some 1e-12 p^3 by rounding.
+Of a vibration that turns by phase p the third derivative is off by less than 1e-15 p^3 by the
+polynomial's degree, and by up to 1e-11 p^3 by rounding in what is simulated.
 """
 
 BAND_STEP_RAD = 0.1
@@ -148,7 +150,7 @@ def certify(
     logarithms = step * (np.array([0.0, -1.0, 1.0]) if "slope" in quantities else np.zeros(1))
     highest = max((HIGHER.get(name, 0) for name in quantities), default=0)
     if highest:
-        reach = REACH_RAD / phase
+        reach = min(REACH_RAD / phase, LARGEST_REACH)
         logarithms = np.concatenate((logarithms, reach * chebyshev.chebpts1(NODES)))
     ratios = np.exp(logarithms)
     initial = None if swing is None else _initial_state(swing, mode, ratios)

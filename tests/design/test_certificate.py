@@ -13,7 +13,7 @@ from design.plants import Mode, Plant
 from design.shapers.kind import Quantity
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
-from tests.routes import claims_by_formula
+from tests.routes import claims_by_formula, ideal_derivative_by_formula
 from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, THESIS
 
 CLAIMS: tuple[Quantity, ...] = ("residual", "slope")
@@ -146,3 +146,16 @@ def long_solution(mode: Mode, actuator: FirstOrder) -> FloatArray:
     )
     gaps = next(candidates(problem)).gaps_rad
     return np.concatenate(([0.0], np.cumsum(gaps))) / mode.natural_frequency_rad_s
+
+
+@pytest.mark.parametrize("z", [0.0, 0.1, 0.4])
+def test_higher_derivatives_of_any_command_are_those_of_the_formula(z: float) -> None:
+    mode = Mode(natural_frequency_rad_s=3.5, damping_ratio=z)
+    for times, amplitudes in COMMANDS.values():
+        command = Impulses(times_s=times, amplitudes=amplitudes)
+        promises = zeros(["second_derivative", "third_derivative"])
+        for order, claim in enumerate(certify(command, mode, IDEAL, promises).claims, start=2):
+            expected = ideal_derivative_by_formula(command, mode, order)
+            # Rounding: 1e-11 p^3 for phases p of up to 8.
+            assert claim.value == pytest.approx(expected, abs=5e-9)
+            assert claim.holds == (expected <= LIMITS[claim.quantity])
