@@ -1,9 +1,10 @@
-"""What moves: a lightly damped mode, given directly or as a pendulum."""
+"""What moves: lightly damped modes, given directly, as a pendulum or as a mass on a spring."""
 
 import cmath
 import math
 from dataclasses import dataclass
 
+from design.errors import InvalidInputError
 from design.types import require_between, require_scale
 
 STANDARD_GRAVITY_M_S2 = 9.80665
@@ -36,6 +37,11 @@ class Mode:
     def mode(self) -> "Mode":
         """The mode itself: every plant answers with the mode to be shaped."""
         return self
+
+    @property
+    def modes(self) -> tuple["Mode", ...]:
+        """Every mode to be shaped, here one."""
+        return (self,)
 
     @property
     def unit_pole(self) -> complex:
@@ -84,5 +90,62 @@ class Pendulum:
             damping_ratio=self.damping_ratio,
         )
 
+    @property
+    def modes(self) -> tuple[Mode, ...]:
+        """Every mode to be shaped, here one."""
+        return (self.mode,)
 
-Plant = Mode | Pendulum
+
+MOST_MODES = 6
+"""Modes of one plant, at most: what the search for joint shapers is tried with."""
+
+NEAREST_POLES = 1e-3
+"""Distance of two poles, over the slower, below which shaping both asks for a slope [-]."""
+
+WIDEST_SPREAD = 30.0
+"""Highest over lowest natural frequency of one plant: joint shapers grow with it [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Modes:
+    """Several vibration modes of one plant, all driven by the acceleration of its support.
+
+    Attributes
+    ----------
+    modes
+        Two to six, no two alike, in any order.
+    """
+
+    modes: tuple[Mode, ...]
+
+    def __post_init__(self) -> None:
+        if not 1 < len(self.modes) <= MOST_MODES:
+            raise InvalidInputError(
+                "modes", f"{len(self.modes)} modes", f"a list of 2 to {MOST_MODES} here"
+            )
+        for number, one in enumerate(self.modes):
+            for earlier, other in enumerate(self.modes[:number]):
+                poles = one.pole_rad_s, other.pole_rad_s
+                if abs(poles[0] - poles[1]) < NEAREST_POLES * min(map(abs, poles)):
+                    raise InvalidInputError(
+                        f"modes.{number}",
+                        (one.natural_frequency_rad_s, one.damping_ratio),
+                        f"another mode than modes.{earlier}: equal modes are one, for which zvd or "
+                        "umzvd add robustness",
+                    )
+                ratio = one.natural_frequency_rad_s / other.natural_frequency_rad_s
+                if max(ratio, 1 / ratio) > WIDEST_SPREAD:
+                    raise InvalidInputError(
+                        f"modes.{number}.natural_frequency_rad_s",
+                        one.natural_frequency_rad_s,
+                        f"within {WIDEST_SPREAD:g} times of modes.{earlier}, "
+                        f"{other.natural_frequency_rad_s!r}",
+                    )
+
+    @property
+    def mode(self) -> Mode:
+        """The mode itself, which there is not: whoever asks serves plants of one mode."""
+        raise InvalidInputError("plant.modes", f"{len(self.modes)} modes", "a list of one here")
+
+
+Plant = Mode | Pendulum | Modes

@@ -4,8 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from design.errors import InvalidInputError
-from design.plants import STANDARD_GRAVITY_M_S2, Mode, Pendulum
+from design.plants import MOST_MODES, STANDARD_GRAVITY_M_S2, Mode, Modes, Pendulum
 from schemas.base import PlantDamping, Positive, Wire, named
 
 
@@ -31,21 +30,21 @@ class ModeIn(BareMode):
 
 
 class ModesIn(Wire):
-    """Several vibration modes of one plant."""
+    """Several vibration modes of one plant, or one."""
 
     kind: Literal["modes"]
-    modes: Annotated[list[BareMode], Field(min_length=1, max_length=100)]
+    modes: Annotated[
+        list[BareMode],
+        Field(min_length=1, max_length=MOST_MODES, description="No two of them alike."),
+    ]
 
-    def to_design(self) -> Mode:
+    def to_design(self) -> Mode | Modes:
         """Build the design record."""
-        if len(self.modes) > 1:
-            raise InvalidInputError(
-                "modes",
-                f"{len(self.modes)} modes",
-                "a list of one: shapers for several modes at once are not served yet",
-            )
-        with named("modes.0"):
-            return self.modes[0].to_design()
+        built = []
+        for number, one in enumerate(self.modes):
+            with named(f"modes.{number}"):
+                built.append(one.to_design())
+        return built[0] if len(built) == 1 else Modes(modes=tuple(built))
 
 
 class PendulumIn(Wire):

@@ -5,7 +5,7 @@ from typing import Any, Literal, Protocol
 
 from design.actuators import Actuator
 from design.impulses import Impulses
-from design.types import FloatArray
+from design.types import ComplexArray, FloatArray
 
 Quantity = Literal["residual", "slope", "second_derivative", "third_derivative", "band"]
 """What a shaper may claim to keep small.
@@ -144,4 +144,29 @@ class ClosedForm:
     method: Literal["closed_form", "newton"] = "closed_form"
 
 
-Formulation = ClosedForm | Problem
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class JointProblem:
+    """The fastest shaper that leaves no vibration in any of several modes.
+
+    Attributes
+    ----------
+    unit_poles
+        Poles of the modes over the lowest natural frequency, shape (m,).
+    natural_frequency_rad_s
+        That frequency: it turns phases into times [rad/s].
+    positive
+        Whether amplitudes are positive; else the command is anywhere from 0 to 1.
+    designed_for
+        The actuator of the claims.
+    claims
+        What the impulses keep.
+    """
+
+    unit_poles: ComplexArray
+    natural_frequency_rad_s: float
+    positive: bool
+    designed_for: Actuator
+    claims: tuple[Promise, ...]
+
+
+Formulation = ClosedForm | Problem | JointProblem

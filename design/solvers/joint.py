@@ -1,0 +1,357 @@
+"""The fastest command without vibration in several modes: structure first, then Newton's method.
+
+A command of duration T whose vector ``V_k = sum A_i exp(-s_k t_i)`` is zero for every mode leaves
+``sum A_i P(t_i) = 0``, whatever the c, with the function of time::
+
+    P(t) = Re sum_k conj(c_k) exp(-s_k t)
+
+Of positive amplitudes none is so short that P is still positive. A command u between 0 and 1 obeys
+``P(0) = -integral of u P' + P(T) - ... <= fall of P over [0, T]``, so none is so short that P has
+fallen by less than P(0). Every c gives a lower bound that way, and the best c the optimum: there
+positive impulses stand where P touches zero, the command is 1 where P rises and 0 where it falls.
+
+A linear program over a time grid, at a duration that is too short, finds the c that shows this
+best; the bound that it gives is the next duration. Near the optimum c tells how many impulses there
+are, and Newton's method solves for times, amplitudes and c at once, off the grid.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.errors import InfeasibleDesignError
+from design.shapers.problem import JointProblem
+from design.solvers import highs
+from design.types import ComplexArray, FloatArray
+
+PERIOD_RAD = 2 * math.pi
+
+POINTS_A_TURN = 24
+"""Points of a search for zeros, to a period of the fastest mode [-]."""
+
+CELLS_A_TURN = 20
+"""Cells of the linear program, to a period of the fastest mode [-]."""
+
+FEWEST_CELLS = 60
+"""Cells of the first linear program, at least [-]."""
+
+MOST_PROGRAMS = 60
+"""Linear programs until the search is given up; a dozen do for six modes."""
+
+FINEST = 8.0
+"""How many times finer than at first the grid may become [-]."""
+
+NEAR = 0.1
+"""Step of the duration, over itself, from which on c is trusted with the structure [-]."""
+
+NEWTON_STEPS = 30
+CONVERGED = 1e-12
+"""Step of times and amplitudes after which the next is rounding."""
+
+ZERO = 1e-12
+"""Largest vibration that counts as none, over the unshaped step [-]."""
+
+SHORTEST_GAP_RAD = 1e-6
+"""Impulses closer than this, in turns of the slowest mode, are one [rad]."""
+
+CLOSE_ENOUGH = 1e-6
+"""Gap between bound and duration, over the duration, at which nothing better is looked for [-]."""
+
+LIFT = 1e-7
+"""Height of P above zero at the impulses but the last; it costs the bound about as much [-]."""
+
+LONGEST_TURNS = 40.0
+"""Longest duration that is searched, in periods of the slowest mode and one mode [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Shortest:
+    """A command without vibration, by the solver's word, and what stands against shorter ones.
+
+    Attributes
+    ----------
+    times_rad, amplitudes
+        Its impulses, shape (n,) each [rad], [-].
+    vectors
+        The c, shape (m,) [-].
+    iterations
+        Steps of Newton's method.
+    programs
+        Linear programs until then.
+    """
+
+    times_rad: FloatArray
+    amplitudes: FloatArray
+    vectors: ComplexArray
+    iterations: int
+    programs: int
+
+
+def shortest(problem: JointProblem) -> Iterator[Shortest]:
+    """Yield the fastest command, then, if one is asked for, the best that is not shown fastest.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        When all are used up; says how far was searched.
+    """
+    search = _Search(problem.unit_poles, positive=problem.positive)
+    duration, fineness = search.first_bound_rad, 1.0
+    best: Shortest | None = None
+    for programs in range(1, MOST_PROGRAMS + 1):
+        obstacle = search.obstacle_to(duration, fineness)
+        bound = duration
+        if obstacle is not None:
+            bound = max(duration, search.bound_rad(obstacle.vectors))
+            if bound < duration * (1 + NEAR):
+                found = search.sharpened(obstacle, bound, programs)
+                if found is not None:
+                    bound = max(bound, search.bound_rad(found.vectors))
+                    if best is None or found.times_rad[-1] < best.times_rad[-1]:
+                        best = found
+                    if found.times_rad[-1] <= bound * (1 + CLOSE_ENOUGH):
+                        yield found
+                        break
+        if bound > search.horizon_rad:
+            break
+        if bound <= duration * (1 + CLOSE_ENOUGH):
+            if fineness >= FINEST:
+                break
+            fineness *= 2
+        duration = bound
+    if best is not None:
+        yield best
+    raise InfeasibleDesignError(
+        f"no command found without vibration in all {problem.unit_poles.size} modes: none is "
+        f"shorter than {duration / PERIOD_RAD:.6g} periods of the slowest, and {programs} linear "
+        "programs led to none"
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Obstacle:
+    """What a linear program finds against a duration: c, and where positive impulses stand."""
+
+    vectors: ComplexArray
+    support: FloatArray
+    cell: float
+
+
+class _Search:
+    """The functions of time that belong to one plant."""
+
+    def __init__(self, poles: ComplexArray, *, positive: bool) -> None:
+        self.poles = poles
+        self.positive = positive
+        self.fastest = float(np.abs(poles).max())
+        self.horizon_rad = LONGEST_TURNS * PERIOD_RAD * poles.size
+        slowest = float(np.abs(poles).min())
+        # A shaper of the slowest mode alone takes half a period, a third where steps go both ways.
+        self.first_bound_rad = 0.99 * PERIOD_RAD / slowest / (2 if positive else 3)
+
+    def swings(self, times: FloatArray, order: int = 0) -> ComplexArray:
+        """``exp(-s t)`` and its derivatives in time, shape (m, n)."""
+        s = self.poles[:, None]
+        found: ComplexArray = (-s) ** order * np.exp(-s * times)
+        return found
+
+    def pull(self, vectors: ComplexArray, times: FloatArray, order: int = 0) -> FloatArray:
+        """P or a derivative, shape (n,)."""
+        found: FloatArray = (vectors.conj() @ self.swings(times, order)).real
+        return found
+
+    def obstacle_to(self, duration: float, fineness: float) -> _Obstacle | None:
+        """Return the c that shows best that a duration is too short; None if it is not on the grid.
+
+        Equations are scaled so that each is the vibration at the end.
+        """
+        turns = duration * self.fastest / PERIOD_RAD
+        cells = int(fineness * max(FEWEST_CELLS, CELLS_A_TURN * turns))
+        grid = np.linspace(0, duration, cells + 1)
+        swings = self.swings(grid)
+        scaled = swings * np.exp(self.poles.real * duration)[:, None]
+        if self.positive:
+            matrix, right = scaled, np.zeros(self.poles.size)
+        else:
+            matrix, right = np.diff(scaled), scaled[:, -1]
+        solved = highs.least_violation(
+            np.vstack((matrix.real, matrix.imag)),
+            np.concatenate((right.real, right.imag)),
+            sum_to_one=self.positive,
+        )
+        if solved is None or solved.violation < ZERO:
+            return None
+        real, imaginary = np.split(solved.multipliers, 2)
+        vectors = (real + 1j * imaginary) * np.exp(self.poles.real * duration)
+        if self.positive:
+            vectors = -vectors
+        return _Obstacle(
+            vectors=vectors / np.linalg.norm(vectors),
+            support=grid[: solved.unknowns.size][solved.unknowns > ZERO],
+            cell=duration / cells,
+        )
+
+    def zeros(self, vectors: ComplexArray, until: float, order: int) -> FloatArray:
+        """Times at which a derivative of P changes its sign, shape (k,)."""
+        points = max(64, int(POINTS_A_TURN * self.fastest * until / PERIOD_RAD))
+        times = np.linspace(0, until, points)
+        values = self.pull(vectors, times, order)
+        left = np.flatnonzero(values[:-1] * values[1:] < 0)
+        low, high = times[left], times[left + 1]
+        rising = values[left] < 0
+        for _ in range(50):  # halves the step to its last digit
+            middle = (low + high) / 2
+            before = (self.pull(vectors, middle, order) < 0) == rising
+            low, high = np.where(before, middle, low), np.where(before, high, middle)
+        return (low + high) / 2
+
+    def bound_rad(self, vectors: ComplexArray) -> float:
+        """Return the duration that c excludes, as far as the search for zeros sees."""
+        if self.pull(vectors, np.zeros(1))[0] <= 0:
+            return 0.0
+        until = 4 * self.first_bound_rad
+        while True:
+            found = self._bound_until(vectors, until)
+            if found < until or until > self.horizon_rad:
+                return found
+            until *= 2
+
+    def _bound_until(self, vectors: ComplexArray, until: float) -> float:
+        turning = np.concatenate(([0.0], self.zeros(vectors, until, 1), [until]))
+        heights = self.pull(vectors, turning)
+        if self.positive:
+            low = np.flatnonzero(heights <= 0)
+            if not low.size:
+                return until
+            last, level = int(low[0]) - 1, 0.0
+        else:
+            falls = np.cumsum(np.maximum(heights[:-1] - heights[1:], 0))
+            last = int(np.searchsorted(falls, heights[0]))
+            if last == falls.size:
+                return until
+            level = float(heights[last + 1] + falls[last] - heights[0])
+        low_end, high_end = float(turning[last]), float(turning[last + 1])
+        for _ in range(60):
+            middle = (low_end + high_end) / 2
+            if self.pull(vectors, np.array([middle]))[0] > level:
+                low_end = middle
+            else:
+                high_end = middle
+        return low_end
+
+    def sharpened(self, obstacle: _Obstacle, duration: float, programs: int) -> Shortest | None:
+        """Solve the conditions of optimality from a c near the best one; None where that fails."""
+        vectors = obstacle.vectors
+        turning = self.zeros(vectors, duration, 1)
+        if self.positive:
+            lowest = turning[self.pull(vectors, turning, 2) > 0]
+            distances = np.abs(lowest[:, None] - obstacle.support).min(axis=1, initial=np.inf)
+            touched = lowest[distances < 2 * obstacle.cell]
+            times = np.concatenate(([0.0], touched, [duration]))
+            amplitudes = self._least_squares_amplitudes(times)
+        else:
+            times = np.concatenate(([0.0], turning, [duration]))
+            if times.size % 2 == 0:
+                return None
+            amplitudes = np.where(np.arange(times.size) % 2 == 0, 1.0, -1.0)
+        for iteration in range(1, NEWTON_STEPS + 1):
+            step = self._newton_step(times, amplitudes, vectors)
+            moved = step[: times.size - 1]
+            gaps, changes = np.diff(times), np.diff(moved, prepend=0.0)
+            closing = changes < 0
+            share = min(1.0, 0.7 * float(np.min(-gaps[closing] / changes[closing], initial=2.0)))
+            step = share * step
+            times = times + np.concatenate(([0.0], step[: times.size - 1]))
+            rest = step[times.size - 1 :]
+            if self.positive:
+                amplitudes = amplitudes + rest[: times.size]
+                rest = rest[times.size :]
+            real, imaginary = np.split(rest, 2)
+            vectors = vectors + real + 1j * imaginary
+            if share == 1 and np.abs(step).max() < CONVERGED:
+                break
+        left = np.abs(self.swings(times) @ amplitudes) * np.exp(self.poles.real * times[-1])
+        good = (
+            left.max() < ZERO
+            and np.diff(times).min() > SHORTEST_GAP_RAD
+            and (amplitudes.min() > 0 or not self.positive)
+        )
+        if not good:
+            return None
+        if self.positive:
+            vectors = self._lifted(vectors, times)
+        return Shortest(
+            times_rad=times,
+            amplitudes=amplitudes,
+            vectors=vectors / np.linalg.norm(vectors),
+            iterations=iteration,
+            programs=programs,
+        )
+
+    def _lifted(self, vectors: ComplexArray, times: FloatArray) -> ComplexArray:
+        """Return c with P a little above zero where it touched, so that it passes it once only."""
+        swings = self.swings(times[:-1]).T
+        rows = np.hstack((swings.real, swings.imag))
+        real, imaginary = np.split(np.linalg.lstsq(rows, np.ones(times.size - 1), rcond=None)[0], 2)
+        lifted: ComplexArray = vectors + LIFT * (real + 1j * imaginary)
+        return lifted
+
+    def _least_squares_amplitudes(self, times: FloatArray) -> FloatArray:
+        swings = self.swings(times) * np.exp(self.poles.real * times[-1])[:, None]
+        rows = np.vstack((swings.real, swings.imag, np.ones(times.size)))
+        right = np.append(np.zeros(2 * self.poles.size), 1.0)
+        found: FloatArray = np.linalg.lstsq(rows, right, rcond=None)[0]
+        return found
+
+    def _newton_step(
+        self, times: FloatArray, amplitudes: FloatArray, vectors: ComplexArray
+    ) -> FloatArray:
+        """Return the step of times, of amplitudes if positive, and of c: real, then imaginary.
+
+        Equations: V = 0; the amplitudes' sum; ``|c| = 1``; ``P' = 0`` at the inner impulses, and of
+        positive amplitudes ``P = 0`` at all: one equation too many but consistent, for
+        ``sum A_i P(t_i)`` is zero where V is. Least squares minds neither that nor a c that
+        is not unique.
+        """
+        m, n = self.poles.size, times.size
+        scale = np.exp(self.poles.real * times[-1])[:, None]
+        swings, rates, bends = (self.swings(times, order) for order in range(3))
+        left = (swings @ amplitudes) * scale[:, 0]
+        c = vectors.conj()
+        inner = slice(1, n - 1)
+        own = n - 1 + n * self.positive  # unknowns ahead of c
+        rows, values = [], []
+
+        def add(block: FloatArray, value: FloatArray) -> None:
+            rows.append(block)
+            values.append(value)
+
+        def derivative_in_c(columns: ComplexArray) -> FloatArray:
+            return np.hstack((columns.real.T, columns.imag.T))
+
+        vibration = np.zeros((m, own + 2 * m), dtype=np.complex128)
+        vibration[:, : n - 1] = rates[:, 1:] * amplitudes[1:] * scale
+        if self.positive:
+            vibration[:, n - 1 : own] = swings * scale
+        add(np.vstack((vibration.real, vibration.imag)), np.concatenate((left.real, left.imag)))
+        flat = np.zeros((n - 2, own + 2 * m))
+        flat[np.arange(n - 2), np.arange(n - 2)] = (c @ bends[:, inner]).real
+        flat[:, own:] = derivative_in_c(rates[:, inner])
+        add(flat, (c @ rates[:, inner]).real)
+        if self.positive:
+            total = np.zeros((1, own + 2 * m))
+            total[0, n - 1 : own] = 1.0
+            add(total, np.array([amplitudes.sum() - 1]))
+            touching = np.zeros((n, own + 2 * m))
+            touching[np.arange(1, n), np.arange(n - 1)] = (c @ rates[:, 1:]).real
+            touching[:, own:] = derivative_in_c(swings)
+            add(touching, (c @ swings).real)
+        length = np.zeros((1, own + 2 * m))
+        length[0, own:] = 2 * np.concatenate((vectors.real, vectors.imag))
+        add(length, np.array([float((np.abs(vectors) ** 2).sum()) - 1]))
+        found: FloatArray = np.linalg.lstsq(np.vstack(rows), -np.concatenate(values), rcond=1e-13)[
+            0
+        ]
+        return found
