@@ -4,19 +4,29 @@ plant + actuator -> formulation -> seeds -> solver -> impulses -> certificate ->
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from design.actuators import SETTLED_SHARE, Actuator, unit_ramps_s
-from design.analysis.certificate import Certificate, certify, zeros
+from design.analysis.certificate import Certificate, certify_modes, zeros
 from design.analysis.residual import require_workable, residual_vibration
+from design.analysis.shortest import excluded_rad
+from design.commands import convolved
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
 from design.plants import Mode, Plant
 from design.shapers.kind import ShaperKind
-from design.shapers.problem import ClosedForm, Formulation, Problem
+from design.shapers.problem import (
+    ClosedForm,
+    Convolution,
+    Formulation,
+    JointProblem,
+    Problem,
+    Promise,
+)
+from design.solvers.joint import shortest
 from design.solvers.search import candidates
 from design.types import FloatArray
 
@@ -26,6 +36,12 @@ SLOW_ACTUATOR = 2.0
 SETTLED_MARGIN = 1e-6
 """A gap at its bound has settled: IPOPT relaxes bounds by 1e-8, times are rounded [-]."""
 
+OVER_RANGE = 1e-9
+"""What a command may be out of range by: rounding of its amplitudes [-]."""
+
+SAME_TIME = 1e-12
+"""Steps of convolved shapers closer than this, over the duration, are one [-]."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SolverReport:
@@ -34,7 +50,7 @@ class SolverReport:
     Attributes
     ----------
     name
-        ``ipopt``, ``closed_form`` or ``newton``: the latter followed from a closed form.
+        ``ipopt``, ``highs``, ``closed_form``, or ``newton``: followed from a closed form.
     status
         How the run ended.
     iterations
@@ -42,7 +58,11 @@ class SolverReport:
     seed
         Name of its start.
     starts
-        Starts tried until then.
+        Starts tried until then; linear programs of ``highs``.
+    lower_bound_s
+        No shaper of its class is as short: proven for all times; None where nothing is proven [s].
+    gap
+        How far the duration may be above the shortest, over itself; None likewise [-].
     """
 
     name: str
@@ -50,6 +70,8 @@ class SolverReport:
     iterations: int
     seed: str
     starts: int
+    lower_bound_s: float | None = None
+    gap: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,8 +90,8 @@ class Design:
     ----------
     impulses
         The shaper.
-    residual
-        What it leaves with the actuator given, whatever it was designed for [-].
+    residuals
+        What it leaves in each mode with the actuator given, whatever it was designed for [-].
     certificate
         Its claims, recomputed for the actuator that it was designed for.
     solver
@@ -79,10 +101,15 @@ class Design:
     """
 
     impulses: Impulses
-    residual: float
+    residuals: tuple[float, ...]
     certificate: Certificate
     solver: SolverReport
     warnings: tuple[DesignWarning, ...]
+
+    @property
+    def residual(self) -> float:
+        """The most that it leaves in any mode with the actuator given [-]."""
+        return max(self.residuals)
 
 
 def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = None) -> Design:  # noqa: ANN401
@@ -128,21 +155,23 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
             actuator.kind,
             f"one that {kind.name} serves: {', '.join(kind.actuators)}",
         )
-    mode = plant.mode
-    require_workable(mode, actuator)
-    formulation = kind.formulate(mode, actuator, kind.options() if options is None else options)
-    promises = formulation.claims or zeros(kind.claims)
+    modes = plant.modes
+    for mode in modes:
+        require_workable(mode, actuator)
+    formulation = _formulation(modes, actuator, kind, kind.options() if options is None else options)
+    promises = promises_of(formulation, kind, modes)
     unverified: Certificate | None = None
     try:
         for impulses, report in solutions(formulation):
-            certificate = certify(impulses, mode, formulation.designed_for, promises)
+            certificate = certify_modes(impulses, modes, formulation.designed_for, promises)
             if certificate.verified:
+                fastest = max(modes, key=lambda mode: mode.natural_frequency_rad_s)
                 return Design(
                     impulses=impulses,
-                    residual=residual_vibration(impulses, mode, actuator),
+                    residuals=tuple(residual_vibration(impulses, mode, actuator) for mode in modes),
                     certificate=certificate,
                     solver=report,
-                    warnings=tuple(warnings_of(impulses, mode, actuator)),
+                    warnings=tuple(warnings_of(impulses, fastest, actuator)),
                 )
             unverified = certificate
     except InfeasibleDesignError:
@@ -150,6 +179,39 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
             raise
     raise SolverFailedError(
         f"no solution of {kind.name} was verified; of the last one {shortfall_of(unverified)}"
+    )
+
+
+def _formulation(
+    modes: tuple[Mode, ...],
+    actuator: Actuator,
+    kind: ShaperKind,
+    options: Any,  # noqa: ANN401
+) -> Formulation:
+    if kind.formulate_jointly is not None:
+        return kind.formulate_jointly(modes, actuator, options)
+    if len(modes) > 1:
+        raise InvalidInputError(
+            "plant.modes",
+            f"{len(modes)} modes",
+            f"a list of one: {kind.name} serves a single mode; multi_zv, multi_umzv and convolved "
+            "serve several",
+        )
+    return kind.formulate(modes[0], actuator, options)
+
+
+def promises_of(
+    formulation: Formulation, kind: ShaperKind, modes: tuple[Mode, ...]
+) -> tuple[Promise, ...]:
+    """Return what a formulation says of each mode, and else what its kind does, each at zero."""
+    if isinstance(formulation, Convolution):
+        of_modes = [part.claims or zeros(formulation.zeros_of_parts) for part in formulation.parts]
+    elif formulation.claims:
+        return formulation.claims
+    else:
+        of_modes = [zeros(kind.claims)] * len(modes)
+    return tuple(
+        replace(promise, mode=number) for number, own in enumerate(of_modes) for promise in own
     )
 
 
@@ -177,6 +239,12 @@ def solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport
             ),
         )
         return
+    if isinstance(formulation, JointProblem):
+        yield from _joint_solutions(formulation)
+        return
+    if isinstance(formulation, Convolution):
+        yield _convolution(formulation)
+        return
     for candidate in candidates(formulation):
         yield (
             _impulses(formulation, candidate.gaps_rad),
@@ -188,6 +256,56 @@ def solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport
                 starts=candidate.starts,
             ),
         )
+
+
+def _joint_solutions(problem: JointProblem) -> Iterator[tuple[Impulses, SolverReport]]:
+    w = problem.natural_frequency_rad_s
+    for found in shortest(problem):
+        duration = float(found.times_rad[-1])
+        bound = excluded_rad(
+            problem.unit_poles, found.vectors, duration, positive=problem.positive
+        )
+        yield (
+            Impulses(times_s=found.times_rad / w, amplitudes=found.amplitudes),
+            SolverReport(
+                name="highs",
+                status="solve_succeeded",
+                iterations=found.iterations,
+                seed="linear_program",
+                starts=found.programs,
+                lower_bound_s=bound / w,
+                gap=1 - bound / duration,
+            ),
+        )
+
+
+def _convolution(convolution: Convolution) -> tuple[Impulses, SolverReport]:
+    """Convolve the first solution of each part, and refuse what leaves the range of the command."""
+    solved = [next(solutions(part)) for part in convolution.parts]
+    impulses, report = solved[0]
+    for further, _ in solved[1:]:
+        impulses = _merged(convolved(impulses, further))
+    levels = np.cumsum(impulses.amplitudes)
+    low, high = float(levels.min()), float(levels.max())
+    if low < -OVER_RANGE or high > 1 + OVER_RANGE:
+        raise InfeasibleDesignError(
+            f"the convolved command would go from {low:.6g} to {high:.6g} of full speed, beyond 0 "
+            "to 1; multi_umzv solves all modes jointly within that range"
+        )
+    return impulses, replace(
+        report,
+        iterations=sum(one.iterations for _, one in solved),
+        starts=sum(one.starts for _, one in solved),
+    )
+
+
+def _merged(impulses: Impulses) -> Impulses:
+    """Join steps at the same time but for rounding, and leave out those that cancel."""
+    times, amplitudes = impulses.times_s, impulses.amplitudes
+    apart = np.diff(times, prepend=-np.inf) > SAME_TIME * impulses.duration_s
+    summed = np.add.reduceat(amplitudes, np.flatnonzero(apart))
+    kept = np.abs(summed) > SAME_TIME
+    return Impulses(times_s=times[apart][kept], amplitudes=summed[kept])
 
 
 def _impulses(problem: Problem, gaps_rad: FloatArray) -> Impulses:

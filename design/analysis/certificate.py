@@ -188,6 +188,20 @@ def certify(
     )
 
 
+def certify_modes(
+    impulses: Impulses,
+    modes: tuple[Mode, ...],
+    actuator: Actuator,
+    promises: tuple[Promise, ...],
+) -> Certificate:
+    """Recompute the claims of a shaper about several modes, each in its own; see `certify`."""
+    claims = []
+    for number, mode in enumerate(modes):
+        own = tuple(promise for promise in promises if promise.mode == number)
+        claims += certify(impulses, mode, actuator, own).claims
+    return Certificate(claims=tuple(claims))
+
+
 def _largest_in_band(
     impulses: Impulses, mode: Mode, actuator: Actuator, band: tuple[float, float]
 ) -> float:

@@ -9,7 +9,7 @@ from design.plants import Mode
 from design.shapers.problem import Formulation, Promise, Quantity
 from design.types import require_between
 
-__all__ = ["NoOptions", "PeakOptions", "Promise", "Quantity", "SettleOptions", "ShaperKind"]
+__all__ = ["NoOptions", "PeakOptions", "Promise", "Quantity", "SettleOptions", "ShaperKind", "for_one_of"]
 
 SHORTEST_HORIZON_PERIODS = 0.1
 LONGEST_HORIZON_PERIODS = 100.0
@@ -108,6 +108,8 @@ class ShaperKind:
     formulate_stop
         The same for the negative of a stop, given the actuator with its sets in each other's place;
         None where that is a start.
+    formulate_jointly
+        The same for several modes; None for shapers of one mode.
     """
 
     name: str
@@ -118,3 +120,15 @@ class ShaperKind:
     actuators: tuple[str, ...]
     formulate: Callable[[Mode, Actuator, Any], Formulation]
     formulate_stop: Callable[[Mode, Actuator, Any], Formulation] | None = None
+    formulate_jointly: Callable[[tuple[Mode, ...], Actuator, Any], Formulation] | None = None
+
+
+def for_one_of(
+    formulate_jointly: Callable[[tuple[Mode, ...], Actuator, Any], Formulation],
+) -> Callable[[Mode, Actuator, Any], Formulation]:
+    """Return how a shaper of several modes is formulated for a plant that has one."""
+
+    def formulate(mode: Mode, actuator: Actuator, options: Any) -> Formulation:  # noqa: ANN401
+        return formulate_jointly((mode,), actuator, options)
+
+    return formulate

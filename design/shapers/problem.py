@@ -159,14 +159,33 @@ class JointProblem:
     designed_for
         The actuator of the claims.
     claims
-        What the impulses keep.
+        None: no residual in any mode.
     """
 
     unit_poles: ComplexArray
     natural_frequency_rad_s: float
     positive: bool
     designed_for: Actuator
-    claims: tuple[Promise, ...]
+    claims: tuple[Promise, ...] = ()
 
 
-Formulation = ClosedForm | Problem | JointProblem
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Convolution:
+    """A shaper for each mode, each shaping the steps of the one before.
+
+    Attributes
+    ----------
+    parts
+        Formulations of them, in the order of the modes.
+    zeros_of_parts
+        What a part without claims of its own keeps at zero.
+    designed_for
+        The actuator of the claims.
+    """
+
+    parts: tuple["Formulation", ...]
+    zeros_of_parts: tuple[Quantity, ...]
+    designed_for: Actuator
+
+
+Formulation = ClosedForm | Problem | JointProblem | Convolution

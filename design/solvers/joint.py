@@ -5,10 +5,10 @@ A command of duration T whose vector ``V_k = sum A_i exp(-s_k t_i)`` is zero for
 
     P(t) = Re sum_k conj(c_k) exp(-s_k t)
 
-Of positive amplitudes none is so short that P is still positive. A command u between 0 and 1 obeys
-``P(0) = -integral of u P' + P(T) - ... <= fall of P over [0, T]``, so none is so short that P has
-fallen by less than P(0). Every c gives a lower bound that way, and the best c the optimum: there
-positive impulses stand where P touches zero, the command is 1 where P rises and 0 where it falls.
+Of positive amplitudes none is so short that P is still positive. Of a command u between 0 and 1
+that is ``P(T) = integral of u P' <= rise of P``, so none is so short that P has fallen by less than
+P(0). Every c gives a lower bound that way, and the best c the optimum: there positive impulses
+stand where P touches zero, the command is 1 where P rises and 0 where it falls.
 
 A linear program over a time grid, at a duration that is too short, finds the c that shows this
 best; the bound that it gives is the next duration. Near the optimum c tells how many impulses there

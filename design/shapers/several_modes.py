@@ -1,0 +1,157 @@
+"""Shapers for several modes at once: jointly in minimum time, or one shaper after another."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from design.actuators import Actuator, Ideal
+from design.errors import InvalidInputError
+from design.plants import Mode
+from design.shapers.ei import (
+    EI,
+    LARGEST_TOLERANCE,
+    SMALLEST_TOLERANCE,
+    THREE_HUMP_EI,
+    TWO_HUMP_EI,
+    ToleranceOptions,
+)
+from design.shapers.kind import NoOptions, ShaperKind, for_one_of
+from design.shapers.positive import EVERY_ACTUATOR, MZV, ZV, ZVD, ZVDD, ZVDDD, served
+from design.shapers.problem import Convolution, Formulation, JointProblem
+from design.shapers.umzv import UMZV, UMZVD
+
+BASES = {
+    kind.name: kind
+    for kind in (ZV, ZVD, ZVDD, ZVDDD, MZV, EI, TWO_HUMP_EI, THREE_HUMP_EI, UMZV, UMZVD)
+}
+"""What may be convolved: a zero stays one; a tolerance holds as positive shapers amplify nothing.
+
+Steps of shapers for asymmetric actuators would change their sets.
+"""
+
+
+def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> JointProblem:
+    """Formulate the fastest command without vibration in all modes.
+
+    Positive steps share the acceleration set's G in each mode, so they are exact for every actuator
+    that follows steps; steps up and down are for one that follows its command.
+    """
+    w = min(mode.natural_frequency_rad_s for mode in modes)
+    return JointProblem(
+        unit_poles=np.array([mode.pole_rad_s for mode in modes]) / w,
+        natural_frequency_rad_s=w,
+        positive=positive,
+        designed_for=served(actuator) if positive else Ideal(),
+    )
+
+
+def multi_zv(modes: tuple[Mode, ...], actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+    """Formulate positive impulses that leave nothing in any mode."""
+    return joint(modes, actuator, positive=True)
+
+
+def multi_umzv(modes: tuple[Mode, ...], actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+    """Formulate steps between 0 and 1 that leave nothing in any mode."""
+    return joint(modes, actuator, positive=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConvolvedOptions:
+    """Which shapers are convolved.
+
+    Attributes
+    ----------
+    base
+        Kind of shaper of each mode.
+    tolerance
+        Its tolerance, if it takes one; 0.05 if not given [-].
+    """
+
+    base: Literal[
+        "zv",
+        "zvd",
+        "zvdd",
+        "zvddd",
+        "mzv",
+        "ei",
+        "two_hump_ei",
+        "three_hump_ei",
+        "umzv",
+        "umzvd",
+    ] = field(default="zv", metadata={"description": "Kind of shaper of each mode."})
+    tolerance: float | None = field(
+        default=None,
+        metadata={
+            "description": "For the ei kinds: residual that each hump reaches, 0.05 if not given.",
+            "ge": SMALLEST_TOLERANCE,
+            "le": LARGEST_TOLERANCE,
+        },
+    )
+
+    def __post_init__(self) -> None:
+        if self.base not in BASES:
+            raise InvalidInputError("base", self.base, f"one of {', '.join(BASES)}")
+        if self.tolerance is not None:
+            if BASES[self.base].options is not ToleranceOptions:
+                raise InvalidInputError(
+                    "tolerance", self.tolerance, f"left out: {self.base} takes none"
+                )
+            ToleranceOptions(tolerance=self.tolerance)
+
+
+def convolved(
+    modes: tuple[Mode, ...], actuator: Actuator, options: ConvolvedOptions
+) -> Convolution:
+    """Formulate a shaper for each mode, each shaping the steps of the one before."""
+    base = BASES[options.base]
+    own = base.options()
+    if options.tolerance is not None:
+        own = ToleranceOptions(tolerance=options.tolerance)
+    parts = tuple(base.formulate(mode, actuator, own) for mode in modes)
+    return Convolution(
+        parts=parts, zeros_of_parts=base.claims, designed_for=parts[0].designed_for
+    )
+
+
+BANG_BANG = (
+    'L. Y. Pao, "Minimum-time control characteristics of flexible structures", J. Guidance, '
+    "Control, and Dynamics 19 (1996); bound: a dual function of time"
+)
+
+MULTI_ZV = ShaperKind(
+    name="multi_zv",
+    summary="Positive impulses, zero vibration in each of up to six modes, in minimum time.",
+    source='W. Singhose, E. Crain, W. Seering, "Convolved and simultaneous two-mode input '
+    'shapers", IEE Proc. Control Theory Appl. 144 (1997); bound: a dual function of time',
+    claims=("residual",),
+    options=NoOptions,
+    actuators=EVERY_ACTUATOR,
+    formulate=for_one_of(multi_zv),
+    formulate_jointly=multi_zv,
+)
+
+MULTI_UMZV = ShaperKind(
+    name="multi_umzv",
+    summary="Unity magnitude, zero vibration in each of up to six modes, in minimum time, for an "
+    "actuator that follows its command.",
+    source=BANG_BANG,
+    claims=("residual",),
+    options=NoOptions,
+    actuators=EVERY_ACTUATOR,
+    formulate=for_one_of(multi_umzv),
+    formulate_jointly=multi_umzv,
+)
+
+CONVOLVED = ShaperKind(
+    name="convolved",
+    summary="A shaper for each of up to six modes, convolved; of unity magnitude only where the "
+    "command stays between 0 and 1.",
+    source='W. Singhose, E. Crain, W. Seering, "Convolved and simultaneous two-mode input '
+    'shapers", IEE Proc. Control Theory Appl. 144 (1997)',
+    claims=("residual",),
+    options=ConvolvedOptions,
+    actuators=EVERY_ACTUATOR,
+    formulate=for_one_of(convolved),
+    formulate_jointly=convolved,
+)
