@@ -3,6 +3,7 @@
 plant + actuator -> formulation -> seeds -> solver -> impulses -> certificate -> residual, warnings
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,13 +11,13 @@ from typing import Any
 import numpy as np
 
 from design.actuators import SETTLED_SHARE, Actuator, unit_ramps_s
-from design.analysis.certificate import Certificate, certify_modes, zeros
+from design.analysis.certificate import Certificate, certify, certify_modes, zeros
 from design.analysis.residual import require_workable, residual_vibration
 from design.analysis.shortest import excluded_rad
 from design.commands import convolved
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
-from design.plants import Mode, Plant
+from design.plants import Mode, Plant, Scheduled
 from design.shapers.kind import ShaperKind
 from design.shapers.problem import (
     ClosedForm,
@@ -98,6 +99,9 @@ class Design:
         How it was found.
     warnings
         What to know besides.
+    worst_in_range
+        Of a scheduled plant, the most that it leaves at any frequency of the range, with the
+        actuator given; None of others [-].
     """
 
     impulses: Impulses
@@ -105,6 +109,7 @@ class Design:
     certificate: Certificate
     solver: SolverReport
     warnings: tuple[DesignWarning, ...]
+    worst_in_range: float | None = None
 
     @property
     def residual(self) -> float:
@@ -158,8 +163,13 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
     modes = plant.modes
     for mode in modes:
         require_workable(mode, actuator)
-    formulation = _formulation(modes, actuator, kind, kind.options() if options is None else options)
+    options = kind.options() if options is None else options
+    if isinstance(plant, Scheduled):
+        options = _over_range(plant, options)
+    formulation = _formulation(modes, actuator, kind, options)
     promises = promises_of(formulation, kind, modes)
+    if isinstance(plant, Scheduled):
+        promises = (*promises, *_promise_over_range(plant, options))
     unverified: Certificate | None = None
     try:
         for impulses, report in solutions(formulation):
@@ -172,7 +182,10 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
                     certificate=certificate,
                     solver=report,
                     warnings=tuple(warnings_of(impulses, fastest, actuator)),
+                    worst_in_range=_worst_in_range(impulses, plant, actuator),
                 )
+            if isinstance(plant, Scheduled):
+                _require_over_range(kind, certificate)
             unverified = certificate
     except InfeasibleDesignError:
         if unverified is None:
@@ -200,18 +213,51 @@ def _formulation(
     return kind.formulate(modes[0], actuator, options)
 
 
+def _over_range(plant: Scheduled, options: Any) -> Any:  # noqa: ANN401
+    """Return the options with the plant's range as the band, of a kind that takes one."""
+    if not hasattr(options, "half_width"):
+        return options
+    return replace(options, half_width=plant.band[1] - 1)
+
+
+def _promise_over_range(plant: Scheduled, options: Any) -> tuple[Promise, ...]:  # noqa: ANN401
+    """Promise a kind's tolerance over the range; one without a tolerance promises no more there."""
+    if not hasattr(options, "tolerance"):
+        return ()
+    return (Promise(quantity="band", limit=options.tolerance, band=plant.band),)
+
+
+def _worst_in_range(impulses: Impulses, plant: Plant, actuator: Actuator) -> float | None:
+    if not isinstance(plant, Scheduled):
+        return None
+    asked = Promise(quantity="band", limit=math.inf, band=plant.band)
+    return certify(impulses, plant.middle, actuator, (asked,)).claims[0].value
+
+
+def _require_over_range(kind: ShaperKind, certificate: Certificate) -> None:
+    """Raise InfeasibleDesignError if all that fails is the tolerance over the plant's range."""
+    *own, over_range = certificate.claims
+    if over_range.band is None or over_range.holds or not all(claim.holds for claim in own):
+        return
+    low, high = over_range.band
+    raise InfeasibleDesignError(
+        f"{kind.name} leaves {over_range.value:.4g} within the range of frequencies, {low:.4g} to "
+        f"{high:.4g} of its middle, more than its tolerance {over_range.limit:g}: narrow the "
+        "range, raise the tolerance, or take a kind with more humps"
+    )
+
+
 def promises_of(
     formulation: Formulation, kind: ShaperKind, modes: tuple[Mode, ...]
 ) -> tuple[Promise, ...]:
     """Return what a formulation says of each mode, and else what its kind does, each at zero."""
-    if isinstance(formulation, Convolution):
-        of_modes = [part.claims or zeros(formulation.zeros_of_parts) for part in formulation.parts]
-    elif formulation.claims:
+    if formulation.claims:
         return formulation.claims
-    else:
-        of_modes = [zeros(kind.claims)] * len(modes)
+    names = kind.claims
+    if isinstance(formulation, Convolution):
+        names = formulation.zeros_of_parts
     return tuple(
-        replace(promise, mode=number) for number, own in enumerate(of_modes) for promise in own
+        replace(promise, mode=number) for number in range(len(modes)) for promise in zeros(names)
     )
 
 
@@ -262,9 +308,7 @@ def _joint_solutions(problem: JointProblem) -> Iterator[tuple[Impulses, SolverRe
     w = problem.natural_frequency_rad_s
     for found in shortest(problem):
         duration = float(found.times_rad[-1])
-        bound = excluded_rad(
-            problem.unit_poles, found.vectors, duration, positive=problem.positive
-        )
+        bound = excluded_rad(problem.unit_poles, found.vectors, duration, positive=problem.positive)
         yield (
             Impulses(times_s=found.times_rad / w, amplitudes=found.amplitudes),
             SolverReport(

@@ -96,6 +96,101 @@ class Pendulum:
         return (self.mode,)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpringMass:
+    """A load held by a spring, of which the mass may be known better than the frequency.
+
+    Attributes
+    ----------
+    mass_kg
+        Of the load, > 0 [kg].
+    stiffness_n_m
+        Of what holds it, > 0 [N/m].
+    damping_ratio
+        Share of critical damping, 0 to 0.5 [-].
+    """
+
+    mass_kg: float
+    stiffness_n_m: float
+    damping_ratio: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_scale("mass_kg", self.mass_kg)
+        require_scale("stiffness_n_m", self.stiffness_n_m)
+        require_between("damping_ratio", self.damping_ratio, 0.0, LARGEST_DAMPING_RATIO)
+
+    @property
+    def mode(self) -> Mode:
+        """The vibration, of natural frequency ``sqrt(k / m)``."""
+        return Mode(
+            natural_frequency_rad_s=math.sqrt(self.stiffness_n_m / self.mass_kg),
+            damping_ratio=self.damping_ratio,
+        )
+
+    @property
+    def modes(self) -> tuple[Mode, ...]:
+        """Every mode to be shaped, here one."""
+        return (self.mode,)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scheduled:
+    """A plant of one mode whose frequency is anywhere in a range: of a length, a mass, a stiffness.
+
+    Attributes
+    ----------
+    first, last
+        The plant at either end of the range, of equal damping ratio.
+    """
+
+    first: Mode | Pendulum | SpringMass
+    last: Mode | Pendulum | SpringMass
+
+    def __post_init__(self) -> None:
+        ends = self.first.mode, self.last.mode
+        if ends[0].damping_ratio != ends[1].damping_ratio:
+            raise InvalidInputError(
+                "over",
+                "damping_ratio",
+                "a field that changes the frequency: sensitivity.damping tells of damping",
+            )
+        if not WIDEST_RANGE >= self.band[1] / self.band[0] > 1:
+            raise InvalidInputError(
+                "to",
+                self.band[1] / self.band[0],
+                "such that the highest frequency is more than the lowest, and at most "
+                f"{WIDEST_RANGE:g} times as high",
+            )
+
+    @property
+    def mode(self) -> Mode:
+        """The mode itself, which there is not: whoever asks serves plants of one frequency."""
+        raise InvalidInputError("plant.kind", "scheduled", "a plant of one frequency here")
+
+    @property
+    def middle(self) -> Mode:
+        """The mode in the middle of the range of frequencies, for which shapers are designed."""
+        ends = [end.mode.natural_frequency_rad_s for end in (self.first, self.last)]
+        return Mode(
+            natural_frequency_rad_s=sum(ends) / 2, damping_ratio=self.first.mode.damping_ratio
+        )
+
+    @property
+    def modes(self) -> tuple[Mode, ...]:
+        """Every mode to be shaped, here the middle one."""
+        return (self.middle,)
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency over that of `middle` [-]."""
+        ends = [end.mode.natural_frequency_rad_s for end in (self.first, self.last)]
+        middle = sum(ends) / 2
+        return min(ends) / middle, max(ends) / middle
+
+
+WIDEST_RANGE = 10.0
+"""Highest over lowest frequency of a range: no shaper of a few impulses spans more [-]."""
+
 MOST_MODES = 6
 """Modes of one plant, at most: what the search for joint shapers is tried with."""
 
@@ -148,4 +243,4 @@ class Modes:
         raise InvalidInputError("plant.modes", f"{len(self.modes)} modes", "a list of one here")
 
 
-Plant = Mode | Pendulum | Modes
+Plant = Mode | Pendulum | SpringMass | Modes | Scheduled

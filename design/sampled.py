@@ -272,7 +272,7 @@ def sampled_design(
     proven = replace(
         continuous,
         impulses=sampled.impulses,
-        residual=sampled.residual,
+        residuals=(sampled.residual,),
         certificate=Certificate(claims=(claim,)),
         warnings=tuple(warnings_of(sampled.impulses, mode, actuator)),
     )

@@ -17,6 +17,11 @@ class Wire(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
+def says_nothing(value: object) -> bool:
+    """Whether a field is left out of an answer."""
+    return value is None
+
+
 Positive = Annotated[float, Field(gt=0, le=LARGEST)]
 PlantDamping = Annotated[
     float,

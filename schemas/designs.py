@@ -7,13 +7,14 @@ from pydantic import Field
 from design.analysis.certificate import Certificate, Claim
 from design.impulses import Impulses
 from design.pipeline import Design
+from design.plants import Plant, Scheduled
 from design.sampled import Sampled
 from schemas.actuators import ActuatorIn
-from schemas.base import Wire
+from schemas.base import Wire, says_nothing
 from schemas.fits import FitIn, FitOut
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
-from schemas.sensitivity import SensitivityIn, SensitivityOut
+from schemas.sensitivity import ModeOut, OfModes, SensitivityIn, SensitivityOut
 from schemas.shapers import ShaperIn
 
 
@@ -99,10 +100,6 @@ class SampledOut(Wire):
         )
 
 
-def _says_nothing(value: object) -> bool:
-    return value is None
-
-
 class ClaimOut(Wire):
     """One promise of the shaper, recomputed."""
 
@@ -112,14 +109,14 @@ class ClaimOut(Wire):
     mode: Annotated[
         int | None,
         Field(
-            exclude_if=_says_nothing,
+            exclude_if=says_nothing,
             description="Number of the plant's mode, from 0; left out for the first.",
         ),
     ] = None
     band: Annotated[
         tuple[float, float] | None,
         Field(
-            exclude_if=_says_nothing,
+            exclude_if=says_nothing,
             description="For band: its ends, ratios of the mode's frequency; left out else.",
         ),
     ] = None
@@ -161,6 +158,40 @@ class SolverOut(Wire):
     iterations: int
     seed: str
     starts: int
+    lower_bound_s: Annotated[
+        float | None,
+        Field(description="No shaper of its class is as short; null where nothing is proven [s]."),
+    ]
+    gap: Annotated[
+        float | None,
+        Field(description="(duration - lower bound) / duration; null likewise [-]."),
+    ]
+
+
+class RangeOut(Wire):
+    """What a shaper does over the range of a scheduled plant."""
+
+    natural_frequency_rad_s: Annotated[
+        float, Field(description="Middle of the range, for which the shaper is designed [rad/s].")
+    ]
+    lower_ratio: Annotated[float, Field(description="Lowest frequency over the middle one [-].")]
+    upper_ratio: Annotated[float, Field(description="Highest frequency over the middle one [-].")]
+    worst_residual: Annotated[
+        float, Field(description="Largest residual in the range, with the actuator given [-].")
+    ]
+
+    @classmethod
+    def from_design(cls, plant: Plant, design: Design) -> Self | None:
+        """Wrap the design records; None of plants that are not scheduled."""
+        if not isinstance(plant, Scheduled) or design.worst_in_range is None:
+            return None
+        low, high = plant.band
+        return cls.model_construct(
+            natural_frequency_rad_s=plant.middle.natural_frequency_rad_s,
+            lower_ratio=low,
+            upper_ratio=high,
+            worst_residual=design.worst_in_range,
+        )
 
 
 class WarningOut(Wire):
@@ -180,10 +211,18 @@ class DesignResponse(Wire):
     ]
     residual: Annotated[
         float,
-        Field(description="Left with the plant and actuator given, share of an unshaped step [-]."),
+        Field(
+            description="Left with the plant and actuator given, share of an unshaped step; of "
+            "several modes the most [-]."
+        ),
     ]
     certificate: CertificateOut
     sensitivity: SensitivityOut | None
+    modes: OfModes
+    scheduled: Annotated[
+        RangeOut | None,
+        Field(exclude_if=says_nothing, description="Of a scheduled plant; left out else."),
+    ]
     fit: FitOut | None
     solver: SolverOut
     warnings: list[WarningOut]
@@ -196,6 +235,8 @@ class DesignResponse(Wire):
         design: Design,
         sampled: SampledOut | None,
         sensitivity: SensitivityOut | None,
+        modes: list[ModeOut] | None,
+        scheduled: RangeOut | None,
         fit: FitOut | None,
         version: str,
     ) -> Self:
@@ -211,6 +252,8 @@ class DesignResponse(Wire):
             residual=design.residual,
             certificate=CertificateOut.from_design(design.certificate),
             sensitivity=sensitivity,
+            modes=modes,
+            scheduled=scheduled,
             fit=fit,
             solver=SolverOut.model_construct(
                 name=solver.name,
@@ -218,6 +261,8 @@ class DesignResponse(Wire):
                 iterations=solver.iterations,
                 seed=solver.seed,
                 starts=solver.starts,
+                lower_bound_s=solver.lower_bound_s,
+                gap=solver.gap,
             ),
             warnings=[
                 WarningOut.model_construct(code=warning.code, detail=warning.detail)

@@ -1,10 +1,20 @@
 """Wire form of the plants."""
 
-from typing import Annotated, Literal
+from dataclasses import replace
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from design.plants import MOST_MODES, STANDARD_GRAVITY_M_S2, Mode, Modes, Pendulum
+from design.errors import InvalidInputError
+from design.plants import (
+    MOST_MODES,
+    STANDARD_GRAVITY_M_S2,
+    Mode,
+    Modes,
+    Pendulum,
+    Scheduled,
+    SpringMass,
+)
 from schemas.base import PlantDamping, Positive, Wire, named
 
 
@@ -66,4 +76,51 @@ class PendulumIn(Wire):
         )
 
 
-PlantIn = Annotated[ModeIn | ModesIn | PendulumIn, Field(discriminator="kind")]
+class SpringMassIn(Wire):
+    """A load held by a spring."""
+
+    kind: Literal["spring_mass"]
+    mass_kg: Annotated[Positive, Field(description="Mass of the load [kg].")]
+    stiffness_n_m: Annotated[Positive, Field(description="Stiffness of what holds it [N/m].")]
+    damping_ratio: PlantDamping = 0.0
+
+    def to_design(self) -> SpringMass:
+        """Build the design record."""
+        return SpringMass(
+            mass_kg=self.mass_kg,
+            stiffness_n_m=self.stiffness_n_m,
+            damping_ratio=self.damping_ratio,
+        )
+
+
+class ScheduledIn(Wire):
+    """A plant with a field anywhere in a range; the plant's own value of it is not used."""
+
+    kind: Literal["scheduled"]
+    plant: Annotated[ModeIn | PendulumIn | SpringMassIn, Field(discriminator="kind")]
+    over: Annotated[str, Field(max_length=40, description="The field, as cable_length_m.")]
+    from_: Annotated[Positive, Field(alias="from", description="Start, in the field's unit.")]
+    to: Annotated[Positive, Field(description="End, in the field's unit.")]
+
+    def to_design(self) -> Scheduled:
+        """Build the design record."""
+        if self.over not in type(self.plant).model_fields or self.over == "kind":
+            fields = [name for name in type(self.plant).model_fields if name != "kind"]
+            raise InvalidInputError(
+                "over", self.over, f"a field of {self.plant.kind}: {', '.join(fields)}"
+            )
+        with named("plant"):
+            plant = self.plant.to_design()
+        ends = []
+        for name, value in (("from", self.from_), ("to", self.to)):
+            changed: dict[str, Any] = {self.over: value}
+            try:
+                ends.append(replace(plant, **changed))
+            except InvalidInputError as error:
+                raise InvalidInputError(name, value, error.rule) from None
+        return Scheduled(first=ends[0], last=ends[1])
+
+
+PlantIn = Annotated[
+    ModeIn | ModesIn | PendulumIn | SpringMassIn | ScheduledIn, Field(discriminator="kind")
+]

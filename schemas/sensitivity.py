@@ -7,16 +7,30 @@ from pydantic import Field
 from design.analysis.sensitivity import (
     MOST_POINTS,
     RATIO_BOUNDS,
+    DampingRange,
     Insensitivity,
     Sensitivity,
     SensitivityRange,
 )
+from design.plants import Mode
 from schemas.actuators import ActuatorIn
-from schemas.base import Wire
+from schemas.base import PlantDamping, Wire, says_nothing
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 
 Ratio = Annotated[float, Field(ge=RATIO_BOUNDS[0], le=RATIO_BOUNDS[1])]
+
+
+class DampingIn(Wire):
+    """Which damping ratios the plant may have."""
+
+    from_: Annotated[PlantDamping, Field(alias="from", description="Least damping ratio [-].")]
+    to: Annotated[PlantDamping, Field(description="Largest damping ratio [-].")]
+    points: Annotated[int, Field(ge=2, le=MOST_POINTS, description="Points of the curve.")] = 101
+
+    def to_design(self) -> DampingRange:
+        """Build the design record."""
+        return DampingRange(start=self.from_, stop=self.to, points=self.points)
 
 
 class SensitivityIn(Wire):
@@ -29,6 +43,11 @@ class SensitivityIn(Wire):
         float, Field(gt=0, lt=1, description="Residual of the insensitivity [-].")
     ] = 0.05
 
+    damping: Annotated[
+        DampingIn | None,
+        Field(description="Range of a curve over the damping ratio; null for none."),
+    ] = None
+
     def to_design(self) -> SensitivityRange:
         """Build the design record."""
         return SensitivityRange(
@@ -36,6 +55,7 @@ class SensitivityIn(Wire):
             to_ratio=self.to_ratio,
             points=self.points,
             tolerance=self.tolerance,
+            damping=None if self.damping is None else self.damping.to_design(),
         )
 
 
@@ -66,22 +86,71 @@ class InsensitivityOut(Wire):
         )
 
 
+class DampingOut(Wire):
+    """What is left over the plant's damping ratio, its natural frequency as given."""
+
+    damping_ratio: list[float]
+    residual: list[float]
+    worst: Annotated[float, Field(description="Largest residual of the curve's points [-].")]
+
+
 class SensitivityOut(Wire):
     """A sensitivity curve."""
 
     frequency_ratio: list[float]
     residual: list[float]
     insensitivity: InsensitivityOut | None
+    damping: Annotated[
+        DampingOut | None,
+        Field(exclude_if=says_nothing, description="Where a range of damping is asked for."),
+    ] = None
 
     @classmethod
     def from_design(cls, sensitivity: Sensitivity) -> Self:
         """Wrap the design record."""
-        band = sensitivity.insensitivity
+        band, over_damping = sensitivity.insensitivity, None
+        if sensitivity.damping is not None:
+            ratios, residuals = sensitivity.damping
+            over_damping = DampingOut.model_construct(
+                damping_ratio=ratios.tolist(),
+                residual=residuals.tolist(),
+                worst=float(residuals.max()),
+            )
         return cls.model_construct(
             frequency_ratio=sensitivity.frequency_ratios.tolist(),
             residual=sensitivity.residuals.tolist(),
             insensitivity=None if band is None else InsensitivityOut.from_design(band),
+            damping=over_damping,
         )
+
+
+class ModeOut(Wire):
+    """What a shaper leaves in one of several modes."""
+
+    natural_frequency_rad_s: float
+    damping_ratio: float
+    residual: Annotated[float, Field(description="Left in this mode [-].")]
+    sensitivity: SensitivityOut | None
+
+    @classmethod
+    def from_design(cls, mode: Mode, residual: float, curve: Sensitivity | None) -> Self:
+        """Wrap the design records."""
+        return cls.model_construct(
+            natural_frequency_rad_s=mode.natural_frequency_rad_s,
+            damping_ratio=mode.damping_ratio,
+            residual=residual,
+            sensitivity=None if curve is None else SensitivityOut.from_design(curve),
+        )
+
+
+OfModes = Annotated[
+    list[ModeOut] | None,
+    Field(
+        exclude_if=says_nothing,
+        description="Of a plant of several modes, what each has; residual and sensitivity "
+        "beside it are then of the worst, all frequencies changing alike. Left out else.",
+    ),
+]
 
 
 class SensitivityResponse(Wire):
@@ -89,3 +158,4 @@ class SensitivityResponse(Wire):
 
     sensitivity: SensitivityOut
     residual: Annotated[float, Field(description="Residual vibration at the nominal [-].")]
+    modes: OfModes

@@ -2,33 +2,41 @@
 
 import functools
 import importlib.metadata
+from collections.abc import Iterable
+from itertools import zip_longest
 from typing import Any, Literal, Protocol
 
 import numpy as np
 
 from design.actuators import Actuator
 from design.analysis.residual import require_workable, residual_vibration
-from design.analysis.sensitivity import Sensitivity, SensitivityRange, sensitivity
+from design.analysis.sensitivity import (
+    Sensitivity,
+    SensitivityRange,
+    sensitivity,
+    worst_of,
+)
 from design.commands import convolved, program
+from design.errors import InvalidInputError
 from design.fits import fit, plants_at_ends
 from design.impulses import Impulses
 from design.maneuvers import maneuver
 from design.maps import Axis, Map, MapCase, field_map
 from design.motions import motion
 from design.pipeline import Design, design
-from design.plants import Mode, Plant
+from design.plants import MOST_MODES, Mode, Modes, Plant, Scheduled
 from design.sampled import sample, sampled_design
 from design.shapers.registry import SHAPERS
 from design.types import SMALLEST
 from schemas.actuators import ActuatorIn
 from schemas.base import named
 from schemas.catalogue import Catalogue, CatalogueEntry
-from schemas.designs import DesignRequest, DesignResponse, SampledOut
+from schemas.designs import DesignRequest, DesignResponse, RangeOut, SampledOut
 from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
 from schemas.maneuvers import ManeuverRequest, ManeuverResponse, ProgramOut
 from schemas.maps import MapRequest, MapResponse
 from schemas.plants import PlantIn
-from schemas.sensitivity import SensitivityOut, SensitivityRequest, SensitivityResponse
+from schemas.sensitivity import ModeOut, SensitivityOut, SensitivityRequest, SensitivityResponse
 from schemas.shapers import MODELS, ShaperIn
 from schemas.simulations import SimulationRequest, SimulationResponse
 
@@ -41,6 +49,15 @@ THESIS_CRANE = {
     },
 }
 """The crane of Kim 2011: the example of the catalogue and of the demo."""
+
+TWO_MODES = {
+    "kind": "modes",
+    "modes": [
+        {"natural_frequency_rad_s": 3.5, "damping_ratio": 0.0},
+        {"natural_frequency_rad_s": 9.4, "damping_ratio": 0.02},
+    ],
+}
+"""The example of shapers for several modes."""
 
 EXAMPLE_ACTUATORS = {
     "ideal": {"kind": "ideal"},
@@ -68,7 +85,7 @@ NO_MOVE_ON_SAMPLES = (
     "its program on samples"
 )
 
-PLANTS = ["mode", "modes", "pendulum"]
+PLANTS = ["mode", "modes", "pendulum", "spring_mass", "scheduled"]
 
 
 @functools.cache
@@ -79,7 +96,7 @@ def version() -> str:
 
 def design_shaper(request: DesignRequest) -> DesignResponse:
     """Design one shaper, prove it, and add its curve and its coefficients where asked."""
-    _, found, curve, sampled = _designed(request)
+    plant, found, curves, sampled = _designed(request)
     fitted = None
     if request.fit is not None:
         subject = FitDesign(plant=request.plant, actuator=request.actuator, shaper=request.shaper)
@@ -88,7 +105,9 @@ def design_shaper(request: DesignRequest) -> DesignResponse:
         request.shaper.kind,
         found,
         sampled,
-        None if curve is None else SensitivityOut.from_design(curve),
+        SensitivityOut.from_design(worst_of(curves)) if curves else None,
+        _of_modes(plant.modes, found.residuals, curves),
+        RangeOut.from_design(plant, found),
         fitted,
         version(),
     )
@@ -101,10 +120,10 @@ def design_picture(request: DesignRequest, image_format: Literal["png", "svg"]) 
         figure_bytes,
     )
 
-    mode, found, curve, _ = _designed(request)
+    mode = _subject(request)[0].mode  # a picture is of one
+    _, found, curves, _ = _designed(request)
     actuator = request.actuator.to_design()
-    if curve is None:
-        curve = sensitivity(found.impulses, mode, actuator, SensitivityRange())
+    curve = curves[0] if curves else sensitivity(found.impulses, mode, actuator, SensitivityRange())
     return figure_bytes(
         design_sheet(request.shaper.kind, mode, actuator, found, curve), image_format
     )
@@ -132,7 +151,7 @@ def _subject(request: Subject) -> tuple[Plant, Actuator]:
 
 def _designed(
     request: DesignRequest,
-) -> tuple[Mode, Design, Sensitivity | None, SampledOut | None]:
+) -> tuple[Plant, Design, list[Sensitivity], SampledOut | None]:
     plant, actuator = _subject(request)
     with named("shaper"):
         options = request.shaper.options()
@@ -147,8 +166,14 @@ def _designed(
         with named("fit"):
             plants_at_ends(plant, request.fit.to_design(request.plant.kind))
     kind = request.shaper.registered()
-    found, told = design(plant, actuator, kind, options), None
     sample_time_s = request.shaper.sample_time_s
+    if sample_time_s is not None and isinstance(plant, Modes | Scheduled):
+        raise InvalidInputError(
+            "shaper.sample_time_s",
+            sample_time_s,
+            "left out for a plant of several modes or of a range",
+        )
+    found, told = design(plant, actuator, kind, options), None
     if sample_time_s is not None:
         continuous = found.impulses
         with named("shaper"):
@@ -161,23 +186,36 @@ def _designed(
                 tolerance=request.shaper.grid_tolerance(),
             )
         told = SampledOut.from_design(sampled, continuous)
-    curve = None
+    curves = []
     if curve_range is not None:
-        curve = sensitivity(found.impulses, plant.mode, actuator, curve_range)
-    return plant.mode, found, curve, told
+        curves = [sensitivity(found.impulses, mode, actuator, curve_range) for mode in plant.modes]
+    return plant, found, curves, told
+
+
+def _of_modes(
+    modes: tuple[Mode, ...], residuals: Iterable[float], curves: list[Sensitivity]
+) -> list[ModeOut] | None:
+    """Return what is left in each of several modes; None for one, of which all else tells."""
+    if len(modes) == 1:
+        return None
+    each = zip_longest(modes, residuals, curves)
+    return [ModeOut.from_design(mode, residual, curve) for mode, residual, curve in each]
 
 
 def sensitivity_curve(request: SensitivityRequest) -> SensitivityResponse:
     """Return the sensitivity curve of any impulses."""
     plant, actuator = _subject(request)
-    mode = plant.mode
+    wanted = request.to_design()
     with named("impulses"):
         impulses = request.impulses.to_design()
-    require_workable(mode, actuator)
-    curve = sensitivity(impulses, mode, actuator, request.to_design())
+    for mode in plant.modes:
+        require_workable(mode, actuator)
+    curves = [sensitivity(impulses, mode, actuator, wanted) for mode in plant.modes]
+    residuals = [residual_vibration(impulses, mode, actuator) for mode in plant.modes]
     return SensitivityResponse(
-        sensitivity=SensitivityOut.from_design(curve),
-        residual=residual_vibration(impulses, mode, actuator),
+        sensitivity=SensitivityOut.from_design(worst_of(curves)),
+        residual=max(residuals),
+        modes=_of_modes(plant.modes, residuals, curves),
     )
 
 
@@ -317,10 +355,11 @@ def shaper_catalogue() -> Catalogue:
                 source=kind.source,
                 claims=list(kind.claims),
                 plants=PLANTS,
+                most_modes=MOST_MODES if kind.formulate_jointly else 1,
                 actuators=list(kind.actuators),
                 parameters=MODELS[kind.name].model_json_schema(),
                 example={
-                    "plant": THESIS_CRANE["plant"],
+                    "plant": TWO_MODES if kind.formulate_jointly else THESIS_CRANE["plant"],
                     "actuator": EXAMPLE_ACTUATORS[_richest(kind.actuators)],
                     "shaper": {"kind": kind.name},
                 },

@@ -3,6 +3,7 @@
 import json
 from dataclasses import dataclass
 from http import HTTPStatus
+from itertools import zip_longest
 from typing import Any
 
 from pydantic import ValidationError
@@ -138,9 +139,12 @@ def pointer(location: tuple[int | str, ...], body: Any) -> str:  # noqa: ANN401 
     """
     parts: list[str] = []
     here = body
-    for step in location:
-        if isinstance(here, dict) and step not in here and here.get("kind") == step:
-            continue
+    for step, after in zip_longest(location, location[1:]):
+        if isinstance(here, dict) and here.get("kind") == step:
+            # A field may have the name of the tag: a list is not entered by a name.
+            entered = isinstance(after, str) and not isinstance(here.get(step), dict)
+            if step not in here or entered:
+                continue
         parts.append(str(step).replace("~", "~0").replace("/", "~1"))
         if isinstance(here, dict):
             here = here.get(step)

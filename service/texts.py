@@ -5,7 +5,7 @@ import io
 from collections.abc import Iterable, Sequence
 
 from schemas.catalogue import Catalogue
-from schemas.designs import DesignResponse
+from schemas.designs import DesignResponse, SolverOut
 from schemas.fits import FitOut
 from schemas.maneuvers import ManeuverResponse
 from schemas.maps import MapResponse
@@ -131,6 +131,7 @@ def _findings(response: Response) -> list[str]:
             "",
             f"shaper      {response.shaper.kind}, {response.shaper.duration_s:.9g} s",
             f"certificate {'verified' if certificate.verified else 'NOT VERIFIED'}: {claims}",
+            *_shortest(response.solver),
             f"residual    {100 * response.residual:.4g} % with the actuator given",
             *([] if response.sensitivity is None else _band(response.sensitivity)),
             *([] if response.fit is None else _fit(response.fit)),
@@ -156,6 +157,12 @@ def _findings(response: Response) -> list[str]:
     if isinstance(response, SimulationResponse):
         return ["", *_swings(response)]
     return []
+
+
+def _shortest(solver: SolverOut) -> list[str]:
+    if solver.lower_bound_s is None or solver.gap is None:
+        return []
+    return [f"shortest    none below {solver.lower_bound_s:.9g} s, gap {solver.gap:.2g}"]
 
 
 def _band(curve: SensitivityOut) -> list[str]:

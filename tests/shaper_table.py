@@ -12,6 +12,7 @@ from design.shapers.ei import ToleranceOptions
 from design.shapers.kind import NoOptions, PeakOptions, SettleOptions
 from design.shapers.negative import NegativeOptions
 from design.shapers.positive import MzvOptions
+from design.shapers.several_modes import ConvolvedOptions
 
 CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81)
 """The thesis's crane, 3.50178526 rad/s."""
@@ -158,4 +159,14 @@ SHAPER_TABLE: dict[str, Row] = {
         options=(None, EXACT_SETTLE),
         impulses=5,
     ),
+    # Of a plant with one mode; tests/design/test_several_modes.py has the others.
+    "multi_zv": _positive(2, NoOptions()),
+    "multi_umzv": Row(
+        plants=PLANTS,
+        actuators=ALL,
+        options=(None, NoOptions()),
+        impulses=3,
+        for_ideal=EVERY_KIND,
+    ),
+    "convolved": _positive(2, ConvolvedOptions(base="zv")),
 }

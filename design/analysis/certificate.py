@@ -195,7 +195,7 @@ def certify_modes(
     promises: tuple[Promise, ...],
 ) -> Certificate:
     """Recompute the claims of a shaper about several modes, each in its own; see `certify`."""
-    claims = []
+    claims: list[Claim] = []
     for number, mode in enumerate(modes):
         own = tuple(promise for promise in promises if promise.mode == number)
         claims += certify(impulses, mode, actuator, own).claims

@@ -2,6 +2,7 @@
 
 import cmath
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,7 @@ from design.analysis.residual import (
 )
 from design.errors import InvalidInputError, SolverFailedError
 from design.impulses import Impulses
-from design.plants import Mode
+from design.plants import LARGEST_DAMPING_RATIO, Mode
 from design.types import FloatArray, require_between
 
 MOST_POINTS = 20_001
@@ -50,6 +51,30 @@ WIDEST_RATIOS = (1e-3, 100.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class DampingRange:
+    """Which damping ratios the plant may have.
+
+    Attributes
+    ----------
+    start, stop
+        Least and largest, ``0 <= start < stop <= 0.5`` [-].
+    points
+        Number of points, 2 to 20,001.
+    """
+
+    start: float
+    stop: float
+    points: int = 101
+
+    def __post_init__(self) -> None:
+        require_between("damping.from", self.start, 0.0, LARGEST_DAMPING_RATIO)
+        require_between("damping.to", self.stop, 0.0, LARGEST_DAMPING_RATIO)
+        if self.stop <= self.start:
+            raise InvalidInputError("damping.to", self.stop, f"greater than from, {self.start!r}")
+        require_between("damping.points", self.points, 2, MOST_POINTS)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SensitivityRange:
     """What part of the curve is wanted.
 
@@ -61,12 +86,15 @@ class SensitivityRange:
         Number of points, 2 to 20,001.
     tolerance
         Residual at which the insensitivity is told, 0 to 1, both excluded [-].
+    damping
+        Range of a curve over the damping ratio; None for no such curve.
     """
 
     from_ratio: float = 0.5
     to_ratio: float = 1.5
     points: int = 201
     tolerance: float = 0.05
+    damping: DampingRange | None = None
 
     def __post_init__(self) -> None:
         require_between("from_ratio", self.from_ratio, *RATIO_BOUNDS)
@@ -116,12 +144,15 @@ class Sensitivity:
         Tolerance of the insensitivity [-].
     insensitivity
         None where the nominal itself is above the tolerance.
+    damping
+        Damping ratios and the residuals there, shape (k,) each [-]; None where not asked for.
     """
 
     frequency_ratios: FloatArray
     residuals: FloatArray
     tolerance: float
     insensitivity: Insensitivity | None
+    damping: tuple[FloatArray, FloatArray] | None = None
 
 
 def sensitivity(
@@ -150,6 +181,45 @@ def sensitivity(
         residuals=residuals,
         tolerance=wanted.tolerance,
         insensitivity=insensitivity(impulses, mode, actuator, wanted.tolerance),
+        damping=None
+        if wanted.damping is None
+        else _over_damping(impulses, mode, actuator, wanted.damping),
+    )
+
+
+def _over_damping(
+    impulses: Impulses, mode: Mode, actuator: Actuator, wanted: DampingRange
+) -> tuple[FloatArray, FloatArray]:
+    """Return damping ratios and what is left there at the mode's own natural frequency."""
+    ratios = np.linspace(wanted.start, wanted.stop, wanted.points)
+    poles = mode.natural_frequency_rad_s * (-ratios + 1j * np.sqrt(1 - ratios**2))
+    return ratios, np.abs(residual_vectors(impulses, poles, actuator))
+
+
+def worst_of(curves: Sequence[Sensitivity]) -> Sensitivity:
+    """Return what is left at most in any of several modes whose frequencies change alike.
+
+    The insensitivity is the interval common to all modes; None where one has none.
+    """
+    intervals = [curve.insensitivity for curve in curves]
+    known = [interval for interval in intervals if interval is not None]
+    common = None
+    if len(known) == len(intervals):
+        common = Insensitivity(
+            tolerance=curves[0].tolerance,
+            lower_ratio=max(interval.lower_ratio for interval in known),
+            upper_ratio=min(interval.upper_ratio for interval in known),
+        )
+    damped = [curve.damping for curve in curves if curve.damping is not None]
+    over_damping = None
+    if damped:
+        over_damping = damped[0][0], np.max([residuals for _, residuals in damped], axis=0)
+    return Sensitivity(
+        frequency_ratios=curves[0].frequency_ratios,
+        residuals=np.max([curve.residuals for curve in curves], axis=0),
+        tolerance=curves[0].tolerance,
+        insensitivity=common,
+        damping=over_damping,
     )
 
 

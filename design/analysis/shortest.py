@@ -53,7 +53,8 @@ class _Cells:
         drop = np.maximum(self.heights[0] - self.heights[1], 0)
         # At most as long as at its steepest.
         whole = self.widths * (np.abs(self.rates).max(axis=0) + self.widths * self.bends / 2)
-        return np.where(self.monotone, drop, np.maximum(whole, drop))
+        found: FloatArray = np.where(self.monotone, drop, np.maximum(whole, drop))
+        return found
 
 
 def excluded_rad(

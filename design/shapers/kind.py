@@ -9,7 +9,15 @@ from design.plants import Mode
 from design.shapers.problem import Formulation, Promise, Quantity
 from design.types import require_between
 
-__all__ = ["NoOptions", "PeakOptions", "Promise", "Quantity", "SettleOptions", "ShaperKind", "for_one_of"]
+__all__ = [
+    "NoOptions",
+    "PeakOptions",
+    "Promise",
+    "Quantity",
+    "SettleOptions",
+    "ShaperKind",
+    "for_one_of",
+]
 
 SHORTEST_HORIZON_PERIODS = 0.1
 LONGEST_HORIZON_PERIODS = 100.0

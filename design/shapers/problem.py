@@ -1,6 +1,6 @@
 """A shaper design as data: what formulations say and solvers read."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, Protocol
 
 from design.actuators import Actuator
@@ -186,6 +186,15 @@ class Convolution:
     parts: tuple["Formulation", ...]
     zeros_of_parts: tuple[Quantity, ...]
     designed_for: Actuator
+
+    @property
+    def claims(self) -> tuple[Promise, ...]:
+        """What the parts keep, each in its own mode; none for zeros."""
+        return tuple(
+            replace(promise, mode=number)
+            for number, part in enumerate(self.parts)
+            for promise in part.claims
+        )
 
 
 Formulation = ClosedForm | Problem | JointProblem | Convolution

@@ -39,7 +39,7 @@ def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> Joi
     """
     w = min(mode.natural_frequency_rad_s for mode in modes)
     return JointProblem(
-        unit_poles=np.array([mode.pole_rad_s for mode in modes]) / w,
+        unit_poles=np.array([mode.pole_rad_s / w for mode in modes], dtype=np.complex128),
         natural_frequency_rad_s=w,
         positive=positive,
         designed_for=served(actuator) if positive else Ideal(),
@@ -109,9 +109,7 @@ def convolved(
     if options.tolerance is not None:
         own = ToleranceOptions(tolerance=options.tolerance)
     parts = tuple(base.formulate(mode, actuator, own) for mode in modes)
-    return Convolution(
-        parts=parts, zeros_of_parts=base.claims, designed_for=parts[0].designed_for
-    )
+    return Convolution(parts=parts, zeros_of_parts=base.claims, designed_for=parts[0].designed_for)
 
 
 BANG_BANG = (

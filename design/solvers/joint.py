@@ -17,7 +17,8 @@ are, and Newton's method solves for times, amplitudes and c at once, off the gri
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from operator import itemgetter
 
 import numpy as np
 
@@ -59,6 +60,9 @@ SHORTEST_GAP_RAD = 1e-6
 CLOSE_ENOUGH = 1e-6
 """Gap between bound and duration, over the duration, at which nothing better is looked for [-]."""
 
+STRAYED = 2.0
+"""Duration over that of its start beyond which Newton's method has lost its way [-]."""
+
 LIFT = 1e-7
 """Height of P above zero at the impulses but the last; it costs the bound about as much [-]."""
 
@@ -90,30 +94,40 @@ class Shortest:
 
 
 def shortest(problem: JointProblem) -> Iterator[Shortest]:
-    """Yield the fastest command, then, if one is asked for, the best that is not shown fastest.
+    """Yield the fastest command; where none is shown to be, the best that was found.
 
     Raises
     ------
     InfeasibleDesignError
         When all are used up; says how far was searched.
     """
+    first = itemgetter(0)
     search = _Search(problem.unit_poles, positive=problem.positive)
     duration, fineness = search.first_bound_rad, 1.0
     best: Shortest | None = None
+    strongest: tuple[float, ComplexArray] = (0.0, np.zeros(0, dtype=np.complex128))
     for programs in range(1, MOST_PROGRAMS + 1):
         obstacle = search.obstacle_to(duration, fineness)
         bound = duration
         if obstacle is not None:
             bound = max(duration, search.bound_rad(obstacle.vectors))
+            strongest = max(
+                strongest, (search.bound_rad(obstacle.vectors), obstacle.vectors), key=first
+            )
             if bound < duration * (1 + NEAR):
-                found = search.sharpened(obstacle, bound, programs)
-                if found is not None:
-                    bound = max(bound, search.bound_rad(found.vectors))
+                for times in search.structures(obstacle, bound):
+                    found = search.sharpened(obstacle.vectors, times, programs)
+                    if found is None:
+                        continue
+                    strongest = max(
+                        strongest, (search.bound_rad(found.vectors), found.vectors), key=first
+                    )
+                    bound = max(bound, strongest[0])
                     if best is None or found.times_rad[-1] < best.times_rad[-1]:
                         best = found
-                    if found.times_rad[-1] <= bound * (1 + CLOSE_ENOUGH):
-                        yield found
-                        break
+                    if best.times_rad[-1] <= bound * (1 + CLOSE_ENOUGH):
+                        yield replace(best, vectors=strongest[1])
+                        return
         if bound > search.horizon_rad:
             break
         if bound <= duration * (1 + CLOSE_ENOUGH):
@@ -122,7 +136,7 @@ def shortest(problem: JointProblem) -> Iterator[Shortest]:
             fineness *= 2
         duration = bound
     if best is not None:
-        yield best
+        yield replace(best, vectors=strongest[1])
     raise InfeasibleDesignError(
         f"no command found without vibration in all {problem.unit_poles.size} modes: none is "
         f"shorter than {duration / PERIOD_RAD:.6g} periods of the slowest, and {programs} linear "
@@ -152,13 +166,13 @@ class _Search:
         self.first_bound_rad = 0.99 * PERIOD_RAD / slowest / (2 if positive else 3)
 
     def swings(self, times: FloatArray, order: int = 0) -> ComplexArray:
-        """``exp(-s t)`` and its derivatives in time, shape (m, n)."""
+        """Return ``exp(-s t)`` or its derivative in time, shape (m, n)."""
         s = self.poles[:, None]
         found: ComplexArray = (-s) ** order * np.exp(-s * times)
         return found
 
     def pull(self, vectors: ComplexArray, times: FloatArray, order: int = 0) -> FloatArray:
-        """P or a derivative, shape (n,)."""
+        """Return P or a derivative, shape (n,)."""
         found: FloatArray = (vectors.conj() @ self.swings(times, order)).real
         return found
 
@@ -194,7 +208,7 @@ class _Search:
         )
 
     def zeros(self, vectors: ComplexArray, until: float, order: int) -> FloatArray:
-        """Times at which a derivative of P changes its sign, shape (k,)."""
+        """Return where a derivative of P changes its sign, shape (k,) [rad]."""
         points = max(64, int(POINTS_A_TURN * self.fastest * until / PERIOD_RAD))
         times = np.linspace(0, until, points)
         values = self.pull(vectors, times, order)
@@ -241,22 +255,29 @@ class _Search:
                 high_end = middle
         return low_end
 
-    def sharpened(self, obstacle: _Obstacle, duration: float, programs: int) -> Shortest | None:
-        """Solve the conditions of optimality from a c near the best one; None where that fails."""
-        vectors = obstacle.vectors
-        turning = self.zeros(vectors, duration, 1)
+    def structures(self, obstacle: _Obstacle, duration: float) -> Iterator[FloatArray]:
+        """Yield how the impulses may lie, by c and then by the linear program, shape (n,) [rad]."""
+        turning = self.zeros(obstacle.vectors, duration, 1)
+        if not self.positive:
+            if turning.size % 2:
+                yield np.concatenate(([0.0], turning, [duration]))
+            return
+        lowest = turning[self.pull(obstacle.vectors, turning, 2) > 0]
+        distances = np.abs(lowest[:, None] - obstacle.support).min(axis=1, initial=np.inf)
+        yield np.concatenate(([0.0], lowest[distances < 2 * obstacle.cell], [duration]))
+        groups = np.flatnonzero(np.diff(obstacle.support) > 1.5 * obstacle.cell) + 1
+        centres = np.array([part.mean() for part in np.split(obstacle.support, groups)])
+        inner = (centres > obstacle.cell) & (centres < duration - obstacle.cell)
+        yield np.concatenate(([0.0], centres[inner], [duration]))
+
+    def sharpened(self, vectors: ComplexArray, times: FloatArray, programs: int) -> Shortest | None:
+        """Solve the conditions of optimality from c and times near them; None where that fails."""
+        amplitudes = np.where(np.arange(times.size) % 2 == 0, 1.0, -1.0)
         if self.positive:
-            lowest = turning[self.pull(vectors, turning, 2) > 0]
-            distances = np.abs(lowest[:, None] - obstacle.support).min(axis=1, initial=np.inf)
-            touched = lowest[distances < 2 * obstacle.cell]
-            times = np.concatenate(([0.0], touched, [duration]))
             amplitudes = self._least_squares_amplitudes(times)
-        else:
-            times = np.concatenate(([0.0], turning, [duration]))
-            if times.size % 2 == 0:
-                return None
-            amplitudes = np.where(np.arange(times.size) % 2 == 0, 1.0, -1.0)
-        for iteration in range(1, NEWTON_STEPS + 1):
+        iterations, farthest = 0, STRAYED * times[-1]
+        while iterations < NEWTON_STEPS:
+            iterations += 1
             step = self._newton_step(times, amplitudes, vectors)
             moved = step[: times.size - 1]
             gaps, changes = np.diff(times), np.diff(moved, prepend=0.0)
@@ -270,6 +291,8 @@ class _Search:
                 rest = rest[times.size :]
             real, imaginary = np.split(rest, 2)
             vectors = vectors + real + 1j * imaginary
+            if times[-1] > farthest:
+                return None
             if share == 1 and np.abs(step).max() < CONVERGED:
                 break
         left = np.abs(self.swings(times) @ amplitudes) * np.exp(self.poles.real * times[-1])
@@ -286,7 +309,7 @@ class _Search:
             times_rad=times,
             amplitudes=amplitudes,
             vectors=vectors / np.linalg.norm(vectors),
-            iterations=iteration,
+            iterations=iterations,
             programs=programs,
         )
 

@@ -9,9 +9,9 @@ import numpy as np
 from design.actuators import Actuator, FirstOrder, Ideal
 from design.errors import InvalidInputError
 from design.maps import varied
-from design.plants import Mode, Plant
+from design.plants import Mode, Modes, Plant, Scheduled
 from design.shapers.kind import ShaperKind
-from design.shapers.problem import ClosedForm
+from design.shapers.problem import ClosedForm, Problem
 from design.tables.rows import Column
 from design.types import FloatArray, require_between
 
@@ -35,6 +35,8 @@ MOST_CHUNK_ROWS = 1_000_000
 UNITS = {
     "_rad_s": "rad/s",
     "_m_s2": "m/s^2",
+    "_n_m": "N/m",
+    "_kg": "kg",
     "_m_s": "m/s",
     "_rad": "rad",
     "_hz": "Hz",
@@ -108,6 +110,12 @@ class TableSpecification:
                 "actuator.kind",
                 self.actuator.kind,
                 f"one that {self.kind.name} serves: {', '.join(self.kind.actuators)}",
+            )
+        if isinstance(self.plant, Modes | Scheduled):
+            raise InvalidInputError(
+                "design.plant.kind",
+                "scheduled" if isinstance(self.plant, Scheduled) else "modes",
+                "a plant of one mode and frequency: each row has its own",
             )
         paths = tuple(axis.path for axis in self.axes) if self.listed is None else self.listed_paths
         object.__setattr__(self, "fields", paths)
@@ -256,7 +264,13 @@ def amplitudes_of(kind: ShaperKind, options: Any, damping_ratio: float = 0.0) ->
     formulation = kind.formulate(mode, actuator, kind.options() if options is None else options)
     if isinstance(formulation, ClosedForm):
         return tuple(formulation.impulses.amplitudes.tolist())
-    return tuple(formulation.amplitudes.tolist())
+    if isinstance(formulation, Problem):
+        return tuple(formulation.amplitudes.tolist())
+    raise InvalidInputError(
+        "design.shaper.kind",
+        kind.name,
+        "one with as many impulses in every row: those for several modes change with the plant",
+    )
 
 
 def columns_of(specification: TableSpecification) -> tuple[Column, ...]:

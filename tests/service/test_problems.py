@@ -32,6 +32,8 @@ def test_an_error_becomes_a_document_with_its_status(error: type[DesignError]) -
         (("plant", "mode", "damping_ratio"), {"plant": {"kind": "mode"}}, "/plant/damping_ratio"),
         (("plant", "mode"), {"plant": {"kind": "mode", "mode": 1}}, "/plant/mode"),
         (("modes", 1, "x"), {"modes": [{}, {}]}, "/modes/1/x"),
+        (("a", "modes", "modes", 1), {"a": {"kind": "modes", "modes": [{}, {}]}}, "/a/modes/1"),
+        (("a", "modes", "x"), {"a": {"kind": "modes", "modes": [{}], "x": 1}}, "/a/x"),
         (("a/b~c",), {}, "/a~1b~0c"),
         ((), {}, ""),
     ],

@@ -1,0 +1,143 @@
+"""Plants whose frequency is anywhere in a range: claims over it, and over the damping ratio."""
+
+import math
+
+import numpy as np
+import pytest
+
+from design.actuators import Actuator, Ideal
+from design.analysis.sensitivity import DampingRange, SensitivityRange, sensitivity, worst_of
+from design.errors import InfeasibleDesignError, InvalidInputError
+from design.pipeline import Design, design
+from design.plants import Mode, Pendulum, Scheduled, SpringMass
+from design.shapers.ei import ToleranceOptions
+from design.shapers.registry import SHAPERS
+from tests.routes import claims_by_formula
+from tests.shaper_table import IDEAL, THESIS
+
+
+def hoist(shortest_m: float, longest_m: float, damping_ratio: float = 0.0) -> Scheduled:
+    return Scheduled(
+        first=Pendulum(cable_length_m=shortest_m, damping_ratio=damping_ratio),
+        last=Pendulum(cable_length_m=longest_m, damping_ratio=damping_ratio),
+    )
+
+
+def worst_over_lengths(found: Design, lengths_m: tuple[float, float], actuator: Actuator) -> float:
+    """Return the most left at any of many lengths, each a plant of its own, by the formula."""
+    return max(
+        claims_by_formula(found.impulses, Pendulum(cable_length_m=length).mode, actuator)[
+            "residual"
+        ]
+        for length in np.linspace(*lengths_m, 801).tolist()
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "lengths_m"),
+    [("ei", (0.5, 1.0)), ("two_hump_ei", (0.4, 1.2)), ("three_hump_ei", (0.3, 1.4))],
+)
+@pytest.mark.parametrize("actuator", [IDEAL, THESIS])
+def test_one_shaper_keeps_its_tolerance_at_every_length_of_the_range(
+    name: str, lengths_m: tuple[float, float], actuator: Actuator
+) -> None:
+    found = design(hoist(*lengths_m), actuator, SHAPERS[name])
+    claim = found.certificate.claims[-1]
+    assert claim.quantity == "band"
+    assert claim.holds
+    assert found.worst_in_range is not None
+    assert found.worst_in_range <= 0.05 * (1 + 1e-9)
+    # Between two of 801 lengths a hump hides less than a millionth.
+    assert worst_over_lengths(found, lengths_m, actuator) == pytest.approx(
+        found.worst_in_range, rel=1e-4
+    )
+
+
+def test_a_range_too_wide_for_a_kind_is_refused_with_what_it_leaves() -> None:
+    with pytest.raises(InfeasibleDesignError, match=r"ei leaves 0\.\d+ within the range of freq"):
+        design(hoist(0.3, 1.4), IDEAL, SHAPERS["ei"])
+    looser = ToleranceOptions(tolerance=0.2)
+    assert design(hoist(0.4, 1.2), IDEAL, SHAPERS["ei"], looser).certificate.verified
+
+
+def test_a_kind_without_tolerance_claims_its_zero_and_tells_the_range() -> None:
+    found = design(hoist(0.5, 1.0), IDEAL, SHAPERS["zvd"])
+    assert {claim.quantity for claim in found.certificate.claims} == {"residual", "slope"}
+    assert found.worst_in_range == pytest.approx(
+        worst_over_lengths(found, (0.5, 1.0), Ideal()), rel=1e-6
+    )
+
+
+def test_a_range_of_mass_is_the_range_of_its_frequencies() -> None:
+    masses = Scheduled(
+        first=SpringMass(mass_kg=4.0, stiffness_n_m=100.0),
+        last=SpringMass(mass_kg=6.25, stiffness_n_m=100.0),
+    )
+    assert masses.middle == Mode(natural_frequency_rad_s=4.5)
+    assert masses.band == pytest.approx((4 / 4.5, 5 / 4.5))
+    turned = Scheduled(first=masses.last, last=masses.first)
+    assert turned.band == masses.band
+    found = design(masses, IDEAL, SHAPERS["ei"]).impulses
+    single = design(Mode(natural_frequency_rad_s=4.5), IDEAL, SHAPERS["ei"]).impulses
+    assert (found.times_s == single.times_s).all()
+
+
+def test_bad_ranges_are_refused() -> None:
+    with pytest.raises(InvalidInputError, match="to must be such that the highest frequency"):
+        hoist(0.5, 0.5)
+    with pytest.raises(InvalidInputError, match="at most 10 times as high"):
+        hoist(0.01, 5.0)
+    with pytest.raises(InvalidInputError, match="over must be a field that changes the frequency"):
+        Scheduled(
+            first=Pendulum(cable_length_m=1.0), last=Pendulum(cable_length_m=1.0, damping_ratio=0.1)
+        )
+    with pytest.raises(InvalidInputError, match=r"plant\.kind must be a plant of one frequency"):
+        _ = hoist(0.5, 1.0).mode
+
+
+@pytest.mark.parametrize("actuator", [IDEAL, THESIS])
+def test_a_curve_over_damping_is_that_of_plants_so_damped(actuator: Actuator) -> None:
+    mode = Mode(natural_frequency_rad_s=3.5, damping_ratio=0.05)
+    shaper = design(mode, actuator, SHAPERS["zvd"]).impulses
+    wanted = SensitivityRange(damping=DampingRange(start=0.0, stop=0.2, points=9))
+    found = sensitivity(shaper, mode, actuator, wanted).damping
+    assert found is not None
+    ratios, residuals = found
+    assert ratios == pytest.approx(np.arange(9) * 0.025)
+    for ratio, residual in zip(ratios.tolist(), residuals.tolist(), strict=True):
+        other = Mode(natural_frequency_rad_s=3.5, damping_ratio=ratio)
+        told = claims_by_formula(shaper, other, actuator)["residual"]
+        assert residual == pytest.approx(told, abs=1e-12)
+    assert residuals[2] < 1e-12
+
+
+def test_the_worst_of_curves_is_the_larger_and_common_to_both() -> None:
+    shaper = design(Mode(natural_frequency_rad_s=3.5), IDEAL, SHAPERS["zvd"]).impulses
+    wanted = SensitivityRange(damping=DampingRange(start=0.0, stop=0.2, points=5))
+    curves = [
+        sensitivity(shaper, Mode(natural_frequency_rad_s=w), IDEAL, wanted) for w in (3.4, 3.6)
+    ]
+    both = worst_of(curves)
+    assert both.insensitivity is not None
+    assert curves[0].insensitivity is not None
+    assert curves[1].insensitivity is not None
+    assert both.insensitivity.lower_ratio == curves[0].insensitivity.lower_ratio
+    assert both.insensitivity.upper_ratio == curves[1].insensitivity.upper_ratio
+    assert (both.residuals == np.maximum(curves[0].residuals, curves[1].residuals)).all()
+    assert both.damping is not None
+    far = sensitivity(shaper, Mode(natural_frequency_rad_s=7.0), IDEAL, wanted)
+    assert worst_of([curves[0], far]).insensitivity is None
+    assert math.isclose(far.residuals.max(), worst_of([curves[0], far]).residuals.max())
+
+
+@pytest.mark.parametrize(
+    ("start", "stop", "match"),
+    [
+        (0.2, 0.1, r"damping\.to must be greater than from"),
+        (0.0, 0.6, r"damping\.to must be between 0 and 0\.5"),
+        (-0.1, 0.1, r"damping\.from must be between 0 and 0\.5"),
+    ],
+)
+def test_bad_ranges_of_damping_are_refused(start: float, stop: float, match: str) -> None:
+    with pytest.raises(InvalidInputError, match=match):
+        DampingRange(start=start, stop=stop)
