@@ -242,7 +242,7 @@ def _clusters(places: FloatArray, weights: FloatArray) -> tuple[FloatArray, Floa
     weights = np.where(weights > PRESENT * weights.max(), weights, 0.0)
     group = np.cumsum(np.diff(weights > 0, prepend=False) & (weights > 0)) - 1
     kept = weights > 0
-    sums = np.bincount(group[kept], weights[kept])
+    sums: FloatArray = np.bincount(group[kept], weights[kept]).astype(float)
     centres = np.bincount(group[kept], (weights * places)[kept]) / sums
     return centres, sums
 

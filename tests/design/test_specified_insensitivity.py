@@ -1,5 +1,6 @@
 """Shapers over a band: published numbers, bounds that nothing beats, a formulation by CVXPY."""
 
+import importlib
 import itertools
 import math
 from typing import Any
@@ -37,7 +38,8 @@ def residuals(made: Design, mode: Mode, ratios: FloatArray) -> FloatArray:
     """|sum A exp(s (t_n - t))|: the definition, ideal actuator."""
     lags = made.impulses.times_s[-1] - made.impulses.times_s
     turned = np.exp(np.multiply.outer(poles(mode, ratios), lags))
-    return np.abs(turned @ made.impulses.amplitudes)
+    left: FloatArray = np.abs(turned @ made.impulses.amplitudes)
+    return left
 
 
 def test_the_published_three_impulses_of_a_width_of_a_third() -> None:
@@ -123,8 +125,7 @@ def test_random_bands_within_limits_of_the_command(levels: tuple[float, float]) 
 
 def by_cvxpy(mode: Mode, band: tuple[float, float], lags: FloatArray, *, positive: bool) -> float:
     """Return the least largest residual over a grid of a band, as CVXPY is told of it."""
-    import cvxpy as cp
-
+    cp: Any = importlib.import_module("cvxpy")  # its own types leave half of it out
     ratios = np.linspace(*band, 81)
     turned = np.exp(np.multiply.outer(poles(mode, ratios), lags))
     steps = cp.Variable(lags.size)
