@@ -21,7 +21,7 @@ from design.impulses import Impulses
 from design.pipeline import design
 from design.plants import Pendulum, Plant
 from design.shapers.kind import ShaperKind
-from design.shapers.problem import Problem
+from design.shapers.problem import BandProblem, ClosedForm, Problem
 from design.solvers.newton import roots
 from design.types import FloatArray, require_between
 
@@ -309,9 +309,18 @@ class _Curve:
         modes = [axis.plant_at(float(x)).mode for x in self.checked]
         self.poles_rad_s = np.array([mode.pole_rad_s for mode in modes])
         self.frequencies_rad_s = np.array([mode.natural_frequency_rad_s for mode in modes])
-        self.formulations = [kind.formulate(mode, actuator, self.options) for mode in modes]
+        self.formulations: list[Problem | ClosedForm] = []
+        for mode in modes:
+            form = kind.formulate(mode, actuator, self.options)
+            if isinstance(form, BandProblem):
+                raise InvalidInputError(
+                    "over",
+                    axis.variable.meaning,
+                    f"left out for {kind.name}: its amplitudes and their number may change",
+                )
+            self.formulations.append(form)
         self.amplitudes, last = (
-            form.amplitudes if isinstance(form, Problem) else form.impulses.amplitudes
+            form.impulses.amplitudes if isinstance(form, ClosedForm) else form.amplitudes
             for form in (self.formulations[0], self.formulations[-1])
         )
         if np.abs(self.amplitudes - last).max() > SAME_AMPLITUDE:

@@ -13,10 +13,11 @@ from design.actuators import SETTLED_SHARE, Actuator, unit_ramps_s
 from design.analysis.certificate import Certificate, certify, zeros
 from design.analysis.residual import require_workable, residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
+from design.fastest import fastest
 from design.impulses import Impulses
 from design.plants import Mode, Plant
 from design.shapers.kind import ShaperKind
-from design.shapers.problem import ClosedForm, Formulation, Problem
+from design.shapers.problem import BandProblem, ClosedForm, Formulation, Problem
 from design.solvers.search import candidates
 from design.types import FloatArray
 
@@ -34,7 +35,7 @@ class SolverReport:
     Attributes
     ----------
     name
-        ``ipopt``, ``closed_form`` or ``newton``: the latter followed from a closed form.
+        ``ipopt``, ``clarabel``, ``closed_form``, or ``newton``: followed from a closed form.
     status
         How the run ended.
     iterations
@@ -42,7 +43,11 @@ class SolverReport:
     seed
         Name of its start.
     starts
-        Starts tried until then.
+        Starts tried until then; cone programs of ``clarabel``.
+    lower_bound_s
+        No shaper of its class is as short: proven for all times; None where nothing is proven [s].
+    gap
+        How far the duration may be above the shortest, over itself; None likewise [-].
     """
 
     name: str
@@ -50,6 +55,8 @@ class SolverReport:
     iterations: int
     seed: str
     starts: int
+    lower_bound_s: float | None = None
+    gap: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -177,6 +184,9 @@ def solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport
             ),
         )
         return
+    if isinstance(formulation, BandProblem):
+        yield from _band_solutions(formulation)
+        return
     for candidate in candidates(formulation):
         yield (
             _impulses(formulation, candidate.gaps_rad),
@@ -186,6 +196,23 @@ def solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport
                 iterations=candidate.iterations,
                 seed=candidate.seed,
                 starts=candidate.starts,
+            ),
+        )
+
+
+def _band_solutions(problem: BandProblem) -> Iterator[tuple[Impulses, SolverReport]]:
+    w = problem.natural_frequency_rad_s
+    for found in fastest(problem):
+        yield (
+            Impulses(times_s=found.times_rad / w, amplitudes=found.amplitudes),
+            SolverReport(
+                name="clarabel",
+                status="solve_succeeded",
+                iterations=found.iterations,
+                seed="cone_program",
+                starts=found.cone_programs,
+                lower_bound_s=found.lower_bound_rad / w,
+                gap=found.gap,
             ),
         )
 

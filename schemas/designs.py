@@ -161,6 +161,14 @@ class SolverOut(Wire):
     iterations: int
     seed: str
     starts: int
+    lower_bound_s: Annotated[
+        float | None,
+        Field(description="No shaper of its class is as short; null where nothing is proven [s]."),
+    ]
+    gap: Annotated[
+        float | None,
+        Field(description="(duration - lower bound) / duration; null likewise [-]."),
+    ]
 
 
 class WarningOut(Wire):
@@ -218,6 +226,8 @@ class DesignResponse(Wire):
                 iterations=solver.iterations,
                 seed=solver.seed,
                 starts=solver.starts,
+                lower_bound_s=solver.lower_bound_s,
+                gap=solver.gap,
             ),
             warnings=[
                 WarningOut.model_construct(code=warning.code, detail=warning.detail)

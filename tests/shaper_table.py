@@ -12,6 +12,7 @@ from design.shapers.ei import ToleranceOptions
 from design.shapers.kind import NoOptions, PeakOptions, SettleOptions
 from design.shapers.negative import NegativeOptions
 from design.shapers.positive import MzvOptions
+from design.shapers.specified_insensitivity import BandOptions
 
 CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81)
 """The thesis's crane, 3.50178526 rad/s."""
@@ -157,5 +158,12 @@ SHAPER_TABLE: dict[str, Row] = {
         actuators=(IDEAL, FIRST_ORDER, THESIS, LIMITED),
         options=(None, EXACT_SETTLE),
         impulses=5,
+    ),
+    "si": Row(
+        plants=PLANTS,
+        actuators=(IDEAL, FIRST_ORDER, THESIS),
+        options=(None, BandOptions(half_width=0.12), BandOptions(lower_ratio=0.9, upper_ratio=1.2)),
+        impulses=3,
+        unity=False,
     ),
 }

@@ -5,7 +5,7 @@ from typing import Any, Literal, Protocol
 
 from design.actuators import Actuator
 from design.impulses import Impulses
-from design.types import FloatArray
+from design.types import ComplexArray, FloatArray
 
 Quantity = Literal["residual", "slope", "second_derivative", "third_derivative", "band"]
 """What a shaper may claim to keep small.
@@ -144,4 +144,63 @@ class ClosedForm:
     method: Literal["closed_form", "newton"] = "closed_form"
 
 
-Formulation = ClosedForm | Problem
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BandProblem:
+    """The fastest shaper whose residual stays within a tolerance over a band.
+
+    Attributes
+    ----------
+    unit_pole
+        The mode's pole over its natural frequency.
+    natural_frequency_rad_s
+        Turns phases into times [rad/s].
+    band
+        Lowest and highest ratio of the true frequency to the nominal one [-].
+    tolerance
+        Largest residual over the band [-].
+    levels
+        Lowest and highest level of the command, at most 0 and at least 1; None for positive
+        amplitudes, which need no limits.
+    horizon_rad
+        Longest duration [rad].
+    designed_for
+        The actuator of the claims.
+    """
+
+    unit_pole: complex
+    natural_frequency_rad_s: float
+    band: tuple[float, float]
+    tolerance: float
+    levels: tuple[float, float] | None
+    horizon_rad: float
+    designed_for: Actuator
+
+    @property
+    def claims(self) -> tuple[Promise, ...]:
+        """The tolerance over the band."""
+        return (Promise(quantity="band", limit=self.tolerance, band=self.band),)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Obstacle:
+    """What stands against a duration: a function of time that no shaper so short can pass.
+
+    ``p(u) = Re sum_k y_k exp(s(r_k) u)``, u back from the last impulse. A shaper within the
+    tolerance V over the band has ``sum A_i p(u_i) <= V sum |y_k|``, whatever the y.
+
+    Attributes
+    ----------
+    duration_rad
+        The duration that it excludes, and all below [rad].
+    ratios
+        Frequency ratios, within the band, shape (k,) [-].
+    vectors
+        y, shape (k,), complex [-].
+    """
+
+    duration_rad: float
+    ratios: FloatArray
+    vectors: ComplexArray
+
+
+Formulation = ClosedForm | Problem | BandProblem
