@@ -16,9 +16,9 @@ from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailed
 from design.impulses import Impulses
 from design.plants import Mode, Plant
 from design.shapers.kind import ShaperKind
-from design.shapers.problem import ClosedForm, Formulation, Problem
-from design.solvers.search import candidates
-from design.types import FloatArray
+from design.shapers.problem import BandSearch, ClosedForm, Formulation
+from design.solvers.exchange import BandCandidate, band_candidates
+from design.solvers.search import Candidate, candidates
 
 SLOW_ACTUATOR = 2.0
 """Corner frequency over the plant's below which the thesis advises against (eq. 3.41) [-]."""
@@ -177,9 +177,16 @@ def solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport
             ),
         )
         return
-    for candidate in candidates(formulation):
+    w = formulation.natural_frequency_rad_s
+    found: Iterator[Candidate | BandCandidate] = (
+        band_candidates(formulation)
+        if isinstance(formulation, BandSearch)
+        else candidates(formulation)
+    )
+    for candidate in found:
+        phases = np.concatenate(([0.0], np.cumsum(candidate.gaps_rad)))
         yield (
-            _impulses(formulation, candidate.gaps_rad),
+            Impulses(times_s=phases / w, amplitudes=candidate.problem.amplitudes),
             SolverReport(
                 name="ipopt",
                 status="solve_succeeded",
@@ -188,11 +195,6 @@ def solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport
                 starts=candidate.starts,
             ),
         )
-
-
-def _impulses(problem: Problem, gaps_rad: FloatArray) -> Impulses:
-    phases = np.concatenate(([0.0], np.cumsum(gaps_rad)))
-    return Impulses(times_s=phases / problem.natural_frequency_rad_s, amplitudes=problem.amplitudes)
 
 
 def warnings_of(impulses: Impulses, mode: Mode, actuator: Actuator) -> Iterator[DesignWarning]:

@@ -1,0 +1,397 @@
+"""Minimum time over a band of frequencies: peaks exchanged in until none is above the tolerance.
+
+A step minimises the duration over the disks in which the linearised vectors must stay, at the ends
+of the band, at the peaks between them as they are now, and at a few ratios more (`disks`); the
+Lagrangian's curvature is part of it, so that the last steps halve the digits that are wrong. Steps
+are kept within a radius that adapts, and measured by the duration plus the price of what is above
+the tolerance anywhere in the band (R. Fletcher, "Practical methods of optimization", 2nd ed.,
+section 14.4: exact penalty, second-order correction).
+"""
+
+import functools
+import math
+import threading
+from collections.abc import Generator, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from design.errors import InfeasibleDesignError, TimeLimitError
+from design.shapers.problem import BandModel, BandProblem, BandSearch, Seed
+from design.solvers.buffered import Buffered
+from design.solvers.disks import DISKS, step_over_disks
+from design.solvers.outcome import Status
+from design.types import FloatArray
+
+AIM = 1e-9
+"""Share of the tolerance by which a design stays below it: what is left of its last step [-]."""
+
+LANES = 64
+"""Ratios that are looked at by one call of the compiled expressions."""
+
+LONGEST_TURN_RAD = 0.1
+"""Turn of the last impulse's phase from one ratio to the next, where peaks are looked for [rad]."""
+
+PEAK_STEPS = 5
+"""Newton's steps to a peak from the highest of three neighbours: the last halves 1e-16."""
+
+FIXED = 9
+"""Ratios that are always among the disks: cosines over the band, its ends included."""
+
+FIRST_RADIUS_RAD = 0.3
+LARGEST_RADIUS_RAD = 0.5
+SMALLEST_RADIUS_RAD = 1e-9
+"""Bounds of the farthest that one gap moves in a step: a twentieth of a period at first [rad]."""
+
+LAST_STEP_RAD = 1e-6
+"""A step this short is the last: what it neglects is its square over the tolerance [rad]."""
+
+MOST_STEPS = 40
+
+LEAST_CURVATURE = 1e-3
+"""Of the Lagrangian along any direction: keeps each program convex [1/rad]."""
+
+PRICES = (0.3, 1.0, 1e4)
+"""Least, first and highest price of a square that is above the tolerance's by itself [rad]."""
+
+FAR_MISS = 1.2
+"""A run that ends with so many times the tolerance is no matter of where it began [-]."""
+
+COINCIDE_RAD = 1e-4
+"""Steps closer than this are one: a sixtieth of a thousandth of a period [rad]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BandCandidate:
+    """A design over a band by the solver's word, not yet verified.
+
+    Attributes
+    ----------
+    problem
+        What it solves.
+    gaps_rad
+        Gaps between its impulses, shape (n - 1,) [rad].
+    seed
+        Name of the start that led to it.
+    iterations
+        Steps from there.
+    starts
+        Starts tried so far, of fewer impulses too.
+    """
+
+    problem: BandProblem
+    gaps_rad: FloatArray
+    seed: str
+    iterations: int
+    starts: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Peaks:
+    """The ends of the band and the local maxima between them."""
+
+    ratios: FloatArray
+    squares: FloatArray  # of the residual over the tolerance's
+
+    @property
+    def excess(self) -> float:
+        return max(float(self.squares.max()) - 1, 0.0)
+
+
+class _Family:
+    """What a family's impulses leave over a band, compiled."""
+
+    def __init__(self, model: BandModel) -> None:
+        import casadi as ca  # noqa: PLC0415
+
+        parts = model.expressions()
+        x, p, ratio, vector = parts.unknowns, parts.parameters, parts.ratio, parts.vibration
+        self.size = int(x.numel())
+
+        def compiled(lanes: int, names: str, given: list[Any], found: list[Any]) -> Buffered:
+            inputs, outputs = (one.split() for one in names.split("->"))
+            one = ca.Function("band", given, [ca.densify(part) for part in found], inputs, outputs)
+            return Buffered(one.map(lanes), tuple(inputs), tuple(outputs))
+
+        square = ca.sumsqr(vector)
+        slope = ca.gradient(square, ratio)
+        self._squares = compiled(
+            LANES,
+            "x p ratio -> square slope bend",
+            [x, p, ratio],
+            [square, slope, ca.gradient(slope, ratio)],
+        )
+        self._vectors = compiled(
+            DISKS, "x p ratio -> vector jacobian", [x, p, ratio], [vector, ca.jacobian(vector, x)]
+        )
+        weights = ca.SX.sym("weights", 2)
+        self._hessians = compiled(
+            DISKS,
+            "x p ratio weights -> hessian",
+            [x, p, ratio, weights],
+            [ca.hessian(ca.dot(weights, vector), x)[0]],
+        )
+
+    @staticmethod
+    def _given(function: Buffered, x: FloatArray, p: FloatArray, ratios: FloatArray) -> None:
+        """Write the inputs; lanes without a ratio repeat the nominal one."""
+        each = function.inputs["ratio"]
+        function.inputs["x"].reshape(each.size, -1)[:] = x
+        function.inputs["p"].reshape(each.size, -1)[:] = p
+        each[: ratios.size], each[ratios.size :] = ratios, 1.0
+
+    def squares(self, x: FloatArray, p: FloatArray, ratios: FloatArray) -> FloatArray:
+        """Return the squared residuals with two derivatives, shape (3, m)."""
+        found = np.empty((3, ratios.size))
+        for first in range(0, ratios.size, LANES):
+            part = slice(first, first + LANES)
+            self._given(self._squares, x, p, ratios[part])
+            self._squares.run()
+            for row, values in zip(found, self._squares.outputs.values(), strict=True):
+                row[part] = values[: ratios[part].size]
+        return found
+
+    def vectors(
+        self, x: FloatArray, p: FloatArray, ratios: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return vectors, shape (m, 2), and Jacobians, shape (m, 2, n)."""
+        self._given(self._vectors, x, p, ratios)
+        self._vectors.run()
+        vectors = self._vectors.outputs["vector"].reshape(DISKS, 2)[: ratios.size].copy()
+        jacobians = self._vectors.outputs["jacobian"].reshape(DISKS, self.size, 2)
+        return vectors, jacobians[: ratios.size].swapaxes(1, 2).copy()
+
+    def hessian(
+        self, x: FloatArray, p: FloatArray, ratios: FloatArray, weights: FloatArray
+    ) -> FloatArray:
+        """Return the second derivatives of the weighted sum of vectors, shape (n, n)."""
+        self._given(self._hessians, x, p, ratios)
+        each = self._hessians.inputs["weights"].reshape(DISKS, 2)
+        each[: ratios.size], each[ratios.size :] = weights, 0.0
+        self._hessians.run()
+        hessians = self._hessians.outputs["hessian"].reshape(DISKS, self.size, self.size)
+        found: FloatArray = hessians.sum(axis=0)
+        return found
+
+    def peaks(self, x: FloatArray, p: FloatArray, half_width: float, limit: float) -> _Peaks:
+        """Return ends and local maxima of the residual over a band."""
+        turn = 2 * half_width * float(x.sum())
+        blocks = 1 + int(turn / (LANES * LONGEST_TURN_RAD))
+        ratios = np.linspace(1 - half_width, 1 + half_width, LANES * blocks)
+        squares = self.squares(x, p, ratios)[0]
+        top = (squares[1:-1] >= squares[:-2]) & (squares[1:-1] >= squares[2:])
+        at = np.flatnonzero(top) + 1
+        found = ratios[at]
+        for _ in range(PEAK_STEPS if at.size else 0):
+            _, slope, bend = self.squares(x, p, found)
+            step = np.where(bend < 0, -slope / np.where(bend < 0, bend, 1.0), 0.0)
+            found = np.clip(found + step, ratios[at - 1], ratios[at + 1])
+        ratios = np.concatenate((ratios[[0, -1]], found))
+        return _Peaks(ratios, self.squares(x, p, ratios)[0] / limit**2)
+
+
+_one_at_a_time = threading.Lock()
+
+
+@functools.cache
+def _family(model: BandModel) -> _Family:
+    return _Family(model)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Run:
+    """The end of the steps from one start."""
+
+    gaps_rad: FloatArray
+    highest: float  # over the band, as a share of the tolerance
+    converged: bool
+    steps: int
+
+
+class _Descent:
+    """Steps from one start."""
+
+    def __init__(self, problem: BandProblem, half_width: float, tolerance: float) -> None:
+        self.family = _family(problem.model)
+        self.parameters = problem.parameters
+        self.shortest = problem.shortest_gaps_rad
+        self.half_width = half_width
+        self.limit = tolerance * (1 - AIM)
+        self.price = PRICES[1]
+        self.fixed = 1 - half_width * np.cos(np.linspace(0, np.pi, FIXED))
+        self.multipliers = np.zeros((2, 0))  # ratios and multipliers of the last program
+
+    def peaks(self, gaps: FloatArray) -> _Peaks:
+        return self.family.peaks(gaps, self.parameters, self.half_width, self.limit)
+
+    def run(self, start: FloatArray) -> _Run:
+        """Step until nothing is gained."""
+        gaps = np.maximum(start, self.shortest)
+        peaks = self.peaks(gaps)
+        radius = FIRST_RADIUS_RAD
+        taken = 0
+        while taken < MOST_STEPS and radius > SMALLEST_RADIUS_RAD:
+            taken += 1
+            found = self._step(gaps, peaks, radius)
+            if found is None:
+                radius /= 4
+                continue
+            step, slack, promised, gained, after = found
+            longest = float(np.abs(step).max())
+            if gained > promised / 10 or longest <= LAST_STEP_RAD:
+                gaps, peaks = gaps + step, after
+                if gained > 0.7 * promised:
+                    radius = min(2 * radius, LARGEST_RADIUS_RAD)
+                self._reprice(slack, peaks.excess)
+                if longest <= LAST_STEP_RAD and (peaks.excess <= AIM or self.price >= PRICES[2]):
+                    break
+            else:
+                radius = min(radius, longest) / 3
+        highest = math.sqrt(float(peaks.squares.max())) * (1 - AIM)
+        return _Run(gaps, highest, highest <= 1, taken)
+
+    def _reprice(self, slack: float, excess: float) -> None:
+        """Raise the price where a program would rather pay it, lower it where it need not."""
+        least, _, highest = PRICES
+        if slack > max(AIM, 0.1 * excess):
+            self.price = min(10 * self.price, highest)
+        elif slack <= AIM:
+            enough = max(2 * float(self.multipliers[1].sum()), least)
+            self.price = max(self.price / 3, min(self.price, enough))
+
+    def _step(
+        self, gaps: FloatArray, peaks: _Peaks, radius: float
+    ) -> tuple[FloatArray, float, float, float, _Peaks] | None:
+        """Return a step, its slack, what it promised and gained, and the peaks after it."""
+        highest = np.argsort(-peaks.squares[2:], kind="stable")[: DISKS - FIXED]
+        ratios = np.concatenate((self.fixed, peaks.ratios[2:][highest]))
+        vectors, jacobians = (
+            part / self.limit for part in self.family.vectors(gaps, self.parameters, ratios)
+        )
+        bounds = np.maximum(self.shortest - gaps, -radius), np.full(gaps.size, radius)
+        bend = self._bend(gaps, ratios, vectors, jacobians)
+        solved = self._solved(vectors, jacobians, bend, bounds)
+        if solved is None:
+            return None
+        step, slack, multipliers = solved
+        promised = self.price * (peaks.excess - slack) - float(step.sum() + step @ bend @ step / 2)
+        after = self.peaks(gaps + step)
+        gained = self.price * (peaks.excess - after.excess) - float(step.sum())
+        if gained < promised / 2 and np.abs(step).max() > LAST_STEP_RAD:
+            # What the linear vectors missed at the end of the step, taken into account.
+            there = self.family.vectors(gaps + step, self.parameters, ratios)[0] / self.limit
+            again = self._solved(there - jacobians @ step, jacobians, bend, bounds)
+            if again is not None:
+                other = self.peaks(gaps + again[0])
+                better = self.price * (peaks.excess - other.excess) - float(again[0].sum())
+                if better > gained:
+                    step, _, multipliers = again
+                    gained, after = better, other
+        self.multipliers = np.vstack((ratios, multipliers))
+        return step, slack, promised, gained, after
+
+    def _solved(
+        self,
+        vectors: FloatArray,
+        jacobians: FloatArray,
+        bend: FloatArray,
+        bounds: tuple[FloatArray, FloatArray],
+    ) -> tuple[FloatArray, float, FloatArray] | None:
+        outcome, multipliers = step_over_disks(vectors, jacobians, bend, self.price, bounds)
+        if outcome.status is Status.TIME_LIMIT:
+            raise TimeLimitError("ipopt ran past its time in a step over a band")
+        if outcome.status is not Status.SOLVE_SUCCEEDED:
+            return None
+        step = np.clip(outcome.unknowns[:-1], *bounds)
+        return step, max(float(outcome.unknowns[-1]), 0.0), multipliers
+
+    def _bend(
+        self, gaps: FloatArray, ratios: FloatArray, vectors: FloatArray, jacobians: FloatArray
+    ) -> FloatArray:
+        """Return the Lagrangian's second derivatives without those of the disks themselves.
+
+        With the last multipliers, each given to the nearest ratio of this program. The whole, the
+        disks' own ``2 sum(lambda J' J)`` included, is made positive along every direction.
+        """
+        weights = np.zeros(ratios.size)
+        for ratio, multiplier in self.multipliers.T:
+            weights[np.argmin(np.abs(ratios - ratio))] += max(multiplier, 0.0)
+        own: FloatArray = 2 * np.einsum("k,kci,kcj->ij", weights, jacobians, jacobians)
+        both = 2 * weights[:, None] * vectors / self.limit
+        whole = own + self.family.hessian(gaps, self.parameters, ratios, both)
+        values, axes = np.linalg.eigh((whole + whole.T) / 2)
+        bend: FloatArray = (axes * np.maximum(values, LEAST_CURVATURE)) @ axes.T - own
+        return bend if weights.any() else np.zeros_like(bend)
+
+
+def band_candidates(search: BandSearch) -> Iterator[BandCandidate]:
+    """Yield designs over a band, of the fewest impulses first.
+
+    Every number of impulses is tried from its seeds in turn; where one ends far above the
+    tolerance, the others wait until more impulses have been tried.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        When all candidates, if any, are used up: says what came nearest.
+    TimeLimitError
+        If the solver ran past its time.
+    """
+    runs = _Runs(search)
+    later = []
+    for problem in search.problems:
+        missed = 0.0
+        for seed in problem.seeds:
+            if missed > FAR_MISS:
+                later.append((problem, seed))
+                continue
+            missed = yield from runs.candidate(problem, seed)
+    for problem, seed in later:
+        yield from runs.candidate(problem, seed)
+    raise InfeasibleDesignError(runs.searched())
+
+
+class _Runs:
+    """What was tried so far."""
+
+    def __init__(self, search: BandSearch) -> None:
+        self.search = search
+        self.starts = 0
+        self.nearest, self.late = math.inf, math.inf
+
+    def candidate(self, problem: BandProblem, seed: Seed) -> Generator[BandCandidate, None, float]:
+        """Yield the end of a run if it is a candidate; return what it leaves over the tolerance."""
+        search = self.search
+        self.starts += 1
+        with _one_at_a_time:
+            run = _Descent(problem, search.half_width, search.tolerance).run(seed.gaps_rad)
+        self.nearest = min(self.nearest, run.highest)
+        duration = float(run.gaps_rad.sum())
+        # Steps up and down at one moment: superposed sets make something of it, no drive can.
+        if run.converged and run.gaps_rad.min() > COINCIDE_RAD:
+            if duration <= search.horizon_rad:
+                yield BandCandidate(
+                    problem=problem,
+                    gaps_rad=run.gaps_rad,
+                    seed=seed.name,
+                    iterations=run.steps,
+                    starts=self.starts,
+                )
+            else:
+                self.late = min(self.late, duration)
+        return run.highest
+
+    def searched(self) -> str:
+        """Say how far was searched, and what came nearest."""
+        search, period = self.search, 2 * math.pi
+        counts = sorted(problem.amplitudes.size for problem in search.problems)
+        report = (
+            f"no shaper of {' or '.join(map(str, counts))} impulses of unity magnitude was found "
+            f"that leaves at most {search.tolerance:g} from {1 - search.half_width:.6g} to "
+            f"{1 + search.half_width:.6g} of the frequency, within {search.horizon_rad / period:g} "
+            f"periods in {self.starts} starts"
+        )
+        if self.late < math.inf:
+            return f"{report}; the shortest takes {self.late / period:.6g} periods"
+        return f"{report}; the nearest miss leaves {self.nearest * search.tolerance:.4g} there"
