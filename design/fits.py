@@ -21,7 +21,7 @@ from design.impulses import Impulses
 from design.pipeline import design
 from design.plants import Pendulum, Plant
 from design.shapers.kind import ShaperKind
-from design.shapers.problem import Problem
+from design.shapers.problem import BandSearch, Problem
 from design.solvers.newton import roots
 from design.types import FloatArray, require_between
 
@@ -310,10 +310,16 @@ class _Curve:
         self.poles_rad_s = np.array([mode.pole_rad_s for mode in modes])
         self.frequencies_rad_s = np.array([mode.natural_frequency_rad_s for mode in modes])
         self.formulations = [kind.formulate(mode, actuator, self.options) for mode in modes]
-        self.amplitudes, last = (
-            form.amplitudes if isinstance(form, Problem) else form.impulses.amplitudes
-            for form in (self.formulations[0], self.formulations[-1])
-        )
+        ends: list[FloatArray] = []
+        for form in (self.formulations[0], self.formulations[-1]):
+            if isinstance(form, BandSearch):
+                raise InvalidInputError(
+                    "shaper.kind",
+                    kind.name,
+                    "one whose times solve equations: those of a band change branch",
+                )
+            ends.append(form.amplitudes if isinstance(form, Problem) else form.impulses.amplitudes)
+        self.amplitudes, last = ends
         if np.abs(self.amplitudes - last).max() > SAME_AMPLITUDE:
             raise InvalidInputError(
                 "over",

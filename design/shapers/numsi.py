@@ -38,6 +38,13 @@ NARROWEST = 1e-3
 WIDEST = 0.6
 """Bounds of the band's half width: nine impulses reach .45 at 5 % [-]."""
 
+SHORTEST_PULSE_RAD = PERIOD_RAD / 100
+"""Shortest gap of superposed steps, where none has to settle [rad].
+
+Superposed sets, each answering its own steps, would make something of pulses that vanish: no drive
+can, and the switched model knows no such thing.
+"""
+
 COUNTS = (3, 5, 7, 9)
 """Numbers of impulses."""
 
@@ -168,6 +175,8 @@ def numsi(mode: Mode, actuator: Actuator, options: BandOptions) -> Formulation:
     problems = []
     for count in sorted(counts, key=lambda one: (_alike(one, options) > FAR * WIDEST_AT[one], one)):
         shortest = settling_gaps_rad(mode, actuator, count, settle=options.settle)
+        if actuator.model == "superposed":
+            shortest = np.maximum(shortest, SHORTEST_PULSE_RAD)
         if shortest.sum() <= horizon:
             problems.append(
                 BandProblem(
@@ -205,7 +214,7 @@ def _alike(count: int, options: BandOptions) -> float:
     n impulses cancel (n - 1) / 2 derivatives or so: the half width goes by that root of the
     tolerance.
     """
-    return options.half_width * (SEED_TOLERANCE / options.tolerance) ** (2 / (count - 1))
+    return options.half_width * float((SEED_TOLERANCE / options.tolerance) ** (2 / (count - 1)))
 
 
 def _seeds(mode: Mode, actuator: Actuator, count: int, options: BandOptions) -> tuple[Seed, ...]:

@@ -11,7 +11,7 @@ from design.solvers.buffered import Buffered
 from design.solvers.outcome import Outcome, Status
 from design.types import FloatArray
 
-DISKS = 24
+DISKS = 16
 """Disks of a program."""
 
 OPTIONS: dict[str, Any] = {

@@ -11,7 +11,7 @@ section 14.4: exact penalty, second-order correction).
 import functools
 import math
 import threading
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,7 +22,7 @@ from design.shapers.problem import BandModel, BandProblem, BandSearch, Seed
 from design.solvers.buffered import Buffered
 from design.solvers.disks import DISKS, step_over_disks
 from design.solvers.outcome import Status
-from design.types import FloatArray
+from design.types import BoolArray, FloatArray, IntArray
 
 AIM = 1e-9
 """Share of the tolerance by which a design stays below it: what is left of its last step [-]."""
@@ -33,11 +33,20 @@ LANES = 64
 LONGEST_TURN_RAD = 0.1
 """Turn of the last impulse's phase from one ratio to the next, where peaks are looked for [rad]."""
 
-PEAK_STEPS = 5
-"""Newton's steps to a peak from the highest of three neighbours: the last halves 1e-16."""
+PEAKS = 8
+"""Peaks that are refined by one call."""
 
-FIXED = 9
+PEAK_STEPS = 4
+"""Newton's steps to a peak from the highest of three neighbours."""
+
+FIXED = 7
 """Ratios that are always among the disks: cosines over the band, its ends included."""
+
+ENDS = 2
+"""The ends of the band come first among the ratios."""
+
+NEAR = 0.2
+"""A peak nearer than this to one of them stands for it, as a share of the half width [-]."""
 
 FIRST_RADIUS_RAD = 0.3
 LARGEST_RADIUS_RAD = 0.5
@@ -47,6 +56,12 @@ SMALLEST_RADIUS_RAD = 1e-9
 LAST_STEP_RAD = 1e-6
 """A step this short is the last: what it neglects is its square over the tolerance [rad]."""
 
+LAST_GAIN_RAD = 1e-6
+"""A step that gains less than this is one along a flat valley: what follows only restores [rad]."""
+
+FIRMNESS = 1e5
+"""Curvature that keeps steps from then on short, but for what is above the tolerance [1/rad]."""
+
 MOST_STEPS = 40
 
 LEAST_CURVATURE = 1e-3
@@ -55,11 +70,11 @@ LEAST_CURVATURE = 1e-3
 PRICES = (0.3, 1.0, 1e4)
 """Least, first and highest price of a square that is above the tolerance's by itself [rad]."""
 
+COMPARED = 2
+"""Seeds of one number of impulses of whose designs the shorter is taken."""
+
 FAR_MISS = 1.2
 """A run that ends with so many times the tolerance is no matter of where it began [-]."""
-
-COINCIDE_RAD = 1e-4
-"""Steps closer than this are one: a sixtieth of a thousandth of a period [rad]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -116,21 +131,24 @@ class _Family:
 
         square = ca.sumsqr(vector)
         slope = ca.gradient(square, ratio)
-        self._squares = compiled(
-            LANES,
-            "x p ratio -> square slope bend",
-            [x, p, ratio],
-            [square, slope, ca.gradient(slope, ratio)],
+        bend = ca.gradient(slope, ratio)
+        self._squares = compiled(LANES, "x p ratio -> square", [x, p, ratio], [square])
+        self._slopes = compiled(
+            PEAKS, "x p ratio -> square slope bend", [x, p, ratio], [square, slope, bend]
         )
         self._vectors = compiled(
             DISKS, "x p ratio -> vector jacobian", [x, p, ratio], [vector, ca.jacobian(vector, x)]
         )
         weights = ca.SX.sym("weights", 2)
-        self._hessians = compiled(
+        self._curvatures = compiled(
             DISKS,
-            "x p ratio weights -> hessian",
+            "x p ratio weights -> hessian mixed bend",
             [x, p, ratio, weights],
-            [ca.hessian(ca.dot(weights, vector), x)[0]],
+            [
+                ca.hessian(ca.dot(weights, vector), x)[0],
+                ca.gradient(slope, x),
+                ca.gradient(slope, ratio),
+            ],
         )
 
     @staticmethod
@@ -142,14 +160,13 @@ class _Family:
         each[: ratios.size], each[ratios.size :] = ratios, 1.0
 
     def squares(self, x: FloatArray, p: FloatArray, ratios: FloatArray) -> FloatArray:
-        """Return the squared residuals with two derivatives, shape (3, m)."""
-        found = np.empty((3, ratios.size))
+        """Return the squared residuals at a multiple of `LANES` ratios, shape (m,)."""
+        found = np.empty(ratios.size)
         for first in range(0, ratios.size, LANES):
             part = slice(first, first + LANES)
             self._given(self._squares, x, p, ratios[part])
             self._squares.run()
-            for row, values in zip(found, self._squares.outputs.values(), strict=True):
-                row[part] = values[: ratios[part].size]
+            found[part] = self._squares.outputs["square"]
         return found
 
     def vectors(
@@ -162,33 +179,64 @@ class _Family:
         jacobians = self._vectors.outputs["jacobian"].reshape(DISKS, self.size, 2)
         return vectors, jacobians[: ratios.size].swapaxes(1, 2).copy()
 
-    def hessian(
-        self, x: FloatArray, p: FloatArray, ratios: FloatArray, weights: FloatArray
+    def curvature(
+        self,
+        x: FloatArray,
+        p: FloatArray,
+        ratios: FloatArray,
+        weights: FloatArray,
+        moving: BoolArray,
     ) -> FloatArray:
-        """Return the second derivatives of the weighted sum of vectors, shape (n, n)."""
-        self._given(self._hessians, x, p, ratios)
-        each = self._hessians.inputs["weights"].reshape(DISKS, 2)
-        each[: ratios.size], each[ratios.size :] = weights, 0.0
-        self._hessians.run()
-        hessians = self._hessians.outputs["hessian"].reshape(DISKS, self.size, self.size)
-        found: FloatArray = hessians.sum(axis=0)
-        return found
+        """Return the second derivatives of weighted squares less ``2 J' J``, shape (n, n).
+
+        The largest of a square over the ratio moves with x where it is a peak: that bends it by
+        ``-m m' / b``, m and b the derivatives of its slope in ratio by x and by ratio.
+        """
+        vectors, _ = self.vectors(x, p, ratios)
+        self._given(self._curvatures, x, p, ratios)
+        each = self._curvatures.inputs["weights"].reshape(DISKS, 2)
+        each[: ratios.size], each[ratios.size :] = 2 * weights[:, None] * vectors, 0.0
+        self._curvatures.run()
+        found = self._curvatures.outputs
+        mixed = found["mixed"].reshape(DISKS, self.size)[: ratios.size]
+        bend = found["bend"][: ratios.size]
+        peaked = moving & (bend < 0)
+        pulls = np.where(peaked, weights / np.where(peaked, -bend, 1.0), 0.0)
+        own = found["hessian"].reshape(DISKS, self.size, self.size).sum(axis=0)
+        curvature: FloatArray = own + np.einsum("k,ki,kj->ij", pulls, mixed, mixed)
+        return curvature
 
     def peaks(self, x: FloatArray, p: FloatArray, half_width: float, limit: float) -> _Peaks:
         """Return ends and local maxima of the residual over a band."""
         turn = 2 * half_width * float(x.sum())
         blocks = 1 + int(turn / (LANES * LONGEST_TURN_RAD))
         ratios = np.linspace(1 - half_width, 1 + half_width, LANES * blocks)
-        squares = self.squares(x, p, ratios)[0]
+        squares = self.squares(x, p, ratios)
         top = (squares[1:-1] >= squares[:-2]) & (squares[1:-1] >= squares[2:])
         at = np.flatnonzero(top) + 1
+        found, heights = ratios[at], squares[at]
+        for first in range(0, at.size, PEAKS):
+            part = slice(first, first + PEAKS)
+            found[part], heights[part] = self._refined(x, p, ratios, at[part])
+        return _Peaks(
+            np.concatenate((ratios[[0, -1]], found)),
+            np.concatenate((squares[[0, -1]], heights)) / limit**2,
+        )
+
+    def _refined(
+        self, x: FloatArray, p: FloatArray, ratios: FloatArray, at: IntArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the maxima between the neighbours of some ratios, by Newton's method."""
         found = ratios[at]
-        for _ in range(PEAK_STEPS if at.size else 0):
-            _, slope, bend = self.squares(x, p, found)
-            step = np.where(bend < 0, -slope / np.where(bend < 0, bend, 1.0), 0.0)
-            found = np.clip(found + step, ratios[at - 1], ratios[at + 1])
-        ratios = np.concatenate((ratios[[0, -1]], found))
-        return _Peaks(ratios, self.squares(x, p, ratios)[0] / limit**2)
+        for step in range(PEAK_STEPS + 1):
+            self._given(self._slopes, x, p, found)
+            self._slopes.run()
+            square, slope, bend = (one[: at.size] for one in self._slopes.outputs.values())
+            if step < PEAK_STEPS:
+                down = bend < 0
+                moved = found - np.where(down, slope / np.where(down, bend, -1.0), 0.0)
+                found = np.clip(moved, ratios[at - 1], ratios[at + 1])
+        return found, square.copy()
 
 
 _one_at_a_time = threading.Lock()
@@ -220,6 +268,7 @@ class _Descent:
         self.limit = tolerance * (1 - AIM)
         self.price = PRICES[1]
         self.fixed = 1 - half_width * np.cos(np.linspace(0, np.pi, FIXED))
+        self.firmness = 0.0
         self.multipliers = np.zeros((2, 0))  # ratios and multipliers of the last program
 
     def peaks(self, gaps: FloatArray) -> _Peaks:
@@ -244,6 +293,8 @@ class _Descent:
                 if gained > 0.7 * promised:
                     radius = min(2 * radius, LARGEST_RADIUS_RAD)
                 self._reprice(slack, peaks.excess)
+                if gained <= LAST_GAIN_RAD:
+                    self.firmness = FIRMNESS
                 if longest <= LAST_STEP_RAD and (peaks.excess <= AIM or self.price >= PRICES[2]):
                     break
             else:
@@ -264,13 +315,12 @@ class _Descent:
         self, gaps: FloatArray, peaks: _Peaks, radius: float
     ) -> tuple[FloatArray, float, float, float, _Peaks] | None:
         """Return a step, its slack, what it promised and gained, and the peaks after it."""
-        highest = np.argsort(-peaks.squares[2:], kind="stable")[: DISKS - FIXED]
-        ratios = np.concatenate((self.fixed, peaks.ratios[2:][highest]))
+        ratios = self._ratios(peaks)
         vectors, jacobians = (
             part / self.limit for part in self.family.vectors(gaps, self.parameters, ratios)
         )
         bounds = np.maximum(self.shortest - gaps, -radius), np.full(gaps.size, radius)
-        bend = self._bend(gaps, ratios, vectors, jacobians)
+        bend = self._bend(gaps, ratios, jacobians)
         solved = self._solved(vectors, jacobians, bend, bounds)
         if solved is None:
             return None
@@ -291,6 +341,13 @@ class _Descent:
         self.multipliers = np.vstack((ratios, multipliers))
         return step, slack, promised, gained, after
 
+    def _ratios(self, peaks: _Peaks) -> FloatArray:
+        """Return the ends, the highest peaks, and fixed ratios where no peak is near."""
+        highest = np.argsort(-peaks.squares[2:], kind="stable")[: DISKS - FIXED]
+        moving = np.concatenate((peaks.ratios[:2], peaks.ratios[2:][highest]))
+        apart = np.abs(self.fixed[:, None] - moving).min(axis=1) > NEAR * self.half_width
+        return np.concatenate((moving, self.fixed[apart]))
+
     def _solved(
         self,
         vectors: FloatArray,
@@ -306,9 +363,7 @@ class _Descent:
         step = np.clip(outcome.unknowns[:-1], *bounds)
         return step, max(float(outcome.unknowns[-1]), 0.0), multipliers
 
-    def _bend(
-        self, gaps: FloatArray, ratios: FloatArray, vectors: FloatArray, jacobians: FloatArray
-    ) -> FloatArray:
+    def _bend(self, gaps: FloatArray, ratios: FloatArray, jacobians: FloatArray) -> FloatArray:
         """Return the Lagrangian's second derivatives without those of the disks themselves.
 
         With the last multipliers, each given to the nearest ratio of this program. The whole, the
@@ -318,18 +373,19 @@ class _Descent:
         for ratio, multiplier in self.multipliers.T:
             weights[np.argmin(np.abs(ratios - ratio))] += max(multiplier, 0.0)
         own: FloatArray = 2 * np.einsum("k,kci,kcj->ij", weights, jacobians, jacobians)
-        both = 2 * weights[:, None] * vectors / self.limit
-        whole = own + self.family.hessian(gaps, self.parameters, ratios, both)
+        moving = (np.arange(ratios.size) >= ENDS) & np.isin(ratios, self.fixed, invert=True)
+        per_square = weights / self.limit**2
+        whole = own + self.family.curvature(gaps, self.parameters, ratios, per_square, moving)
         values, axes = np.linalg.eigh((whole + whole.T) / 2)
         bend: FloatArray = (axes * np.maximum(values, LEAST_CURVATURE)) @ axes.T - own
-        return bend if weights.any() else np.zeros_like(bend)
+        return (bend if weights.any() else 0.0) + self.firmness * np.eye(gaps.size)
 
 
 def band_candidates(search: BandSearch) -> Iterator[BandCandidate]:
     """Yield designs over a band, of the fewest impulses first.
 
-    Every number of impulses is tried from its seeds in turn; where one ends far above the
-    tolerance, the others wait until more impulses have been tried.
+    Of every number of impulses two seeds are compared; where one ends far above the tolerance, the
+    others wait until more impulses have been tried.
 
     Raises
     ------
@@ -341,14 +397,17 @@ def band_candidates(search: BandSearch) -> Iterator[BandCandidate]:
     runs = _Runs(search)
     later = []
     for problem in search.problems:
-        missed = 0.0
+        tried, found = 0, []
         for seed in problem.seeds:
-            if missed > FAR_MISS:
-                later.append((problem, seed))
-                continue
-            missed = yield from runs.candidate(problem, seed)
+            run = runs.run(problem, seed)
+            tried += 1
+            found += runs.candidate(problem, seed, run)
+            if run.highest > FAR_MISS or (found and tried >= COMPARED):
+                break
+        yield from sorted(found, key=lambda one: float(one.gaps_rad.sum()))
+        later += [(problem, seed) for seed in problem.seeds[tried:]]
     for problem, seed in later:
-        yield from runs.candidate(problem, seed)
+        yield from runs.candidate(problem, seed, runs.run(problem, seed))
     raise InfeasibleDesignError(runs.searched())
 
 
@@ -360,27 +419,32 @@ class _Runs:
         self.starts = 0
         self.nearest, self.late = math.inf, math.inf
 
-    def candidate(self, problem: BandProblem, seed: Seed) -> Generator[BandCandidate, None, float]:
-        """Yield the end of a run if it is a candidate; return what it leaves over the tolerance."""
-        search = self.search
+    def run(self, problem: BandProblem, seed: Seed) -> _Run:
+        """Run from a seed."""
         self.starts += 1
         with _one_at_a_time:
-            run = _Descent(problem, search.half_width, search.tolerance).run(seed.gaps_rad)
+            run = _Descent(problem, self.search.half_width, self.search.tolerance).run(
+                seed.gaps_rad
+            )
         self.nearest = min(self.nearest, run.highest)
+        return run
+
+    def candidate(self, problem: BandProblem, seed: Seed, run: _Run) -> list[BandCandidate]:
+        """Return the end of a run, if it is a candidate."""
         duration = float(run.gaps_rad.sum())
-        # Steps up and down at one moment: superposed sets make something of it, no drive can.
-        if run.converged and run.gaps_rad.min() > COINCIDE_RAD:
-            if duration <= search.horizon_rad:
-                yield BandCandidate(
+        if run.converged and duration > self.search.horizon_rad:
+            self.late = min(self.late, duration)
+        elif run.converged:
+            return [
+                BandCandidate(
                     problem=problem,
                     gaps_rad=run.gaps_rad,
                     seed=seed.name,
                     iterations=run.steps,
                     starts=self.starts,
                 )
-            else:
-                self.late = min(self.late, duration)
-        return run.highest
+            ]
+        return []
 
     def searched(self) -> str:
         """Say how far was searched, and what came nearest."""

@@ -11,7 +11,7 @@ from design.errors import InvalidInputError
 from design.maps import varied
 from design.plants import Mode, Plant
 from design.shapers.kind import ShaperKind
-from design.shapers.problem import ClosedForm
+from design.shapers.problem import BandSearch, ClosedForm
 from design.tables.rows import Column
 from design.types import FloatArray, require_between
 
@@ -256,6 +256,12 @@ def amplitudes_of(kind: ShaperKind, options: Any, damping_ratio: float = 0.0) ->
     formulation = kind.formulate(mode, actuator, kind.options() if options is None else options)
     if isinstance(formulation, ClosedForm):
         return tuple(formulation.impulses.amplitudes.tolist())
+    if isinstance(formulation, BandSearch):
+        raise InvalidInputError(
+            "shaper.kind",
+            kind.name,
+            "one of the same number of impulses in every row: design these one at a time",
+        )
     return tuple(formulation.amplitudes.tolist())
 
 
