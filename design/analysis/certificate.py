@@ -202,10 +202,12 @@ def _largest_in_band(
     ratios = np.linspace(*band, max(FEWEST_IN_BAND, int(turns / BAND_STEP_RAD) + 2))
     values = residuals(ratios)
     largest = float(values.max())
-    peaks = 1 + np.flatnonzero((values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:]))
+    # An end that is higher than its neighbour may hide a peak between the two.
+    padded = np.pad(values, 1, constant_values=-np.inf)
+    peaks = np.flatnonzero((values >= padded[:-2]) & (values >= padded[2:]))
     middles, reach = ratios[peaks], ratios[1] - ratios[0]
     for _ in range(ZOOMS if peaks.size else 0):
-        closer = middles[:, None] + reach * np.linspace(-1, 1, 9)
+        closer = np.clip(middles[:, None] + reach * np.linspace(-1, 1, 9), *band)
         values = residuals(closer)
         largest = max(largest, float(values.max()))
         middles, reach = closer[np.arange(middles.size), values.argmax(axis=1)], reach / 4
