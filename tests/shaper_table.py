@@ -11,6 +11,7 @@ from design.plants import Mode, Pendulum, Plant
 from design.shapers.ei import ToleranceOptions
 from design.shapers.kind import NoOptions, PeakOptions, SettleOptions
 from design.shapers.negative import NegativeOptions
+from design.shapers.numsi import BandOptions
 from design.shapers.positive import MzvOptions
 
 CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81)
@@ -156,6 +157,15 @@ SHAPER_TABLE: dict[str, Row] = {
         plants=PLANTS,
         actuators=(IDEAL, FIRST_ORDER, THESIS, LIMITED),
         options=(None, EXACT_SETTLE),
+        impulses=5,
+    ),
+    "num_si": Row(
+        plants=PLANTS,
+        actuators=(IDEAL, FIRST_ORDER, THESIS, LIMITED),
+        options=(
+            BandOptions(half_width=0.1),
+            BandOptions(half_width=0.12, tolerance=0.1, settle=True, max_duration_periods=4.0),
+        ),
         impulses=5,
     ),
 }

@@ -212,15 +212,17 @@ class _Family:
         blocks = 1 + int(turn / (LANES * LONGEST_TURN_RAD))
         ratios = np.linspace(1 - half_width, 1 + half_width, LANES * blocks)
         squares = self.squares(x, p, ratios)
-        top = (squares[1:-1] >= squares[:-2]) & (squares[1:-1] >= squares[2:])
-        at = np.flatnonzero(top) + 1
+        # An end that is higher than its neighbour may hide a peak between the two.
+        padded = np.pad(squares, 1, constant_values=-np.inf)
+        at = np.flatnonzero((squares >= padded[:-2]) & (squares >= padded[2:]))
         found, heights = ratios[at], squares[at]
         for first in range(0, at.size, PEAKS):
             part = slice(first, first + PEAKS)
             found[part], heights[part] = self._refined(x, p, ratios, at[part])
+        inside = (found > ratios[0]) & (found < ratios[-1])
         return _Peaks(
-            np.concatenate((ratios[[0, -1]], found)),
-            np.concatenate((squares[[0, -1]], heights)) / limit**2,
+            np.concatenate((ratios[[0, -1]], found[inside])),
+            np.concatenate((squares[[0, -1]], heights[inside])) / limit**2,
         )
 
     def _refined(
@@ -228,6 +230,7 @@ class _Family:
     ) -> tuple[FloatArray, FloatArray]:
         """Return the maxima between the neighbours of some ratios, by Newton's method."""
         found = ratios[at]
+        lowest, highest = ratios[np.maximum(at - 1, 0)], ratios[np.minimum(at + 1, ratios.size - 1)]
         for step in range(PEAK_STEPS + 1):
             self._given(self._slopes, x, p, found)
             self._slopes.run()
@@ -235,7 +238,7 @@ class _Family:
             if step < PEAK_STEPS:
                 down = bend < 0
                 moved = found - np.where(down, slope / np.where(down, bend, -1.0), 0.0)
-                found = np.clip(moved, ratios[at - 1], ratios[at + 1])
+                found = np.clip(moved, lowest, highest)
         return found, square.copy()
 
 

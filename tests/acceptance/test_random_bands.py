@@ -1,4 +1,4 @@
-"""A hundred random plants and actuators, shaped over a band: proven, or told how far was searched."""
+"""A hundred random cases, shaped over a band: proven, or told how far was searched."""
 
 import numpy as np
 import pytest
@@ -21,10 +21,13 @@ def test_random_band_shapers_are_verified_or_say_how_far_was_searched(
     for seed in range(10 * part, 10 * part + 10):
         mode, actuator = random_case(seed, model)
         half_width = float(np.random.default_rng(10_000 + seed).uniform(0.05, 0.25))
+        refusal = ""
         try:
             made = design(mode, actuator, SHAPERS["num_si"], BandOptions(half_width=half_width))
         except InfeasibleDesignError as error:
-            assert "starts; the" in str(error)
+            refusal = str(error)
+        if refusal:
+            assert "starts; the" in refusal
             missed += 1
             continue
         # By simulation, peaks refined; and by the formula at the pole on a fine grid.
