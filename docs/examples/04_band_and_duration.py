@@ -50,7 +50,9 @@ for name, kind in SHAPERS.items():
         f"{name:<16} {shaper.times_s.size:>6} {shaper.duration_s:>13.4f}   +- {100 * band:5.2f} %\n"
     )
     panel.plot(shaper.duration_s, 100 * band, "o", color="tab:gray")
-    panel.annotate(name, (shaper.duration_s, 100 * band), (5, -4), textcoords="offset points")
+    panel.annotate(
+        name, (shaper.duration_s, 100 * band), (4, 4), textcoords="offset points", rotation=40
+    )
 curves: dict[int, list[tuple[float, float]]] = {}
 for half_width in HALF_WIDTHS:
     options = BandOptions(half_width=half_width, tolerance=TOLERANCE)
@@ -67,6 +69,7 @@ panel.set_xlabel("duration [s]")
 panel.set_ylabel("guaranteed band [± % of the frequency]")
 panel.set_title("residual of at most 5 % over the band: crane and actuator of Kim (2011)")
 panel.set_ylim(bottom=-1)
+panel.margins(x=0.1)
 panel.grid(alpha=0.3)
 panel.legend(loc="upper left")
 if len(sys.argv) > 1:
