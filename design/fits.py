@@ -21,7 +21,7 @@ from design.impulses import Impulses
 from design.pipeline import design
 from design.plants import Pendulum, Plant
 from design.shapers.kind import ShaperKind
-from design.shapers.problem import BandProblem, ClosedForm, Problem
+from design.shapers.problem import BandProblem, BandSearch, ClosedForm, Problem
 from design.solvers.newton import roots
 from design.types import FloatArray, require_between
 
@@ -312,7 +312,7 @@ class _Curve:
         self.formulations: list[Problem | ClosedForm] = []
         for mode in modes:
             form = kind.formulate(mode, actuator, self.options)
-            if isinstance(form, BandProblem):
+            if isinstance(form, BandProblem | BandSearch):
                 raise InvalidInputError(
                     "over",
                     axis.variable.meaning,

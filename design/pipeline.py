@@ -17,9 +17,9 @@ from design.fastest import fastest
 from design.impulses import Impulses
 from design.plants import Mode, Plant
 from design.shapers.kind import ShaperKind
-from design.shapers.problem import BandProblem, ClosedForm, Formulation, Problem
-from design.solvers.search import candidates
-from design.types import FloatArray
+from design.shapers.problem import BandProblem, BandSearch, ClosedForm, Formulation
+from design.solvers.exchange import BandCandidate, band_candidates
+from design.solvers.search import Candidate, candidates
 
 SLOW_ACTUATOR = 2.0
 """Corner frequency over the plant's below which the thesis advises against (eq. 3.41) [-]."""
@@ -187,9 +187,16 @@ def solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport
     if isinstance(formulation, BandProblem):
         yield from _band_solutions(formulation)
         return
-    for candidate in candidates(formulation):
+    w = formulation.natural_frequency_rad_s
+    found: Iterator[Candidate | BandCandidate] = (
+        band_candidates(formulation)
+        if isinstance(formulation, BandSearch)
+        else candidates(formulation)
+    )
+    for candidate in found:
+        phases = np.concatenate(([0.0], np.cumsum(candidate.gaps_rad)))
         yield (
-            _impulses(formulation, candidate.gaps_rad),
+            Impulses(times_s=phases / w, amplitudes=candidate.problem.amplitudes),
             SolverReport(
                 name="ipopt",
                 status="solve_succeeded",
@@ -215,11 +222,6 @@ def _band_solutions(problem: BandProblem) -> Iterator[tuple[Impulses, SolverRepo
                 gap=found.gap,
             ),
         )
-
-
-def _impulses(problem: Problem, gaps_rad: FloatArray) -> Impulses:
-    phases = np.concatenate(([0.0], np.cumsum(gaps_rad)))
-    return Impulses(times_s=phases / problem.natural_frequency_rad_s, amplitudes=problem.amplitudes)
 
 
 def warnings_of(impulses: Impulses, mode: Mode, actuator: Actuator) -> Iterator[DesignWarning]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from design.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder, SecondOrderSet
 from design.plants import Mode, Pendulum, Plant
+from design.shapers import numsi
 from design.shapers.ei import ToleranceOptions
 from design.shapers.kind import NoOptions, PeakOptions, SettleOptions
 from design.shapers.negative import NegativeOptions
@@ -165,5 +166,16 @@ SHAPER_TABLE: dict[str, Row] = {
         options=(None, BandOptions(half_width=0.12), BandOptions(lower_ratio=0.9, upper_ratio=1.2)),
         impulses=3,
         unity=False,
+    ),
+    "num_si": Row(
+        plants=PLANTS,
+        actuators=(IDEAL, FIRST_ORDER, THESIS, LIMITED),
+        options=(
+            numsi.BandOptions(half_width=0.1),
+            numsi.BandOptions(
+                half_width=0.12, tolerance=0.1, settle=True, max_duration_periods=4.0
+            ),
+        ),
+        impulses=5,
     ),
 }

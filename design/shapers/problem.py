@@ -203,4 +203,92 @@ class Obstacle:
     vectors: ComplexArray
 
 
-Formulation = ClosedForm | Problem | BandProblem
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BandExpressions:
+    """CasADi expressions of what impulses leave at one frequency of a band, all dimensionless.
+
+    Attributes
+    ----------
+    unknowns
+        Gaps between the impulses times the plant's natural frequency, shape (n - 1,) [rad].
+    parameters
+        What differs from one design to the next, shape (p,).
+    ratio
+        The plant's frequency over its nominal value.
+    vibration
+        Real and imaginary part of the residual's vector there, shape (2,).
+    """
+
+    unknowns: Any
+    parameters: Any
+    ratio: Any
+    vibration: Any
+
+
+class BandModel(Protocol):
+    """A family of band problems that differ in parameters only. Hashable, as `Model` is."""
+
+    def __hash__(self) -> int:
+        """Models are keys of the solvers' caches."""
+
+    def expressions(self) -> BandExpressions:
+        """Build the expressions."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class UnityBandProblem:
+    """Minimum time with a residual within a tolerance over a band around the nominal frequency.
+
+    Attributes
+    ----------
+    model
+        The family.
+    parameters
+        Its parameters, shape (p,).
+    amplitudes
+        Amplitudes of the impulses, shape (n,) [-].
+    shortest_gaps_rad
+        Lower bounds of the gaps, shape (n - 1,), > 0 [rad].
+    seeds
+        Starts in order of preference.
+    """
+
+    model: BandModel
+    parameters: FloatArray
+    amplitudes: FloatArray
+    shortest_gaps_rad: FloatArray
+    seeds: tuple[Seed, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BandSearch:
+    """Band problems of more and more impulses: the first that can be solved is wanted.
+
+    Attributes
+    ----------
+    problems
+        One for each number of impulses, the fewest first.
+    tolerance
+        Largest residual over the band [-].
+    half_width
+        The band goes from 1 less this to 1 plus this, ratios of the nominal frequency [-].
+    natural_frequency_rad_s
+        Turns the gaps into times [rad/s].
+    horizon_rad
+        Longest duration [rad].
+    designed_for
+        The actuator of the claims.
+    claims
+        What the impulses keep.
+    """
+
+    problems: tuple[UnityBandProblem, ...]
+    tolerance: float
+    half_width: float
+    natural_frequency_rad_s: float
+    horizon_rad: float
+    designed_for: Actuator
+    claims: tuple[Promise, ...]
+
+
+Formulation = ClosedForm | Problem | BandProblem | BandSearch

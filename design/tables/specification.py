@@ -11,7 +11,7 @@ from design.errors import InvalidInputError
 from design.maps import varied
 from design.plants import Mode, Plant
 from design.shapers.kind import ShaperKind
-from design.shapers.problem import BandProblem, ClosedForm
+from design.shapers.problem import BandProblem, BandSearch, ClosedForm
 from design.tables.rows import Column
 from design.types import FloatArray, require_between
 
@@ -254,7 +254,7 @@ def amplitudes_of(kind: ShaperKind, options: Any, damping_ratio: float = 0.0) ->
         actuator = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1)
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=damping_ratio)
     formulation = kind.formulate(mode, actuator, kind.options() if options is None else options)
-    if isinstance(formulation, BandProblem):
+    if isinstance(formulation, BandProblem | BandSearch):
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,
