@@ -21,7 +21,14 @@ from design.impulses import Impulses
 from design.pipeline import design
 from design.plants import Pendulum, Plant
 from design.shapers.kind import ShaperKind
-from design.shapers.problem import ClosedForm, Formulation, Problem
+from design.shapers.problem import (
+    BandProblem,
+    BandSearch,
+    ClosedForm,
+    Convolution,
+    JointProblem,
+    Problem,
+)
 from design.solvers.newton import roots
 from design.types import FloatArray, require_between
 
@@ -291,18 +298,6 @@ def _unit_of_frequency(actuator: Actuator, fastest_rad_s: float) -> tuple[float,
     return fastest_rad_s, f"/ {fastest_rad_s!r}"
 
 
-def _amplitudes(form: Formulation) -> FloatArray:
-    if isinstance(form, ClosedForm):
-        return form.impulses.amplitudes
-    if isinstance(form, Problem):
-        return form.amplitudes
-    raise InvalidInputError(
-        "shaper.kind",
-        "a shaper for several modes",
-        "one whose times change smoothly with the plant: those gain and lose impulses",
-    )
-
-
 class _Curve:
     """The exact times of a shaper along an axis, and polynomials for them."""
 
@@ -321,9 +316,19 @@ class _Curve:
         modes = [axis.plant_at(float(x)).mode for x in self.checked]
         self.poles_rad_s = np.array([mode.pole_rad_s for mode in modes])
         self.frequencies_rad_s = np.array([mode.natural_frequency_rad_s for mode in modes])
-        self.formulations = [kind.formulate(mode, actuator, self.options) for mode in modes]
+        self.formulations: list[Problem | ClosedForm] = []
+        for mode in modes:
+            form = kind.formulate(mode, actuator, self.options)
+            if isinstance(form, BandProblem | BandSearch | JointProblem | Convolution):
+                raise InvalidInputError(
+                    "over",
+                    axis.variable.meaning,
+                    f"left out for {kind.name}: its amplitudes and their number may change",
+                )
+            self.formulations.append(form)
         self.amplitudes, last = (
-            _amplitudes(form) for form in (self.formulations[0], self.formulations[-1])
+            form.impulses.amplitudes if isinstance(form, ClosedForm) else form.amplitudes
+            for form in (self.formulations[0], self.formulations[-1])
         )
         if np.abs(self.amplitudes - last).max() > SAME_AMPLITUDE:
             raise InvalidInputError(

@@ -16,20 +16,22 @@ from design.analysis.residual import require_workable, residual_vibration
 from design.analysis.shortest import excluded_rad
 from design.commands import convolved
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
+from design.fastest import fastest
 from design.impulses import Impulses
 from design.plants import Mode, Plant, Scheduled
 from design.shapers.kind import ShaperKind
 from design.shapers.problem import (
+    BandProblem,
+    BandSearch,
     ClosedForm,
     Convolution,
     Formulation,
     JointProblem,
-    Problem,
     Promise,
 )
+from design.solvers.exchange import BandCandidate, band_candidates
 from design.solvers.joint import shortest
-from design.solvers.search import candidates
-from design.types import FloatArray
+from design.solvers.search import Candidate, candidates
 
 SLOW_ACTUATOR = 2.0
 """Corner frequency over the plant's below which the thesis advises against (eq. 3.41) [-]."""
@@ -51,7 +53,8 @@ class SolverReport:
     Attributes
     ----------
     name
-        ``ipopt``, ``highs``, ``closed_form``, or ``newton``: followed from a closed form.
+        ``ipopt``, ``clarabel``, ``highs``, ``closed_form``, or ``newton``: followed from a closed
+        form.
     status
         How the run ended.
     iterations
@@ -59,7 +62,7 @@ class SolverReport:
     seed
         Name of its start.
     starts
-        Starts tried until then; linear programs of ``highs``.
+        Starts tried until then; cone or linear programs of ``clarabel`` and ``highs``.
     lower_bound_s
         No shaper of its class is as short: proven for all times; None where nothing is proven [s].
     gap
@@ -291,9 +294,19 @@ def solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport
     if isinstance(formulation, Convolution):
         yield _convolution(formulation)
         return
-    for candidate in candidates(formulation):
+    if isinstance(formulation, BandProblem):
+        yield from _band_solutions(formulation)
+        return
+    w = formulation.natural_frequency_rad_s
+    found: Iterator[Candidate | BandCandidate] = (
+        band_candidates(formulation)
+        if isinstance(formulation, BandSearch)
+        else candidates(formulation)
+    )
+    for candidate in found:
+        phases = np.concatenate(([0.0], np.cumsum(candidate.gaps_rad)))
         yield (
-            _impulses(formulation, candidate.gaps_rad),
+            Impulses(times_s=phases / w, amplitudes=candidate.problem.amplitudes),
             SolverReport(
                 name="ipopt",
                 status="solve_succeeded",
@@ -352,9 +365,21 @@ def _merged(impulses: Impulses) -> Impulses:
     return Impulses(times_s=times[apart][kept], amplitudes=summed[kept])
 
 
-def _impulses(problem: Problem, gaps_rad: FloatArray) -> Impulses:
-    phases = np.concatenate(([0.0], np.cumsum(gaps_rad)))
-    return Impulses(times_s=phases / problem.natural_frequency_rad_s, amplitudes=problem.amplitudes)
+def _band_solutions(problem: BandProblem) -> Iterator[tuple[Impulses, SolverReport]]:
+    w = problem.natural_frequency_rad_s
+    for found in fastest(problem):
+        yield (
+            Impulses(times_s=found.times_rad / w, amplitudes=found.amplitudes),
+            SolverReport(
+                name="clarabel",
+                status="solve_succeeded",
+                iterations=found.iterations,
+                seed="cone_program",
+                starts=found.cone_programs,
+                lower_bound_s=found.lower_bound_rad / w,
+                gap=found.gap,
+            ),
+        )
 
 
 def warnings_of(impulses: Impulses, mode: Mode, actuator: Actuator) -> Iterator[DesignWarning]:

@@ -11,6 +11,7 @@ from design.errors import InvalidInputError
 FloatArray = NDArray[np.floating[Any]]
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.intp]
 
 
 def require_positive(name: str, value: float) -> None:

@@ -8,11 +8,13 @@ from typing import Any
 
 from design.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder, SecondOrderSet
 from design.plants import Mode, Pendulum, Plant
+from design.shapers import numsi
 from design.shapers.ei import ToleranceOptions
 from design.shapers.kind import NoOptions, PeakOptions, SettleOptions
 from design.shapers.negative import NegativeOptions
 from design.shapers.positive import MzvOptions
 from design.shapers.several_modes import ConvolvedOptions
+from design.shapers.specified_insensitivity import BandOptions
 
 CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81)
 """The thesis's crane, 3.50178526 rad/s."""
@@ -169,4 +171,22 @@ SHAPER_TABLE: dict[str, Row] = {
         for_ideal=EVERY_KIND,
     ),
     "convolved": _positive(2, ConvolvedOptions(base="zv")),
+    "si": Row(
+        plants=PLANTS,
+        actuators=(IDEAL, FIRST_ORDER, THESIS),
+        options=(None, BandOptions(half_width=0.12), BandOptions(lower_ratio=0.9, upper_ratio=1.2)),
+        impulses=3,
+        unity=False,
+    ),
+    "num_si": Row(
+        plants=PLANTS,
+        actuators=(IDEAL, FIRST_ORDER, THESIS, LIMITED),
+        options=(
+            numsi.BandOptions(half_width=0.1),
+            numsi.BandOptions(
+                half_width=0.12, tolerance=0.1, settle=True, max_duration_periods=4.0
+            ),
+        ),
+        impulses=5,
+    ),
 }

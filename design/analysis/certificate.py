@@ -216,10 +216,12 @@ def _largest_in_band(
     ratios = np.linspace(*band, max(FEWEST_IN_BAND, int(turns / BAND_STEP_RAD) + 2))
     values = residuals(ratios)
     largest = float(values.max())
-    peaks = 1 + np.flatnonzero((values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:]))
+    # The ends too: a peak may lie between one of them and its neighbour.
+    around = np.pad(values, 1, constant_values=-np.inf)
+    peaks = np.flatnonzero((values >= around[:-2]) & (values >= around[2:]))
     middles, reach = ratios[peaks], ratios[1] - ratios[0]
-    for _ in range(ZOOMS if peaks.size else 0):
-        closer = middles[:, None] + reach * np.linspace(-1, 1, 9)
+    for _ in range(ZOOMS):
+        closer = np.clip(middles[:, None] + reach * np.linspace(-1, 1, 9), *band)
         values = residuals(closer)
         largest = max(largest, float(values.max()))
         middles, reach = closer[np.arange(middles.size), values.argmax(axis=1)], reach / 4

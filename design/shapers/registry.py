@@ -3,16 +3,20 @@
 from design.shapers.ei import EI, THREE_HUMP_EI, TWO_HUMP_EI, UM_2EI, UM_EI
 from design.shapers.kind import ShaperKind
 from design.shapers.negative import PS_ZV, SNA_ZV
+from design.shapers.numsi import NUM_SI
 from design.shapers.numzv import NUMZV, NUMZVD, UMZVC
 from design.shapers.positive import MZV, ZV, ZVD, ZVDD, ZVDDD
 from design.shapers.several_modes import CONVOLVED, MULTI_UMZV, MULTI_ZV
+from design.shapers.specified_insensitivity import SI
 from design.shapers.umzv import UMZV, UMZVD
 
 POSITIVE = (ZV, ZVD, ZVDD, ZVDDD, MZV, EI, TWO_HUMP_EI, THREE_HUMP_EI)
-UNITY = (UMZV, UMZVD, UM_EI, UM_2EI, UMZVC, NUMZV, NUMZVD)
+UNITY = (UMZV, UMZVD, UM_EI, UM_2EI, UMZVC, NUMZV, NUMZVD, NUM_SI)
 NEGATIVE = (PS_ZV, SNA_ZV)
 FOR_SEVERAL_MODES = (MULTI_ZV, MULTI_UMZV, CONVOLVED)
 
+OVER_A_BAND = (SI,)
+
 SHAPERS: dict[str, ShaperKind] = {
-    kind.name: kind for kind in (*POSITIVE, *UNITY, *NEGATIVE, *FOR_SEVERAL_MODES)
+    kind.name: kind for kind in (*POSITIVE, *UNITY, *NEGATIVE, *OVER_A_BAND, *FOR_SEVERAL_MODES)
 }

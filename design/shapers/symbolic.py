@@ -229,6 +229,19 @@ def with_swing(steps: AlternatingSteps, gaps: list[Any], lags: Any, swing: Any) 
     return replace(steps, vibration=steps.vibration + added)
 
 
+def over_unshaped(steps: AlternatingSteps, lags: Any) -> Complex:  # noqa: ANN401
+    """Return the vibration in units of the unshaped step, of which limits make a ramp.
+
+    Where it is zero it does not matter; at any other value it does.
+    """
+    import casadi as ca  # noqa: PLC0415
+
+    z, _, _, _, _, *limits = ca.vertsplit(lags)
+    if not limits:
+        return steps.vibration
+    return steps.vibration / Ramp(limits[0], limits[2], limits[3]).factor(_pole(z, steps.w))
+
+
 def _pole(z: Any, w: Any) -> Complex:  # noqa: ANN401
     import casadi as ca  # noqa: PLC0415
 

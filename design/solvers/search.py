@@ -27,6 +27,8 @@ class Candidate:
 
     Attributes
     ----------
+    problem
+        What it solves.
     gaps_rad
         Gaps between impulses, shape (n - 1,) [rad].
     seed
@@ -37,6 +39,7 @@ class Candidate:
         Starts tried so far, this one included.
     """
 
+    problem: Problem
     gaps_rad: FloatArray
     seed: str
     iterations: int
@@ -120,7 +123,13 @@ def _solved(problem: Problem, start: FloatArray, seed: str, tried: int) -> Itera
         raise TimeLimitError(f"ipopt ran past its time from seed {seed!r}")
     gaps = outcome.unknowns
     if outcome.status is Status.SOLVE_SUCCEEDED and gaps.sum() <= problem.horizon_rad:
-        yield Candidate(gaps_rad=gaps, seed=seed, iterations=outcome.iterations, starts=tried)
+        yield Candidate(
+            problem=problem,
+            gaps_rad=gaps,
+            seed=seed,
+            iterations=outcome.iterations,
+            starts=tried,
+        )
 
 
 def _ordered_fastest_first(problem: Problem, ends: newton.Roots) -> Iterator[FloatArray]:

@@ -11,7 +11,13 @@ from design.errors import InvalidInputError
 from design.maps import varied
 from design.plants import Mode, Modes, Plant, Scheduled
 from design.shapers.kind import ShaperKind
-from design.shapers.problem import ClosedForm, Problem
+from design.shapers.problem import (
+    BandProblem,
+    BandSearch,
+    ClosedForm,
+    Convolution,
+    JointProblem,
+)
 from design.tables.rows import Column
 from design.types import FloatArray, require_between
 
@@ -262,15 +268,21 @@ def amplitudes_of(kind: ShaperKind, options: Any, damping_ratio: float = 0.0) ->
         actuator = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1)
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=damping_ratio)
     formulation = kind.formulate(mode, actuator, kind.options() if options is None else options)
+    if isinstance(formulation, JointProblem | Convolution):
+        raise InvalidInputError(
+            "design.shaper.kind",
+            kind.name,
+            "one with as many impulses in every row: those for several modes change with the plant",
+        )
+    if isinstance(formulation, BandProblem | BandSearch):
+        raise InvalidInputError(
+            "design.shaper.kind",
+            kind.name,
+            "one with as many impulses in every row: those of a band change with plant and band",
+        )
     if isinstance(formulation, ClosedForm):
         return tuple(formulation.impulses.amplitudes.tolist())
-    if isinstance(formulation, Problem):
-        return tuple(formulation.amplitudes.tolist())
-    raise InvalidInputError(
-        "design.shaper.kind",
-        kind.name,
-        "one with as many impulses in every row: those for several modes change with the plant",
-    )
+    return tuple(formulation.amplitudes.tolist())
 
 
 def columns_of(specification: TableSpecification) -> tuple[Column, ...]:

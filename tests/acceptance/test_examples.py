@@ -59,3 +59,17 @@ def test_every_figure_of_the_thesis_is_drawn_and_says_what_the_docs_say(tmp_path
         [0.003, 0.004, 0.001, 1.61, 0.428, 0.833, 0.003, 2.69], abs=0.0011
     )
     assert told["3-27"] == "NUMZV2 5 % width 0.0298; NUMZVD2, mirrored stop 5 % width 0.1757"
+
+
+def test_every_band_is_as_wide_as_asked_and_the_shorter_for_it_than_numzvd(tmp_path: Path) -> None:
+    picture = tmp_path / "band.png"
+    command = [sys.executable, str(EXAMPLES[3]), str(picture)]
+    printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    rows = [line.split() for line in printed.splitlines()[1:]]
+    told = [(name, float(duration), float(band)) for name, _, duration, _, band, _ in rows]
+    (numzvd,) = (row for row in told if row[0] == "numzvd")
+    bands = [row for row in told if row[0] == "num_si"]
+    assert bands == sorted(bands, key=lambda row: row[1])
+    assert [row[2] for row in bands] == sorted(row[2] for row in bands)
+    assert max(row[2] for row in bands if row[1] < numzvd[1]) >= 18.0 > numzvd[2]
+    assert picture.read_bytes().startswith(b"\x89PNG")

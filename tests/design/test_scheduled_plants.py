@@ -53,6 +53,18 @@ def test_one_shaper_keeps_its_tolerance_at_every_length_of_the_range(
     )
 
 
+@pytest.mark.parametrize(("name", "actuator"), [("si", IDEAL), ("num_si", THESIS)])
+def test_kinds_over_a_band_take_the_range_as_theirs(name: str, actuator: Actuator) -> None:
+    subject = hoist(0.6, 1.0)
+    found = design(subject, actuator, SHAPERS[name])
+    bands = [claim.band for claim in found.certificate.claims if claim.band is not None]
+    assert bands
+    for band in bands:
+        assert band == pytest.approx(subject.band)
+    assert worst_over_lengths(found, (0.6, 1.0), actuator) <= 0.05 * (1 + 1e-9)
+    assert found.impulses.duration_s < design(subject, actuator, SHAPERS["ei"]).impulses.duration_s
+
+
 def test_a_range_too_wide_for_a_kind_is_refused_with_what_it_leaves() -> None:
     with pytest.raises(InfeasibleDesignError, match=r"ei leaves 0\.\d+ within the range of freq"):
         design(hoist(0.3, 1.4), IDEAL, SHAPERS["ei"])

@@ -1,0 +1,125 @@
+"""The fastest shaper over a band with its lower bound: the solver's word, judged apart from it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from design.analysis.exclusion import excludes
+from design.errors import InfeasibleDesignError
+from design.shapers.problem import BandProblem, Obstacle
+from design.solvers import bands
+from design.solvers.bands import BandCandidate
+from design.types import FloatArray
+
+SMALL_GAP = 1e-4
+"""Gap at which the search ends: far below what a controller's clock can tell [-]."""
+
+EASIER = 1.01
+"""Margin of a tolerance that is offered instead, over what a grid reaches [-]."""
+
+PERIOD_RAD = 6.283185307179586
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Fastest:
+    """A shaper, and how much faster one could be at most.
+
+    Attributes
+    ----------
+    times_rad
+        Times of its impulses, shape (n,) [rad].
+    amplitudes
+        Their amplitudes, shape (n,) [-].
+    lower_bound_rad
+        No shaper of its class is as short as this or shorter [rad].
+    iterations
+        Steps of Newton's method.
+    cone_programs
+        Cone programs that led to it.
+    """
+
+    times_rad: FloatArray
+    amplitudes: FloatArray
+    lower_bound_rad: float
+    iterations: int
+    cone_programs: int
+
+    @property
+    def gap(self) -> float:
+        """How far its duration may be above the shortest, over itself [-]."""
+        duration = float(self.times_rad[-1])
+        return (duration - self.lower_bound_rad) / duration
+
+
+def fastest(problem: BandProblem) -> Iterator[Fastest]:
+    """Yield optima within a gap of 1e-4; if there is none, the one with the smallest gap.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If the fastest is longer than the horizon; says what would be met instead.
+    SolverFailedError
+        If a cone program was not solved.
+    """
+    best: Fastest | None = None
+    bound = 0.0  # nothing is shorter than no time
+    for found in bands.candidates(problem):
+        if isinstance(found, Obstacle):
+            bound = max(bound, found.duration_rad if _stands(problem, found) else 0.0)
+        else:
+            bound = max(bound, _lower_bound(problem, found))
+            if best is None or found.times_rad[-1] < best.times_rad[-1]:
+                best = Fastest(
+                    times_rad=found.times_rad,
+                    amplitudes=found.amplitudes,
+                    lower_bound_rad=bound,
+                    iterations=found.iterations,
+                    cone_programs=found.cone_programs,
+                )
+        if best is None:
+            continue
+        best = replace(best, lower_bound_rad=bound)
+        if best.gap <= SMALL_GAP:
+            _require_in_time(problem, best)
+            yield best
+            best = None
+    if best is not None:
+        _require_in_time(problem, best)
+        yield best
+
+
+def _lower_bound(problem: BandProblem, candidate: BandCandidate) -> float:
+    for obstacle in bands.obstacles(problem, candidate):
+        if _stands(problem, obstacle):
+            return obstacle.duration_rad
+    return 0.0
+
+
+def _stands(problem: BandProblem, obstacle: Obstacle) -> bool:
+    return excludes(
+        problem.unit_pole,
+        obstacle.ratios,
+        obstacle.vectors,
+        obstacle.duration_rad,
+        problem.tolerance,
+        problem.levels,
+    )
+
+
+def _require_in_time(problem: BandProblem, found: Fastest) -> None:
+    duration = float(found.times_rad[-1])
+    if duration <= problem.horizon_rad:
+        return
+    lower, upper = problem.band
+    known = (
+        f"none is shorter than {found.lower_bound_rad / PERIOD_RAD:.6g} (proven)"
+        if found.lower_bound_rad >= problem.horizon_rad
+        else "no shorter one was found"
+    )
+    tolerance = EASIER * bands.least_residual(problem, problem.horizon_rad)
+    instead = f" or a tolerance of {tolerance:.4g}" if tolerance < 1 else ""
+    raise InfeasibleDesignError(
+        f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "
+        f"within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural frequency: the "
+        f"fastest shaper found takes {duration / PERIOD_RAD:.6g} periods, {known}; "
+        f"max_duration_periods = {1.0001 * duration / PERIOD_RAD:.4f}{instead} can be met"
+    )

@@ -1,0 +1,214 @@
+"""Specified insensitivity: a band and a tolerance in, the fastest shaper that keeps them out."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+from design.actuators import Actuator
+from design.errors import InvalidInputError
+from design.plants import Mode
+from design.shapers.kind import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS, ShaperKind
+from design.shapers.problem import BandProblem
+from design.types import require_between
+
+USUAL_HALF_WIDTH = 0.15
+"""Half width of the band if none is given: the I = 0.3 of the literature [-]."""
+
+NARROWEST, WIDEST = 0.01, 0.9
+"""Bounds of half the band's width over its centre: beyond them shapers take tens of periods [-]."""
+
+SMALLEST_RATIO, LARGEST_RATIO = 0.01, 100.0
+"""Bounds of the band's ends [-]."""
+
+SMALLEST_TOLERANCE = 1e-3
+"""Below it the peaks that hold the optimum differ by what the cone program cannot tell [-]."""
+
+LARGEST_LEVEL = 10.0
+"""Farthest limit of the command from 0 and 1, in cruise speeds [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BandOptions:
+    """Band, tolerance and limits.
+
+    Attributes
+    ----------
+    half_width
+        The band is ``1 - half_width`` to ``1 + half_width`` [-]; None if its ends are given, and
+        0.15 if they are not either.
+    lower_ratio, upper_ratio
+        Its ends, true frequency over the nominal one [-]; None with ``half_width``.
+    tolerance
+        Largest residual over the band [-].
+    amplitudes
+        ``positive``, or of both signs within the limits of the command.
+    lowest_command, highest_command
+        Limits of the command over its cruise speed, for amplitudes of both signs [-].
+    max_duration_periods
+        Longest shaper, in undamped periods of the plant [-].
+    """
+
+    half_width: float | None = field(
+        default=None,
+        metadata={
+            "description": "The band is 1 - half_width to 1 + half_width of the natural "
+            f"frequency; {USUAL_HALF_WIDTH} if neither it nor the ratios are given.",
+            "ge": NARROWEST,
+            "le": WIDEST,
+        },
+    )
+    lower_ratio: float | None = field(
+        default=None,
+        metadata={
+            "description": "Lower end of the band over the natural frequency, in place of "
+            "half_width.",
+            "ge": SMALLEST_RATIO,
+            "le": LARGEST_RATIO,
+        },
+    )
+    upper_ratio: float | None = field(
+        default=None,
+        metadata={
+            "description": "Upper end of the band, with lower_ratio.",
+            "ge": SMALLEST_RATIO,
+            "le": LARGEST_RATIO,
+        },
+    )
+    tolerance: float = field(
+        default=0.05,
+        metadata={
+            "description": "Largest residual over the band.",
+            "ge": SMALLEST_TOLERANCE,
+            "lt": 1.0,
+        },
+    )
+    amplitudes: Literal["positive", "negative"] = field(
+        default="positive",
+        metadata={
+            "description": "positive; or negative, which allows both signs within the limits of "
+            "the command, behind ideal or symmetric actuators."
+        },
+    )
+    lowest_command: float = field(
+        default=0.0,
+        metadata={
+            "description": "Lowest command over its cruise speed, for negative amplitudes.",
+            "ge": -LARGEST_LEVEL,
+            "le": 0.0,
+        },
+    )
+    highest_command: float = field(
+        default=1.0,
+        metadata={
+            "description": "Highest command over its cruise speed, for negative amplitudes.",
+            "ge": 1.0,
+            "le": 1.0 + LARGEST_LEVEL,
+        },
+    )
+    max_duration_periods: float = field(
+        default=10.0,
+        metadata={
+            "description": "Longest shaper, in undamped periods of the plant.",
+            "ge": SHORTEST_HORIZON_PERIODS,
+            "le": LONGEST_HORIZON_PERIODS,
+        },
+    )
+
+    def __post_init__(self) -> None:
+        if not SMALLEST_TOLERANCE <= self.tolerance < 1:
+            raise InvalidInputError(
+                "tolerance", self.tolerance, f"at least {SMALLEST_TOLERANCE:g} and below 1"
+            )
+        require_between("lowest_command", self.lowest_command, -LARGEST_LEVEL, 0.0)
+        require_between("highest_command", self.highest_command, 1.0, 1.0 + LARGEST_LEVEL)
+        require_between(
+            "max_duration_periods",
+            self.max_duration_periods,
+            SHORTEST_HORIZON_PERIODS,
+            LONGEST_HORIZON_PERIODS,
+        )
+        if self.amplitudes == "positive":
+            for name, usual in (("lowest_command", 0.0), ("highest_command", 1.0)):
+                if getattr(self, name) != usual:
+                    raise InvalidInputError(
+                        name,
+                        getattr(self, name),
+                        f"{usual:g} for positive amplitudes, whose command rises from 0 to 1",
+                    )
+        self._require_band()
+
+    def _require_band(self) -> None:
+        if self.half_width is not None:
+            for name in ("lower_ratio", "upper_ratio"):
+                if getattr(self, name) is not None:
+                    raise InvalidInputError(
+                        name, getattr(self, name), "left out where half_width is given"
+                    )
+            require_between("half_width", self.half_width, NARROWEST, WIDEST)
+            return
+        if (self.lower_ratio is None) != (self.upper_ratio is None):
+            missing = "lower_ratio" if self.lower_ratio is None else "upper_ratio"
+            raise InvalidInputError(missing, None, "given where the other end of the band is")
+        lower, upper = self.band
+        require_between("lower_ratio", lower, SMALLEST_RATIO, LARGEST_RATIO)
+        require_between("upper_ratio", upper, SMALLEST_RATIO, LARGEST_RATIO)
+        narrow, wide = ((1 + h) / (1 - h) for h in (NARROWEST, WIDEST))
+        # The quotient of 1 + h and 1 - h is off by a rounding.
+        if not narrow * (1 - 1e-12) <= upper / lower <= wide * (1 + 1e-12):
+            raise InvalidInputError(
+                "upper_ratio",
+                upper,
+                f"{narrow:.4g} to {wide:.4g} times lower_ratio, {lower!r}",
+            )
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Ends of the band [-]."""
+        if self.lower_ratio is not None and self.upper_ratio is not None:
+            return self.lower_ratio, self.upper_ratio
+        half = USUAL_HALF_WIDTH if self.half_width is None else self.half_width
+        return 1 - half, 1 + half
+
+
+def specified_insensitivity(mode: Mode, actuator: Actuator, options: BandOptions) -> BandProblem:
+    """Formulate the minimum-time shaper whose residual stays within a tolerance over a band.
+
+    Positive amplitudes use the acceleration set alone, whose G is then a common factor: the shaper
+    holds behind every actuator without limits to its rate. Amplitudes of both signs need a G in
+    common, so that the two sets must be equal: else the problem is not convex, and no bound to its
+    duration can be proved.
+
+    Raises
+    ------
+    InvalidInputError
+        For negative amplitudes behind an actuator whose two sets differ.
+    """
+    if options.amplitudes == "negative" and actuator.accel_lag != actuator.decel_lag:
+        raise InvalidInputError(
+            "shaper.amplitudes",
+            options.amplitudes,
+            "positive behind an actuator whose accelerating and decelerating sets differ",
+        )
+    return BandProblem(
+        unit_pole=mode.unit_pole,
+        natural_frequency_rad_s=mode.natural_frequency_rad_s,
+        band=options.band,
+        tolerance=options.tolerance,
+        levels=None
+        if options.amplitudes == "positive"
+        else (options.lowest_command, options.highest_command),
+        horizon_rad=options.max_duration_periods * 2 * math.pi,
+        designed_for=actuator,
+    )
+
+
+SI = ShaperKind(
+    name="si",
+    summary="Minimum time, residual within a tolerance over a band: positive, or within limits.",
+    source="W. Singhose, W. Seering, N. Singer, Input shaping for vibration reduction with "
+    "specified insensitivity to modeling errors, Japan-USA Symp. Flexible Automation (1996)",
+    claims=("band",),
+    options=BandOptions,
+    actuators=("ideal", "first_order", "second_order"),
+    formulate=specified_insensitivity,
+)

@@ -1,0 +1,166 @@
+"""Clarabel, called directly: the least residual over a band for a given duration, as cones."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from design.solvers.outcome import Status
+from design.types import ComplexArray, FloatArray
+
+STATUS = {
+    "Solved": Status.SOLVE_SUCCEEDED,
+    "AlmostSolved": Status.SOLVE_SUCCEEDED,  # a start for Newton's method, never an answer
+    "PrimalInfeasible": Status.INFEASIBLE,
+    "AlmostPrimalInfeasible": Status.INFEASIBLE,
+    "MaxTime": Status.TIME_LIMIT,
+}
+"""Clarabel's words for ours; any other is FAILED."""
+
+CONE_SIZE = 3
+"""A bound, and the two parts of the vector that it bounds."""
+
+TOLERANCE = 1e-9
+"""Of the gap and of the constraints: a tenth of what a proof of a duration can spare [-]."""
+
+LONGEST_S = 10.0
+"""Where Clarabel ends a run [s]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ConeProgram:
+    """``min v`` so that ``|offset_k + rows_k x| <= v``, ``lowest <= x <= highest``, ``sum x = 1``.
+
+    Attributes
+    ----------
+    offset
+        Vectors at x = 0, shape (k,), complex [-].
+    rows
+        What each unknown adds, shape (k, n), complex [-].
+    lowest
+        Lower bound of the unknowns.
+    highest
+        Upper bound of the unknowns; infinite for none.
+    unit_sum
+        Whether the unknowns' sum is 1.
+    """
+
+    offset: ComplexArray
+    rows: ComplexArray
+    lowest: float
+    highest: float
+    unit_sum: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ConeOutcome:
+    """How a run ended.
+
+    Attributes
+    ----------
+    status
+        What became of it.
+    unknowns
+        x, shape (n,).
+    largest
+        v.
+    weights
+        What each of the bounds ``|.| <= v`` costs, shape (k,), sum 1.
+    obstacle
+        The bounds' dual vectors y, ``Re(y_k row_k x)`` the most that bound k can use, shape (k,).
+    iterations
+        Iterations of the interior-point method.
+    """
+
+    status: Status
+    unknowns: FloatArray
+    largest: float
+    weights: FloatArray
+    obstacle: ComplexArray
+    iterations: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Columns:
+    """A matrix in compressed columns, by the names that Clarabel reads.
+
+    Of `scipy.sparse` it needs no more than these, and importing that takes half a second.
+    """
+
+    data: FloatArray
+    indices: Any
+    indptr: Any
+    shape: tuple[int, int]
+    has_sorted_indices: bool = True
+    has_canonical_format: bool = True
+
+    @property
+    def nnz(self) -> int:
+        """Number of entries kept."""
+        return int(self.data.size)
+
+
+def _columns(matrix: FloatArray) -> _Columns:
+    held = matrix.T != 0
+    column, row = np.nonzero(held)
+    starts = np.concatenate(([0], np.cumsum(np.bincount(column, minlength=matrix.shape[1]))))
+    return _Columns(
+        data=np.ascontiguousarray(matrix.T[held]), indices=row, indptr=starts, shape=matrix.shape
+    )
+
+
+def solve(program: ConeProgram) -> ConeOutcome:
+    """Solve one cone program.
+
+    Parameters
+    ----------
+    program
+        The program.
+
+    Returns
+    -------
+    ConeOutcome
+        Unknowns and status; no claim is made of its exactness.
+    """
+    import clarabel  # noqa: PLC0415 - where it is used, as all solvers
+
+    bands, count = program.rows.shape
+    blocks, right, cones = [], [], []
+    if program.unit_sum:
+        blocks.append(np.append(np.ones(count), 0.0)[None])
+        right.append(np.ones(1))
+        cones.append(clarabel.ZeroConeT(1))
+    for sign, bound in ((-1.0, program.lowest), (1.0, program.highest)):
+        if np.isfinite(bound):
+            blocks.append(np.column_stack((sign * np.eye(count), np.zeros(count))))
+            right.append(np.full(count, sign * bound))
+            cones.append(clarabel.NonnegativeConeT(count))
+    below = np.zeros((bands, CONE_SIZE, count + 1))
+    below[:, 0, -1] = -1.0
+    below[:, 1, :-1], below[:, 2, :-1] = -program.rows.real, -program.rows.imag
+    blocks.append(below.reshape(CONE_SIZE * bands, count + 1))
+    offset = np.zeros((bands, CONE_SIZE))
+    offset[:, 1], offset[:, 2] = program.offset.real, program.offset.imag
+    right.append(offset.ravel())
+    cones.extend([clarabel.SecondOrderConeT(CONE_SIZE)] * bands)
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.max_threads = 1  # programs this small only wait for each other's threads
+    settings.time_limit = LONGEST_S
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
+    cost = np.append(np.zeros(count), 1.0)
+    none = _columns(np.zeros((count + 1, count + 1)))
+    matrix = _columns(np.concatenate(blocks))
+    found = clarabel.DefaultSolver(
+        none, cost, matrix, np.concatenate(right), cones, settings
+    ).solve()
+    duals = np.asarray(found.z)[-CONE_SIZE * bands :].reshape(bands, CONE_SIZE)
+    unknowns = np.asarray(found.x)
+    return ConeOutcome(
+        status=STATUS.get(str(found.status), Status.FAILED),
+        unknowns=unknowns[:-1],
+        largest=float(unknowns[-1]),
+        weights=duals[:, 0],
+        obstacle=-duals[:, 1] + 1j * duals[:, 2],
+        iterations=int(found.iterations),
+    )

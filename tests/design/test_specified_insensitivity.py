@@ -1,0 +1,283 @@
+"""Shapers over a band: published numbers, bounds that nothing beats, a formulation by CVXPY."""
+
+import importlib
+import itertools
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from design.actuators import FirstOrder, Ideal
+from design.analysis.exclusion import excludes
+from design.errors import InfeasibleDesignError, InvalidInputError
+from design.pipeline import Design, design
+from design.plants import Mode
+from design.shapers.registry import SHAPERS
+from design.shapers.specified_insensitivity import BandOptions
+from design.solvers.clarabel import ConeProgram, solve
+from design.solvers.outcome import Status
+from design.types import ComplexArray, FloatArray
+from tests.shaper_table import THESIS
+
+SYMMETRIC = FirstOrder(accel_time_constant_s=0.03, decel_time_constant_s=0.03)
+UNIT = Mode(natural_frequency_rad_s=2 * math.pi)
+"""One undamped second: times are in periods."""
+
+
+def si(mode: Mode = UNIT, actuator: Any = None, **options: Any) -> Design:
+    made = BandOptions(**options)
+    return design(mode, Ideal() if actuator is None else actuator, SHAPERS["si"], made)
+
+
+def poles(mode: Mode, ratios: FloatArray) -> ComplexArray:
+    return mode.pole_rad_s * ratios
+
+
+def residuals(made: Design, mode: Mode, ratios: FloatArray) -> FloatArray:
+    """|sum A exp(s (t_n - t))|: the definition, ideal actuator."""
+    lags = made.impulses.times_s[-1] - made.impulses.times_s
+    turned = np.exp(np.multiply.outer(poles(mode, ratios), lags))
+    left: FloatArray = np.abs(turned @ made.impulses.amplitudes)
+    return left
+
+
+def test_the_published_three_impulses_of_a_width_of_a_third() -> None:
+    made = si(half_width=0.15, tolerance=0.05)
+    assert made.impulses.amplitudes == pytest.approx([0.2625, 0.475, 0.2625], abs=5e-5)
+    assert made.impulses.times_s == pytest.approx([0, 0.47075, 0.9415], abs=5e-6)
+
+
+def test_the_published_four_impulses_of_twice_that_width() -> None:
+    made = si(half_width=0.3, tolerance=0.05)
+    wanted = [0.1597972, 0.3402028, 0.3402028, 0.1597972]
+    assert made.impulses.amplitudes == pytest.approx(wanted, abs=5e-8)
+    assert made.impulses.times_s == pytest.approx([0, 0.4555201, 0.9110402, 1.366560], abs=5e-7)
+
+
+def random_bands(count: int, seed: int) -> list[tuple[float, float, float]]:
+    rng = np.random.default_rng(seed)
+    halves, dampings = rng.uniform(0.05, 0.5, count), rng.uniform(0, 0.2, count)
+    dampings[::5] = 0.0  # symmetric problems, whose optima are the most degenerate
+    tolerances = rng.uniform(0.02, 0.1, count)
+    return list(zip(halves.tolist(), dampings.tolist(), tolerances.tolist(), strict=True))
+
+
+def test_200_random_bands_are_kept_at_20000_points_and_the_gap_is_small() -> None:
+    rng = np.random.default_rng(11)
+    gaps = []
+    for half, damping, tolerance in random_bands(200, seed=3):
+        mode = Mode(natural_frequency_rad_s=3.0, damping_ratio=damping)
+        made = si(mode, half_width=half, tolerance=tolerance)
+        assert made.certificate.verified
+        assert (made.impulses.amplitudes > 0).all()
+        assert made.impulses.amplitudes.sum() == pytest.approx(1, abs=1e-14)
+        ratios = np.linspace(1 - half, 1 + half, 20_000)
+        # A peak between two of these is higher by less than (h / 10,000)^2 (w t)^2 / 8 = 1e-7 V.
+        found = residuals(made, mode, ratios)
+        peak = ratios[found.argmax()]
+        near = np.linspace(peak - half / 10_000, peak + half / 10_000, 2_001)
+        finer = residuals(made, mode, np.clip(near, 1 - half, 1 + half))
+        assert max(found.max(), finer.max()) <= tolerance * (1 + 1e-11)
+        solver = made.solver
+        assert solver.lower_bound_s is not None
+        assert solver.gap is not None
+        gaps.append(solver.gap)
+        duration = made.impulses.duration_s
+        assert solver.lower_bound_s == pytest.approx(duration * (1 - solver.gap), rel=1e-14)
+        # The shaper squeezed below its bound must break the band: else the bound were wrong.
+        squeezed = made.impulses.times_s * (solver.lower_bound_s / duration * (1 - 1e-6))
+        moved = squeezed + np.r_[0, rng.normal(0, 1e-5, squeezed.size - 2), 0]
+        turned = np.exp(np.multiply.outer(poles(mode, ratios), moved[-1] - moved))
+        assert np.abs(turned @ made.impulses.amplitudes).max() > tolerance
+    # One of these lies within 1e-6 of where two impulses merge, and the search ends beside it.
+    assert min(gaps) > 0
+    assert np.mean(np.array(gaps) <= 1e-4) >= 0.99
+    assert max(gaps) <= 1e-3
+
+
+@pytest.mark.parametrize("levels", [(0.0, 1.0), (-0.5, 1.3)])
+def test_random_bands_within_limits_of_the_command(levels: tuple[float, float]) -> None:
+    for half, damping, tolerance in random_bands(25, seed=5):
+        mode = Mode(natural_frequency_rad_s=3.0, damping_ratio=damping)
+        made = si(
+            mode,
+            SYMMETRIC,
+            half_width=half,
+            tolerance=tolerance,
+            amplitudes="negative",
+            lowest_command=levels[0],
+            highest_command=levels[1],
+        )
+        command = np.cumsum(made.impulses.amplitudes)
+        assert command[-1] == pytest.approx(1, abs=1e-14)
+        assert command.min() >= levels[0] - 1e-14
+        assert command.max() <= levels[1] + 1e-14
+        ratios = np.linspace(1 - half, 1 + half, 20_000)
+        assert residuals(made, mode, ratios).max() <= tolerance
+        assert made.solver.gap is not None
+        assert made.solver.gap <= 1e-4
+        assert (
+            made.impulses.duration_s
+            < si(mode, half_width=half, tolerance=tolerance).impulses.duration_s
+        )
+
+
+def by_cvxpy(mode: Mode, band: tuple[float, float], lags: FloatArray, *, positive: bool) -> float:
+    """Return the least largest residual over a grid of a band, as CVXPY is told of it."""
+    cp: Any = importlib.import_module("cvxpy")  # its own types leave half of it out
+    ratios = np.linspace(*band, 81)
+    turned = np.exp(np.multiply.outer(poles(mode, ratios), lags))
+    steps = cp.Variable(lags.size)
+    limits = [cp.sum(steps) == 1]
+    if positive:
+        limits.append(steps >= 0)
+    else:
+        # The command goes from the longest lag to 0; after the last step it is 1.
+        command = cp.cumsum(steps[::-1])
+        limits += [command[:-1] >= 0, command[:-1] <= 1]
+    parts = cp.vstack([turned.real @ steps, turned.imag @ steps])
+    program = cp.Problem(cp.Minimize(cp.max(cp.norm(parts, 2, axis=0))), limits)
+    program.solve(solver=cp.CLARABEL)
+    return float(program.value)
+
+
+@pytest.mark.parametrize("positive", [True, False])
+@pytest.mark.parametrize(("half", "damping", "tolerance"), random_bands(4, seed=8))
+def test_cvxpy_on_a_fine_grid_agrees(
+    half: float, damping: float, tolerance: float, *, positive: bool
+) -> None:
+    mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=damping)
+    made = si(
+        mode,
+        half_width=half,
+        tolerance=tolerance,
+        amplitudes="positive" if positive else "negative",
+    )
+    own = made.impulses.duration_s - made.impulses.times_s
+    band = (1 - half, 1 + half)
+    lags = np.union1d(np.linspace(0, made.impulses.duration_s, 200), own)
+    # With the impulses among its points the grid reaches the tolerance, and hardly less: what
+    # it gains is that its 81 frequencies miss the peaks, by (h / 80)^2 (w t)^2 / 2 at most.
+    least = by_cvxpy(mode, band, lags, positive=positive)
+    assert 1 - 4e-3 <= least / tolerance <= 1 + 1e-6
+    # A per cent shorter it cannot.
+    assert by_cvxpy(mode, band, 0.99 * lags, positive=positive) > tolerance
+
+
+def test_a_wider_band_a_tighter_tolerance_or_positive_amplitudes_take_longer() -> None:
+    base = si(half_width=0.2).impulses.duration_s
+    assert si(half_width=0.25).impulses.duration_s > base
+    assert si(half_width=0.2, tolerance=0.04).impulses.duration_s > base
+    negative = [
+        si(half_width=0.2, amplitudes="negative", highest_command=highest).impulses.duration_s
+        for highest in (1.0, 1.5, 3.0)
+    ]
+    assert all(longer > shorter for longer, shorter in itertools.pairwise([base, *negative]))
+
+
+def test_times_scale_with_the_period() -> None:
+    slow = si(Mode(natural_frequency_rad_s=0.1, damping_ratio=0.05)).impulses
+    fast = si(Mode(natural_frequency_rad_s=100.0, damping_ratio=0.05)).impulses
+    assert slow.times_s == pytest.approx(1000 * fast.times_s, rel=1e-14)
+
+
+def test_ends_of_the_band_and_half_width_are_two_ways_to_say_the_same() -> None:
+    ends = si(lower_ratio=0.85, upper_ratio=1.15).impulses
+    assert ends.times_s == pytest.approx(si(half_width=0.15).impulses.times_s, rel=1e-14)
+    # A band around twice the frequency is that of a plant twice as fast.
+    twice = si(lower_ratio=1.7, upper_ratio=2.3).impulses
+    assert twice.times_s == pytest.approx(ends.times_s / 2, rel=1e-9)
+
+
+def test_positive_shapers_hold_behind_every_actuator() -> None:
+    behind = si(actuator=THESIS)
+    assert behind.impulses.times_s.tolist() == si().impulses.times_s.tolist()
+    assert behind.certificate.verified
+
+
+def test_both_signs_behind_an_asymmetric_actuator_are_refused() -> None:
+    with pytest.raises(InvalidInputError, match=r"shaper\.amplitudes must be positive behind"):
+        si(actuator=THESIS, amplitudes="negative")
+
+
+@pytest.mark.parametrize(
+    ("options", "match"),
+    [
+        ({"half_width": 1.0}, "half_width must be between"),
+        ({"half_width": 0.0}, "half_width must be between"),
+        ({"lower_ratio": -0.1, "upper_ratio": 1.0}, "lower_ratio must be between"),
+        ({"lower_ratio": 1.2, "upper_ratio": 0.8}, "upper_ratio must be 1.02 to 19 times"),
+        ({"lower_ratio": 0.8}, "upper_ratio must be given"),
+        ({"half_width": 0.1, "upper_ratio": 1.2}, "upper_ratio must be left out"),
+        ({"tolerance": 1.0}, "tolerance must be at least 0.001 and below 1"),
+        ({"tolerance": math.nan}, "tolerance must be at least 0.001 and below 1"),
+        ({"highest_command": 1.2}, "highest_command must be 1 for positive"),
+        ({"amplitudes": "negative", "lowest_command": 0.1}, "lowest_command must be between"),
+        ({"amplitudes": "negative", "highest_command": 0.9}, "highest_command must be between"),
+    ],
+)
+def test_bands_and_limits_that_make_no_sense_are_refused(
+    options: dict[str, Any], match: str
+) -> None:
+    with pytest.raises(InvalidInputError, match=match):
+        BandOptions(**options)
+
+
+def test_a_duration_too_short_is_named_with_what_can_be_met_instead() -> None:
+    with pytest.raises(
+        InfeasibleDesignError, match=r"max_duration_periods = 0\.9 is too"
+    ) as caught:
+        si(max_duration_periods=0.9)
+    told = str(caught.value)
+    assert "none is shorter than 0.941499 (proven)" in told
+    instead = told.split("max_duration_periods = ")[2]
+    longer, tolerance = (float(part.split()[0]) for part in instead.split("or a tolerance of "))
+    assert si(max_duration_periods=longer).impulses.duration_s <= longer
+    assert si(max_duration_periods=0.9, tolerance=tolerance).impulses.duration_s <= 0.9
+
+
+def test_an_obstacle_excludes_what_it_should_and_no_more() -> None:
+    # Undamped, one frequency, V -> 0: p = cos u stays above 0 until a quarter period.
+    one, along = np.array([1.0]), np.array([1.0 + 0j])
+    assert excludes(1j, one, along, 1.4, 0.1, None)
+    assert not excludes(1j, one, along, 1.5, 0.1, None)
+    # cos u = 0.1 at 1.4706: the bound is exact there.
+    edge = math.acos(0.1)
+    assert excludes(1j, one, along, edge * (1 - 1e-10), 0.1, None)
+    assert not excludes(1j, one, along, edge * (1 + 1e-10), 0.1, None)
+    # Commands in [0, 1]: p(0) - fall = cos D on the way down, too; in [0, 2] twice the fall.
+    assert excludes(1j, one, along, edge * (1 - 1e-10), 0.1, (0.0, 1.0))
+    assert not excludes(1j, one, along, edge * (1 + 1e-10), 0.1, (0.0, 1.0))
+    twice = math.acos(0.55)
+    assert excludes(1j, one, along, twice * (1 - 1e-10), 0.1, (0.0, 2.0))
+    assert not excludes(1j, one, along, twice * (1 + 1e-10), 0.1, (0.0, 2.0))
+
+
+def test_a_cone_program_with_a_known_answer() -> None:
+    # Two vectors one against the other: half of each leaves nothing.
+    found = solve(
+        ConeProgram(
+            offset=np.zeros(1, dtype=complex),
+            rows=np.array([[1.0 + 0j, -1.0]]),
+            lowest=0.0,
+            highest=math.inf,
+            unit_sum=True,
+        )
+    )
+    assert found.status is Status.SOLVE_SUCCEEDED
+    assert found.unknowns == pytest.approx([0.5, 0.5], abs=1e-6)
+    assert found.largest == pytest.approx(0, abs=1e-7)
+
+
+def test_an_impossible_cone_program_is_told_as_such() -> None:
+    found = solve(
+        ConeProgram(
+            offset=np.zeros(1, dtype=complex),
+            rows=np.array([[1.0 + 0j]]),
+            lowest=0.0,
+            highest=0.5,
+            unit_sum=True,
+        )
+    )
+    assert found.status is Status.INFEASIBLE
