@@ -242,19 +242,23 @@ def history(impulses: Impulses, mode: Mode, actuator: Actuator, times_s: FloatAr
         start = [part[0, :, column] for part in (states.errors, states.rates_s)]
         if switched:
             start = [part[0].sum(axis=1) for part in (states.errors, states.rates_s)]
-        state = np.stack([part[started] for part in start], axis=-1)
+        value, rate = (part[started] for part in start)
         push = np.where(own, done, 0.0)
         coefficients = np.array(lag.first_s), np.array(lag.second_s2)
         flow = _flows(*coefficients, elapsed)
         if changes.ramps_s.any():
             pull = push[:, None] * ramp_responses(*coefficients, ramps)
-            now = flow @ state[..., None] - _flows(*coefficients, elapsed - ramps) @ pull[..., None]
+            left = _flows(*coefficients, elapsed - ramps) @ pull[..., None]
+            now, now_rate = (-left[:, 0, 0], -left[:, 1, 0])
         else:
-            state[:, 0] -= push
-            now = flow @ state[..., None]
-        now = np.where((own | (not switched))[:, None], now[..., 0], 0.0)
-        error += now[:, 0]
-        ringing -= ringing_of_lag(lag, now[:, 0], now[:, 1], pole)
+            value = value - push
+            now = now_rate = np.zeros(times_s.size)
+        now = now + flow[:, 0, 0] * value + flow[:, 0, 1] * rate
+        now_rate = now_rate + flow[:, 1, 0] * value + flow[:, 1, 1] * rate
+        if switched:
+            now, now_rate = np.where(own, now, 0.0), np.where(own, now_rate, 0.0)
+        error += now
+        ringing -= ringing_of_lag(lag, now, now_rate, pole)
     levels, reached = (
         np.concatenate(([0.0], np.cumsum(steps)))
         for steps in (impulses.amplitudes, changes.changes)
