@@ -111,24 +111,6 @@ class Lag:
         slow, fast = 1 / (damping + root), damping + root
         return (fast * math.exp(-slow * phase) - slow * math.exp(-fast * phase)) / (fast - slow)
 
-    def free_motion(self, elapsed_s: FloatArray) -> FloatArray:
-        """Return how the lag's error moves freely, in closed form.
-
-        Parameters
-        ----------
-        elapsed_s
-            Times since a moment, shape (m,), >= 0 [s].
-
-        Returns
-        -------
-        FloatArray
-            Matrices from the state ``[v - u, v' / corner]`` at that moment to the state at each
-            time, shape (m, 2, 2) [-]; with ``corner`` of `corner_rad_s`. A first-order lag uses
-            the first entry only, an ideal one is at rest at once.
-        """
-        coefficients = np.array([self.first_s]), np.array([self.second_s2])
-        return free_motions(*coefficients, elapsed_s)
-
     @property
     def corner_rad_s(self) -> float:
         """Undamped frequency of a second-order lag; 0 for the others [rad/s]."""
@@ -136,7 +118,10 @@ class Lag:
 
 
 def free_motions(first_s: FloatArray, second_s2: FloatArray, elapsed_s: FloatArray) -> FloatArray:
-    """Return `Lag.free_motion` of many lags, over times or each over its own.
+    """Return how the errors of lags move freely, over times or each over its own, in closed form.
+
+    The state is ``[v - u, v' / corner]``, with ``corner`` of `Lag.corner_rad_s`; a first-order lag
+    uses the first entry only, an ideal one is at rest at once.
 
     Parameters
     ----------
@@ -148,7 +133,7 @@ def free_motions(first_s: FloatArray, second_s2: FloatArray, elapsed_s: FloatArr
     Returns
     -------
     FloatArray
-        Shape (..., 2, 2) [-].
+        Matrices from the state at that moment to the state at each time, shape (..., 2, 2) [-].
     """
     second_order = second_s2 > 0
     corner = np.where(second_order, second_s2, 1.0) ** -0.5
