@@ -145,6 +145,17 @@ def roots(
     return Roots(unknowns=unknowns, misses=misses)
 
 
+def _steps(jacobians: FloatArray, values: FloatArray) -> FloatArray:
+    """Return Newton's steps, shape (m, n), of many lanes."""
+    try:
+        steps: FloatArray = np.linalg.solve(jacobians, values[..., None])[..., 0]
+    except np.linalg.LinAlgError:
+        # Two unknowns that have become one leave a pair of rows and columns alike, which no hair
+        # tells apart: the shortest step keeps such a lane from stopping the others.
+        steps = (np.linalg.pinv(jacobians) @ values[..., None])[..., 0]
+    return steps
+
+
 def _run(
     equations: _Equations, unknowns: FloatArray, parameters: FloatArray, iterations: int
 ) -> tuple[FloatArray, FloatArray]:
@@ -162,7 +173,7 @@ def _run(
         lanes = np.nan_to_num(jacobians[going], nan=0.0, posinf=0.0, neginf=0.0)
         largest = np.abs(lanes).max(axis=(1, 2), keepdims=True)
         regular = lanes + np.maximum(1e-14 * largest, 1e-300) * np.eye(unknowns.shape[1])
-        steps = np.linalg.solve(regular, values[going][..., None])[..., 0]
+        steps = _steps(regular, values[going])
         longest = np.abs(steps).max(axis=1, keepdims=True)
         unknowns[active] -= steps * np.minimum(1.0, LARGEST_STEP_RAD / np.maximum(longest, 1e-300))
     return unknowns, misses

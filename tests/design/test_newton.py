@@ -112,3 +112,26 @@ def test_starts_and_parameters_of_the_caller_are_left_alone() -> None:
     newton.root(Circle(), starts[0], parameters)
     assert starts.tolist() == [[3.0, 1.0]]
     assert parameters.tolist() == [2.0]
+
+
+@dataclass(frozen=True)
+class Cancelled:
+    """x = p, -1e-14 y^2 = 0: where y is 1/2 the hair on the diagonal makes a zero of it."""
+
+    def expressions(self) -> Expressions:
+        import casadi as ca
+
+        x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 1)
+        return Expressions(
+            unknowns=x,
+            parameters=p,
+            objective=ca.sum1(x),
+            equations=ca.vertcat(x[0] - p, -1e-14 * x[1] ** 2),
+        )
+
+
+def test_a_lane_that_is_singular_to_the_last_digit_stops_no_other() -> None:
+    starts = np.array([[1.6, 0.5], [1.5, 2.0]])
+    ends = newton.roots(Cancelled(), starts, np.array([1.0]))
+    assert ends.converged.all()
+    assert ends.unknowns[:, 0] == pytest.approx([1.0, 1.0], abs=1e-12)
