@@ -410,13 +410,18 @@ class _Curve:
             return times
         problems = [form for form in self.formulations if isinstance(form, Problem)]
         ends = roots(
-            problems[0].model, starts[solved], np.array([form.parameters for form in problems])
+            problems[0].model,
+            np.array([
+                form.start(gaps) for form, gaps in zip(problems, starts[solved], strict=True)
+            ]),
+            np.array([form.parameters for form in problems]),
         )
-        for index, problem, gap, root in zip(
+        for index, problem, unknowns, root in zip(
             solved, problems, ends.unknowns, ends.converged, strict=True
         ):
-            if root and (gap >= problem.shortest_gaps_rad).all():
-                times[index, 1:] = np.cumsum(gap) / problem.natural_frequency_rad_s
+            gaps, _ = problem.split(unknowns)
+            if root and (gaps >= problem.shortest_gaps_rad).all():
+                times[index, 1:] = np.cumsum(gaps) / problem.natural_frequency_rad_s
             else:
                 times[index] = self.designed(float(self.checked[index])).times_s
         return times

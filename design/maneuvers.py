@@ -307,9 +307,9 @@ def _with_stop(parts: Parts, plant: Plant, kind: ShaperKind, options: Any) -> Pa
     turned = swapped(parts.actuator)
     if parts.peak == 1 or kind.formulate_stop is None:
         return replace(parts, stop=_negative(design(plant, turned, kind, options).impulses))
-    for found, _ in solutions(kind.formulate_stop(parts.mode, turned, options)):
+    for found in solutions(kind.formulate_stop(parts.mode, turned, options)):
         # By itself it is no start: above twice the speed its second step would increase |command|.
-        tried = replace(parts, stop=_negative(found))
+        tried = replace(parts, stop=_negative(found.impulses))
         if tried.verified(tried.whole(tried.rest_pulse_s)):
             return tried
     raise SolverFailedError(f"the stop of {kind.name} was not verified")

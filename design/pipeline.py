@@ -5,7 +5,7 @@ plant + actuator -> formulation -> seeds -> solver -> impulses -> certificate ->
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ import numpy as np
 from design.actuators import SETTLED_SHARE, Actuator, unit_ramps_s
 from design.analysis.certificate import Certificate, certify, certify_modes, zeros
 from design.analysis.residual import require_workable, residual_vibration
+from design.analysis.sensitivity import insensitivity
 from design.analysis.shortest import excluded_rad
 from design.commands import convolved
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
@@ -32,6 +33,7 @@ from design.shapers.problem import (
 from design.solvers.exchange import BandCandidate, band_candidates
 from design.solvers.joint import shortest
 from design.solvers.search import Candidate, candidates
+from design.types import FloatArray
 
 SLOW_ACTUATOR = 2.0
 """Corner frequency over the plant's below which the thesis advises against (eq. 3.41) [-]."""
@@ -41,6 +43,9 @@ SETTLED_MARGIN = 1e-6
 
 OVER_RANGE = 1e-9
 """What a command may be out of range by: rounding of its amplitudes [-]."""
+
+BAND_MARGIN = 1e-6
+"""Share by which a band is told narrower than found: its ends are within the tolerance [-]."""
 
 SAME_TIME = 1e-12
 """Steps of convolved shapers closer than this, over the duration, are one [-]."""
@@ -76,6 +81,25 @@ class SolverReport:
     starts: int
     lower_bound_s: float | None = None
     gap: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Solution:
+    """What solves a formulation, not yet verified.
+
+    Attributes
+    ----------
+    impulses
+        The shaper.
+    solver
+        How it was found.
+    ratios
+        Where its curve has zeros and peaks, if they were unknown too, shape (r,) [-].
+    """
+
+    impulses: Impulses
+    solver: SolverReport
+    ratios: FloatArray = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -174,23 +198,34 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
     if isinstance(plant, Scheduled):
         promises = (*promises, *_promise_over_range(plant, options))
     unverified: Certificate | None = None
+    others = 0
     try:
-        for impulses, report in solutions(formulation):
-            certificate = certify_modes(impulses, modes, formulation.designed_for, promises)
+        for solution in solutions(formulation):
+            impulses, designed_for = solution.impulses, formulation.designed_for
+            told = [_with_its_band(one, solution, modes, designed_for) for one in promises]
+            if None in told:
+                others += 1
+                continue
+            asked = tuple(promise for promise in told if promise is not None)
+            certificate = certify_modes(impulses, modes, designed_for, asked)
             if certificate.verified:
                 fastest = max(modes, key=lambda mode: mode.natural_frequency_rad_s)
                 return Design(
                     impulses=impulses,
                     residuals=tuple(residual_vibration(impulses, mode, actuator) for mode in modes),
                     certificate=certificate,
-                    solver=report,
+                    solver=solution.solver,
                     warnings=tuple(warnings_of(impulses, fastest, actuator)),
                     worst_in_range=_worst_in_range(impulses, plant, actuator),
                 )
             if isinstance(plant, Scheduled):
                 _require_over_range(kind, certificate)
             unverified = certificate
-    except InfeasibleDesignError:
+    except InfeasibleDesignError as error:
+        if unverified is None and others:
+            raise InfeasibleDesignError(
+                f"{error}; solutions that pass the tolerance between their own zeros: {others}"
+            ) from None
         if unverified is None:
             raise
     raise SolverFailedError(
@@ -264,6 +299,26 @@ def promises_of(
     )
 
 
+def _with_its_band(
+    promise: Promise, solution: Solution, modes: tuple[Mode, ...], actuator: Actuator
+) -> Promise | None:
+    """Return a promise with the widest band around 1 that the impulses keep, where it has none.
+
+    None if they pass the tolerance between their own zeros: then they solve the equations, and have
+    another curve than these are to find.
+    """
+    if promise.quantity != "band" or promise.band is not None:
+        return promise
+    found = insensitivity(solution.impulses, modes[promise.mode], actuator, promise.limit)
+    if found is None:
+        return None
+    lower, upper = found.lower_ratio, found.upper_ratio
+    if ((solution.ratios < lower) | (solution.ratios > upper)).any():
+        return None
+    half_width = min(1 - lower, upper - 1) * (1 - BAND_MARGIN)
+    return replace(promise, band=(1 - half_width, 1 + half_width))
+
+
 def shortfall_of(certificate: Certificate | None) -> str:
     """Return what does not hold, in words."""
     claims = () if certificate is None else certificate.claims
@@ -274,12 +329,12 @@ def shortfall_of(certificate: Certificate | None) -> str:
     )
 
 
-def solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport]]:
+def solutions(formulation: Formulation) -> Iterator[Solution]:
     """Yield what solves a formulation, not yet verified; raises where no more is found."""
     if isinstance(formulation, ClosedForm):
-        yield (
-            formulation.impulses,
-            SolverReport(
+        yield Solution(
+            impulses=formulation.impulses,
+            solver=SolverReport(
                 name=formulation.method,
                 status="solve_succeeded",
                 iterations=0,
@@ -305,26 +360,27 @@ def solutions(formulation: Formulation) -> Iterator[tuple[Impulses, SolverReport
     )
     for candidate in found:
         phases = np.concatenate(([0.0], np.cumsum(candidate.gaps_rad)))
-        yield (
-            Impulses(times_s=phases / w, amplitudes=candidate.problem.amplitudes),
-            SolverReport(
+        yield Solution(
+            impulses=Impulses(times_s=phases / w, amplitudes=candidate.problem.amplitudes),
+            solver=SolverReport(
                 name="ipopt",
                 status="solve_succeeded",
                 iterations=candidate.iterations,
                 seed=candidate.seed,
                 starts=candidate.starts,
             ),
+            ratios=candidate.ratios if isinstance(candidate, Candidate) else np.zeros(0),
         )
 
 
-def _joint_solutions(problem: JointProblem) -> Iterator[tuple[Impulses, SolverReport]]:
+def _joint_solutions(problem: JointProblem) -> Iterator[Solution]:
     w = problem.natural_frequency_rad_s
     for found in shortest(problem):
         duration = float(found.times_rad[-1])
         bound = excluded_rad(problem.unit_poles, found.vectors, duration, positive=problem.positive)
-        yield (
-            Impulses(times_s=found.times_rad / w, amplitudes=found.amplitudes),
-            SolverReport(
+        yield Solution(
+            impulses=Impulses(times_s=found.times_rad / w, amplitudes=found.amplitudes),
+            solver=SolverReport(
                 name="highs",
                 status="solve_succeeded",
                 iterations=found.iterations,
@@ -336,12 +392,12 @@ def _joint_solutions(problem: JointProblem) -> Iterator[tuple[Impulses, SolverRe
         )
 
 
-def _convolution(convolution: Convolution) -> tuple[Impulses, SolverReport]:
+def _convolution(convolution: Convolution) -> Solution:
     """Convolve the first solution of each part, and refuse what leaves the range of the command."""
     solved = [next(solutions(part)) for part in convolution.parts]
-    impulses, report = solved[0]
-    for further, _ in solved[1:]:
-        impulses = _merged(convolved(impulses, further))
+    impulses = solved[0].impulses
+    for further in solved[1:]:
+        impulses = _merged(convolved(impulses, further.impulses))
     levels = np.cumsum(impulses.amplitudes)
     low, high = float(levels.min()), float(levels.max())
     if low < -OVER_RANGE or high > 1 + OVER_RANGE:
@@ -349,11 +405,12 @@ def _convolution(convolution: Convolution) -> tuple[Impulses, SolverReport]:
             f"the convolved command would go from {low:.6g} to {high:.6g} of full speed, beyond 0 "
             "to 1; multi_umzv solves all modes jointly within that range"
         )
-    return impulses, replace(
-        report,
-        iterations=sum(one.iterations for _, one in solved),
-        starts=sum(one.starts for _, one in solved),
+    report = replace(
+        solved[0].solver,
+        iterations=sum(one.solver.iterations for one in solved),
+        starts=sum(one.solver.starts for one in solved),
     )
+    return Solution(impulses=impulses, solver=report)
 
 
 def _merged(impulses: Impulses) -> Impulses:
@@ -365,12 +422,12 @@ def _merged(impulses: Impulses) -> Impulses:
     return Impulses(times_s=times[apart][kept], amplitudes=summed[kept])
 
 
-def _band_solutions(problem: BandProblem) -> Iterator[tuple[Impulses, SolverReport]]:
+def _band_solutions(problem: BandProblem) -> Iterator[Solution]:
     w = problem.natural_frequency_rad_s
     for found in fastest(problem):
-        yield (
-            Impulses(times_s=found.times_rad / w, amplitudes=found.amplitudes),
-            SolverReport(
+        yield Solution(
+            impulses=Impulses(times_s=found.times_rad / w, amplitudes=found.amplitudes),
+            solver=SolverReport(
                 name="clarabel",
                 status="solve_succeeded",
                 iterations=found.iterations,

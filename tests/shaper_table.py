@@ -12,6 +12,7 @@ from design.shapers import numsi
 from design.shapers.ei import ToleranceOptions
 from design.shapers.kind import NoOptions, PeakOptions, SettleOptions
 from design.shapers.negative import NegativeOptions
+from design.shapers.numei import HumpOptions
 from design.shapers.positive import MzvOptions
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions
@@ -177,6 +178,22 @@ SHAPER_TABLE: dict[str, Row] = {
         options=(None, BandOptions(half_width=0.12), BandOptions(lower_ratio=0.9, upper_ratio=1.2)),
         impulses=3,
         unity=False,
+    ),
+    "num_ei": Row(
+        plants=PLANTS,
+        actuators=ALL,
+        options=(
+            None,
+            HumpOptions(tolerance=0.02),
+            HumpOptions(settle=True, max_duration_periods=4.0),
+        ),
+        impulses=5,
+    ),
+    "num_2ei": Row(
+        plants=PLANTS,
+        actuators=ALL,
+        options=(None, HumpOptions(tolerance=0.02)),
+        impulses=7,
     ),
     "num_si": Row(
         plants=PLANTS,

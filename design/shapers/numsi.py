@@ -9,18 +9,16 @@ import numpy as np
 from design.actuators import Actuator, RateLimited
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.plants import Mode
+from design.shapers.alternating import AlternatingBand
 from design.shapers.kind import SettleOptions, ShaperKind
 from design.shapers.problem import (
-    BandExpressions,
     BandSearch,
     Formulation,
     Promise,
     Seed,
     UnityBandProblem,
 )
-from design.shapers.symbolic import alternating_steps, over_unshaped
 from design.shapers.unity_magnitude import (
-    LAG_PARAMETERS,
     PERIOD_RAD,
     alternating,
     decel_over_accel,
@@ -124,43 +122,6 @@ class BandOptions(SettleOptions):
         require_between("half_width", self.half_width, NARROWEST, WIDEST)
         if self.impulses is not None and self.impulses not in COUNTS:
             raise InvalidInputError("impulses", self.impulses, "3, 5, 7 or 9, or left out")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class AlternatingBand:
-    """What steps up and down in turn leave at any frequency.
-
-    Attributes
-    ----------
-    impulses
-        Number of impulses, odd.
-    switched_order
-        Order of the lags of a switched actuator, 1 or 2; 0 for superposed steps of any order.
-    ramped
-        Whether limits make ramps of the steps, each over before the next begins.
-    """
-
-    impulses: int
-    switched_order: int
-    ramped: bool
-
-    def expressions(self) -> BandExpressions:
-        """Build the residual's vector of `alternating_steps`, with parameters as there.
-
-        The residual, not only its zeros: in units of the unshaped step at the same frequency.
-        """
-        import casadi as ca  # noqa: PLC0415
-
-        gaps = ca.SX.sym("gaps", self.impulses - 1)
-        lags = ca.SX.sym("lags", LAG_PARAMETERS[self.ramped])
-        steps = alternating_steps(ca.vertsplit(gaps), lags, self.switched_order)
-        left = over_unshaped(steps, lags)
-        return BandExpressions(
-            unknowns=gaps,
-            parameters=lags,
-            ratio=steps.w,
-            vibration=ca.vertcat(left.real, left.imag),
-        )
 
 
 def numsi(mode: Mode, actuator: Actuator, options: BandOptions) -> Formulation:

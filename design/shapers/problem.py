@@ -1,11 +1,13 @@
 """A shaper design as data: what formulations say and solvers read."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
+
+import numpy as np
 
 from design.actuators import Actuator
 from design.impulses import Impulses
-from design.types import ComplexArray, FloatArray
+from design.types import BoolArray, ComplexArray, FloatArray
 
 Quantity = Literal["residual", "slope", "second_derivative", "third_derivative", "band"]
 """What a shaper may claim to keep small.
@@ -28,7 +30,8 @@ class Promise:
     mode
         Number of the plant's mode that it is about, from 0.
     band
-        Ends of the band as ratios of the mode's frequency, lower first [-]; for ``band`` only.
+        Ends of the band as ratios of the mode's frequency, lower first [-]; for ``band`` only,
+        where None asks for the widest band around 1 that the impulses themselves keep.
     """
 
     quantity: Quantity
@@ -44,7 +47,8 @@ class Expressions:
     Attributes
     ----------
     unknowns
-        Gaps between the impulses times the plant's natural frequency, shape (n - 1,) [rad].
+        Gaps between the impulses times the plant's natural frequency, shape (n - 1,) [rad], then
+        ratios of frequencies, if any are unknown too, shape (r,) [-].
     parameters
         What differs from one design to the next, shape (p,).
     objective
@@ -78,11 +82,32 @@ class Seed:
     name
         As reported with the answer.
     gaps_rad
-        Unknowns, shape (n - 1,) [rad].
+        Gaps between the impulses, shape (n - 1,) [rad].
+    solves
+        Parameters of the family that they solve, shape (p,), to be followed from there to those
+        asked; None for a start from which a solver goes straight.
     """
 
     name: str
     gaps_rad: FloatArray
+    solves: FloatArray | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ratios:
+    """Frequency ratios that are unknown beside the gaps: none if nothing is said.
+
+    Attributes
+    ----------
+    lowest, highest
+        Their bounds, shape (r,) [-].
+    usual
+        Where every start has them, shape (r,) [-].
+    """
+
+    lowest: FloatArray = field(default_factory=lambda: np.zeros(0))
+    highest: FloatArray = field(default_factory=lambda: np.zeros(0))
+    usual: FloatArray = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -109,6 +134,8 @@ class Problem:
         The actuator of the claims: an ideal one for shapers that know no actuator.
     claims
         What the impulses keep; none stands for the claims of the kind, each at its zero.
+    ratios
+        What is unknown beside the gaps: where the curve has its zeros and peaks.
     """
 
     model: Model
@@ -120,6 +147,35 @@ class Problem:
     seeds: tuple[Seed, ...]
     designed_for: Actuator
     claims: tuple[Promise, ...] = ()
+    ratios: Ratios = field(default_factory=Ratios)
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """Lowest and highest values of all unknowns, shape (n - 1 + r,) each."""
+        latest = np.full(self.shortest_gaps_rad.size, self.horizon_rad)
+        return (
+            np.concatenate((self.shortest_gaps_rad, self.ratios.lowest)),
+            np.concatenate((latest, self.ratios.highest)),
+        )
+
+    def split(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the gaps and the ratios of unknowns, shape (..., n - 1 + r)."""
+        count = self.shortest_gaps_rad.size
+        return unknowns[..., :count], unknowns[..., count:]
+
+    def start(self, gaps_rad: FloatArray) -> FloatArray:
+        """Return unknowns to start from, of gaps, shape (..., n - 1), and the usual ratios."""
+        usual = np.broadcast_to(self.ratios.usual, (*gaps_rad.shape[:-1], self.ratios.usual.size))
+        return np.concatenate((gaps_rad, usual), axis=-1)
+
+    def allows(self, unknowns: FloatArray) -> BoolArray:
+        """Tell whether unknowns, shape (..., n - 1 + r), are within bounds and horizon."""
+        lowest, highest = self.bounds
+        within = ((unknowns >= lowest) & (unknowns <= highest)).all(axis=-1)
+        # Of what ran away the sum may be none.
+        gaps, _ = self.split(np.clip(unknowns, lowest, highest))
+        allowed: BoolArray = within & (gaps.sum(axis=-1) <= self.horizon_rad)
+        return allowed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

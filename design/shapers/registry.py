@@ -3,6 +3,7 @@
 from design.shapers.ei import EI, THREE_HUMP_EI, TWO_HUMP_EI, UM_2EI, UM_EI
 from design.shapers.kind import ShaperKind
 from design.shapers.negative import PS_ZV, SNA_ZV
+from design.shapers.numei import NUM_2EI, NUM_EI
 from design.shapers.numsi import NUM_SI
 from design.shapers.numzv import NUMZV, NUMZVD, UMZVC
 from design.shapers.positive import MZV, ZV, ZVD, ZVDD, ZVDDD
@@ -11,7 +12,7 @@ from design.shapers.specified_insensitivity import SI
 from design.shapers.umzv import UMZV, UMZVD
 
 POSITIVE = (ZV, ZVD, ZVDD, ZVDDD, MZV, EI, TWO_HUMP_EI, THREE_HUMP_EI)
-UNITY = (UMZV, UMZVD, UM_EI, UM_2EI, UMZVC, NUMZV, NUMZVD, NUM_SI)
+UNITY = (UMZV, UMZVD, UM_EI, UM_2EI, UMZVC, NUMZV, NUMZVD, NUM_EI, NUM_2EI, NUM_SI)
 NEGATIVE = (PS_ZV, SNA_ZV)
 FOR_SEVERAL_MODES = (MULTI_ZV, MULTI_UMZV, CONVOLVED)
 

@@ -137,6 +137,26 @@ def lag_parameters(mode: Mode, actuator: Actuator) -> FloatArray:
     return np.array([mode.damping_ratio, *scaled])
 
 
+ACCEL_TO_DECEL = {1: 3, 2: 4, 5: 6, 7: 9, 8: 10}
+"""Places in `lag_parameters` of what tells of the accelerating set and of the other."""
+
+
+def with_equal_sets(parameters: FloatArray) -> FloatArray:
+    """Return `lag_parameters`, and what follows them, of an actuator that brakes as it accelerates.
+
+    Parameters
+    ----------
+    parameters
+        Of lags without limits and of at most one more number, or with limits, shape (p,).
+    """
+    equal = parameters.copy()
+    ramped = parameters.size >= LAG_PARAMETERS[True]
+    for accel, decel in ACCEL_TO_DECEL.items():
+        if ramped or decel < LAG_PARAMETERS[False]:
+            equal[decel] = parameters[accel]
+    return equal
+
+
 def swing_parameters(mode: Mode, swing: FreeSwing | None) -> FloatArray:
     """Return the four of `with_swing`, shape (4,), or none, shape (0,)."""
     if swing is None:
@@ -186,10 +206,12 @@ def unity_magnitude_problem(
     settle: bool,
     max_duration_periods: float,
     amplitudes: FloatArray | None = None,
+    seeds: tuple[Seed, ...] = (),
 ) -> Problem:
     """Formulate a shaper of steps up and down for one mode behind one actuator.
 
-    Their amplitudes are +1, -1, +1, ..., if not given; three may be.
+    Their amplitudes are +1, -1, +1, ..., if not given. Of others the undamped triangle is the seed
+    if they are three, and of more their seeds have to be given.
     """
     w = mode.natural_frequency_rad_s
     shortest = settling_gaps_rad(mode, actuator, model.impulses, settle=settle)
@@ -206,7 +228,7 @@ def unity_magnitude_problem(
         seeds = _seeds(model, mode.damping_ratio, ratio, shortest)
     else:
         weights = heights = amplitudes
-        seeds = _undamped_seeds(ratio, shortest, horizon, amplitudes)
+        seeds = seeds or _undamped_seeds(ratio, shortest, horizon, amplitudes)
     return Problem(
         model=replace(
             model,

@@ -61,8 +61,7 @@ class _Program:
         inputs = self._solver.inputs
         inputs["x0"][:] = start
         inputs["p"][:] = problem.parameters
-        inputs["lbx"][:] = problem.shortest_gaps_rad
-        inputs["ubx"][:] = problem.horizon_rad
+        inputs["lbx"][:], inputs["ubx"][:] = problem.bounds
         self._solver.run()
         stats = self._solver.stats()
         return Outcome(
@@ -87,12 +86,12 @@ def solve(problem: Problem, start: FloatArray) -> Outcome:
     problem
         The problem.
     start
-        Gaps to start from, shape (n - 1,) [rad].
+        Unknowns to start from, shape (n - 1 + r,): gaps [rad], then ratios [-], if any.
 
     Returns
     -------
     Outcome
-        Gaps and status; a claim of success is still to be verified.
+        Unknowns and status; a claim of success is still to be verified.
     """
     with _one_at_a_time:
         return _program(problem.model)(problem, start)

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.errors import InfeasibleDesignError, TimeLimitError
-from design.shapers.problem import Problem
+from design.shapers.problem import Problem, Seed
 from design.solvers import ipopt, newton
+from design.solvers.continuation import followed
 from design.solvers.outcome import Status
 from design.types import FloatArray
 
@@ -16,6 +17,9 @@ BRANCH_STARTS = 1024
 
 HORIZONS_PERIODS = (3.0, 10.0, 30.0)
 """Horizons that are searched before a longer one [-]."""
+
+SHORTEST_SHARE = 1e-3
+"""Shortest step from what a seed solves to what is asked, over that way [-]."""
 
 SAME_ROOT_RAD = 1e-6
 """Roots closer than this are one [rad]."""
@@ -31,6 +35,8 @@ class Candidate:
         What it solves.
     gaps_rad
         Gaps between impulses, shape (n - 1,) [rad].
+    ratios
+        Frequency ratios that were unknown too, shape (r,) [-].
     seed
         Name of the start that led to it.
     iterations
@@ -41,6 +47,7 @@ class Candidate:
 
     problem: Problem
     gaps_rad: FloatArray
+    ratios: FloatArray
     seed: str
     iterations: int
     starts: int
@@ -50,9 +57,9 @@ def candidates(problem: Problem) -> Iterator[Candidate]:
     """Yield ordered solutions, the likeliest minimum first.
 
     Each solution comes from IPOPT. It starts at the problem's own seeds, sharpened by Newton's
-    method, which halves its iterations; then, where those fail, at every root that Newton's method
-    finds from `BRANCH_STARTS` starts spread over the horizon (over shorter ones first), fastest
-    first; then at the seeds as they are.
+    method, which halves its iterations, or followed by it from what they solve; then, where those
+    fail, at every root that Newton's method finds from `BRANCH_STARTS` starts spread over the
+    horizon (over shorter ones first), fastest first; then at the seeds as they are.
 
     Raises
     ------
@@ -64,19 +71,18 @@ def candidates(problem: Problem) -> Iterator[Candidate]:
     tried = 0
     for seed in problem.seeds:
         tried += 1
-        sharpened = newton.root(problem.model, seed.gaps_rad, problem.parameters)
-        if (
-            sharpened >= problem.shortest_gaps_rad
-        ).all() and sharpened.sum() <= problem.horizon_rad:
+        sharpened = _sharpened(problem, seed)
+        if sharpened is not None and problem.allows(sharpened):
             yield from _solved(problem, sharpened, seed.name, tried)
     for horizon_rad in _horizons(problem):
         within = replace(problem, horizon_rad=horizon_rad)
-        spread = newton.roots(problem.model, spread_starts(within), problem.parameters)
+        starts = problem.start(spread_starts(within))
+        spread = newton.roots(problem.model, starts, problem.parameters)
         tried += BRANCH_STARTS
-        for gaps in _ordered_fastest_first(within, spread):
-            yield from _solved(within, gaps, "branch_search", tried)
+        for unknowns in _ordered_fastest_first(within, spread):
+            yield from _solved(within, unknowns, "branch_search", tried)
     for seed in problem.seeds:
-        yield from _solved(problem, seed.gaps_rad, seed.name, tried)
+        yield from _solved(problem, problem.start(seed.gaps_rad), seed.name, tried)
     raise InfeasibleDesignError(_searched(problem, spread, tried))
 
 
@@ -117,15 +123,34 @@ def unit_starts(count: int) -> FloatArray:
     return gaps
 
 
+def _sharpened(problem: Problem, seed: Seed) -> FloatArray | None:
+    """Return where Newton's method ends from a seed: a root or not, within bounds or not.
+
+    None if the seed is to be followed from what it solves, and the path ends on the way.
+    """
+    start, solves = problem.start(seed.gaps_rad), seed.solves
+    if solves is None:
+        return newton.root(problem.model, start, problem.parameters)
+
+    def solve(guess: FloatArray, share: float) -> FloatArray | None:
+        parameters = solves + share * (problem.parameters - solves)
+        end = newton.roots(problem.model, guess[None], parameters)
+        return end.unknowns[0] if end.converged[0] and problem.allows(end.unknowns[0]) else None
+
+    path = followed(start, solve, SHORTEST_SHARE)
+    return path.unknowns if path.complete else None
+
+
 def _solved(problem: Problem, start: FloatArray, seed: str, tried: int) -> Iterator[Candidate]:
     outcome = ipopt.solve(problem, start)
     if outcome.status is Status.TIME_LIMIT:
         raise TimeLimitError(f"ipopt ran past its time from seed {seed!r}")
-    gaps = outcome.unknowns
+    gaps, ratios = problem.split(outcome.unknowns)
     if outcome.status is Status.SOLVE_SUCCEEDED and gaps.sum() <= problem.horizon_rad:
         yield Candidate(
             problem=problem,
             gaps_rad=gaps,
+            ratios=ratios,
             seed=seed,
             iterations=outcome.iterations,
             starts=tried,
@@ -134,9 +159,8 @@ def _solved(problem: Problem, start: FloatArray, seed: str, tried: int) -> Itera
 
 def _ordered_fastest_first(problem: Problem, ends: newton.Roots) -> Iterator[FloatArray]:
     """Distinct roots within the problem's bounds, by duration."""
-    durations = ends.unknowns.sum(axis=1)
-    ordered = (ends.unknowns >= problem.shortest_gaps_rad).all(axis=1)
-    usable = np.flatnonzero(ends.converged & ordered & (durations <= problem.horizon_rad))
+    durations = problem.split(ends.unknowns)[0].sum(axis=1)
+    usable = np.flatnonzero(ends.converged & problem.allows(ends.unknowns))
     last = -np.inf
     for index in usable[np.argsort(durations[usable])]:
         if durations[index] - last > SAME_ROOT_RAD:
@@ -147,7 +171,7 @@ def _ordered_fastest_first(problem: Problem, ends: newton.Roots) -> Iterator[Flo
 def _searched(problem: Problem, ends: newton.Roots, starts: int) -> str:
     """Say how far was searched, and what came nearest."""
     period = 2 * np.pi
-    roots = ends.unknowns[ends.converged]
+    roots = problem.split(ends.unknowns[ends.converged])[0]
     report = (
         f"no ordered solution with duration <= {problem.horizon_rad / period:g} periods "
         f"in {starts} starts"
