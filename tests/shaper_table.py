@@ -130,6 +130,25 @@ SHAPER_TABLE: dict[str, Row] = {
         impulses=3,
         unity=False,
     ),
+    "ps_zvd": Row(
+        plants=PLANTS,
+        actuators=ALL,
+        options=(None, NoOptions()),
+        impulses=5,
+        unity=False,
+        for_ideal=EVERY_KIND,
+    ),
+    "sna_zvd": Row(
+        plants=PLANTS,
+        actuators=(IDEAL, FIRST_ORDER, THESIS),
+        options=(
+            None,
+            NegativeOptions(negative_amplitude=0.3),
+            NegativeOptions(negative_amplitude=1.0),
+        ),
+        impulses=5,
+        unity=False,
+    ),
     "umzv": Row(
         plants=PLANTS,
         actuators=(IDEAL, FIRST_ORDER, THESIS, LIMITED),

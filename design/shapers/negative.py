@@ -15,13 +15,16 @@ from design.impulses import Impulses
 from design.plants import Mode
 from design.shapers.kind import NoOptions, ShaperKind
 from design.shapers.positive import EVERY_ACTUATOR
-from design.shapers.problem import ClosedForm, Formulation
+from design.shapers.problem import ClosedForm, Formulation, Seed
 from design.shapers.unity_magnitude import (
+    PERIOD_RAD,
     ZERO_VIBRATION,
+    ZERO_VIBRATION_DERIVATIVE,
     decel_over_accel,
     undamped_times_rad,
     unity_magnitude_problem,
 )
+from design.types import FloatArray
 
 SOURCE = (
     'W. Singhose, W. Seering, N. Singer, "Time-optimal negative input shapers", '
@@ -33,6 +36,12 @@ LONGEST_PERIODS = 3.0
 
 PARTIAL_SUMS = np.array([1.0, -2.0, 2.0])
 """Impulses of PS-ZV: the command is at 1, -1 and 1 [-]."""
+
+PARTIAL_SUMS_DERIVATIVE = np.array([1.0, -2.0, 2.0, -2.0, 2.0])
+"""Impulses of PS-ZVD [-]."""
+
+UNDAMPED_PARTIAL_SUMS_RAD = PERIOD_RAD * np.array([0.0, 0.152406, 0.277396, 0.631311, 0.678948])
+"""Times of PS-ZVD, undamped, to six digits: the only solution of 7,000 starts within a period."""
 
 HALVINGS = 60
 """Of an interval of a quarter turn: to the last digit."""
@@ -144,6 +153,95 @@ def _isosceles(b: float, damping_ratio: float, ratio: complex) -> float:
     return high
 
 
+def ps_zvd(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+    """Formulate the five impulses 1, -2, 2, -2, 2, whose residual is flat in frequency.
+
+    For an actuator that follows its command, for the reason of `ps_zv`.
+    """
+    return unity_magnitude_problem(
+        ZERO_VIBRATION_DERIVATIVE,
+        mode,
+        Ideal(),
+        settle=False,
+        max_duration_periods=LONGEST_PERIODS,
+        amplitudes=PARTIAL_SUMS_DERIVATIVE,
+        seeds=_seeds("undamped_partial_sums", UNDAMPED_PARTIAL_SUMS_RAD, mode, 1.0),
+    )
+
+
+def sna_zvd(mode: Mode, actuator: Actuator, options: NegativeOptions) -> Formulation:
+    """Formulate five impulses of which the second and fourth are given, flat in frequency.
+
+    Undamped and behind an actuator that follows its command it is its own mirror image: amplitudes
+    a, -b, c, -b, a at 0, y - x, y, y + x, 2 y. The conditions ``V = dV/dw = 0`` leave one of a, c,
+    x, y free, which the source does not fix; here, in equal steps from ZVD at b = 0 to UMZVD at
+    b = 1::
+
+        a = (1 + 3 b) / 4,    c = (1 + b) / 2
+
+    within 0.7 % of the fastest of all shares. Damped, the positive impulses decay by the
+    phase y as those of ZVD do, exp(k y) from one to the next with ``k = z / sqrt(1 - z^2)``; where
+    the command would leave 0 to 1, the first is 1 or the last b. Behind an asymmetric actuator the
+    amplitudes are the same. In each case the four times solve the four equations.
+    """
+    b, z = options.negative_amplitude, mode.damping_ratio
+    x, y = _mirrored(b)
+    return unity_magnitude_problem(
+        ZERO_VIBRATION_DERIVATIVE,
+        mode,
+        actuator,
+        settle=False,
+        max_duration_periods=LONGEST_PERIODS,
+        amplitudes=_decaying(b, math.exp(y * z / math.sqrt(1 - z * z))),
+        seeds=_seeds(
+            "undamped_mirror_image",
+            np.array([0.0, y - x, y, y + x, 2 * y]),
+            mode,
+            decel_over_accel(mode, actuator),
+        ),
+    )
+
+
+def _mirrored(b: float) -> tuple[float, float]:
+    """Return x and y of the undamped shaper a, -b, c, -b, a, each from its middle [rad].
+
+    V and dV/dw vanish if::
+
+        c - 2 b cos x + 2 a cos y = 0,    a y sin y = b x sin x
+
+    The first gives y of x; with it the second changes sign between x = pi/2 and 2 pi/3.
+    """
+    a, c = (1 + 3 * b) / 4, (1 + b) / 2
+
+    def outer(x: float) -> float:
+        return math.acos(max(-1.0, (2 * b * math.cos(x) - c) / (2 * a)))
+
+    low, high = math.pi / 2, 2 * math.pi / 3
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        y = outer(middle)
+        if a * y * math.sin(y) > b * middle * math.sin(middle):
+            low = middle
+        else:
+            high = middle
+    return high, outer(high)
+
+
+def _decaying(b: float, decay: float) -> FloatArray:
+    """Return the amplitudes of SNA-ZVD, shape (5,): they sum to 1, the command is within 0 to 1."""
+    shares = np.array([(1 + 3 * b) / 4 * decay, (1 + b) / 2, (1 + 3 * b) / 4 / decay])
+    last = max(float(shares[2] / shares.sum()) * (1 + 2 * b), b)
+    first = min(float(shares[0] / shares[:2].sum()) * (1 + 2 * b - last), 1.0)
+    return np.array([first, -b, 1 + 2 * b - first - last, -b, last])
+
+
+def _seeds(name: str, undamped_rad: FloatArray, mode: Mode, ratio: complex) -> tuple[Seed, ...]:
+    """Undamped times, stretched to the damped period; the negative ones shifted by the phase."""
+    times = undamped_rad + cmath.phase(ratio) * (np.arange(undamped_rad.size) % 2)
+    damped = math.sqrt(1 - mode.damping_ratio**2)
+    return (Seed(name=name, gaps_rad=np.diff(times) / damped),)
+
+
 PS_ZV = ShaperKind(
     name="ps_zv",
     summary="Impulses 1, -2, 2 (partial sums of magnitude 1), zero vibration, for an actuator that "
@@ -164,4 +262,27 @@ SNA_ZV = ShaperKind(
     options=NegativeOptions,
     actuators=("ideal", "first_order", "second_order"),
     formulate=sna_zv,
+)
+
+PS_ZVD = ShaperKind(
+    name="ps_zvd",
+    summary="Impulses 1, -2, 2, -2, 2 (partial sums of magnitude 1), zero vibration and slope, for "
+    "an actuator that follows its command.",
+    source=SOURCE,
+    claims=("residual", "slope"),
+    options=NoOptions,
+    actuators=EVERY_ACTUATOR,
+    formulate=ps_zvd,
+)
+
+SNA_ZVD = ShaperKind(
+    name="sna_zvd",
+    summary="Five impulses, the negative ones of given amplitude, zero vibration and slope, behind "
+    "an asymmetric actuator.",
+    source=f"{SOURCE}, which leaves the positive amplitudes free; theirs here are those of a "
+    "mirror image between ZVD and UMZVD",
+    claims=("residual", "slope"),
+    options=NegativeOptions,
+    actuators=("ideal", "first_order", "second_order"),
+    formulate=sna_zvd,
 )

@@ -314,7 +314,7 @@ def test_an_undamped_shaper_of_partial_sums_is_a_triangle_of_sides_1_2_2() -> No
     assert made.duration_s < shaper("umzv").duration_s
 
 
-@pytest.mark.parametrize("name", ["zvd", "um_ei", "ps_zv", "sna_zv"])
+@pytest.mark.parametrize("name", ["zvd", "um_ei", "ps_zv", "ps_zvd", "sna_zv", "sna_zvd"])
 def test_a_move_needs_unity_magnitude_that_leaves_nothing(name: str) -> None:
     with pytest.raises(InvalidInputError, match=r"^shaper\.kind must be one of unity magnitude"):
         maneuver(CRANE, IDEAL, SHAPERS[name], speed_m_s=0.2, distance_m=1.0)
