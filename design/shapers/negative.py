@@ -1,4 +1,4 @@
-"""Negative shapers between the positive and those of unity magnitude: SNA and partial sums.
+"""SNA-ZV, SNA-ZVD: negative impulses of given amplitude, from none to those of unity magnitude.
 
 A larger negative impulse makes a shaper faster and swings the drive more.
 """
@@ -9,19 +9,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from design.actuators import Actuator, Ideal
+from design.actuators import Actuator
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.impulses import Impulses
 from design.plants import Mode
-from design.shapers.kind import NoOptions, ShaperKind
-from design.shapers.positive import EVERY_ACTUATOR
+from design.shapers.kind import ShaperKind
 from design.shapers.problem import ClosedForm, Formulation, Seed
 from design.shapers.unity_magnitude import (
-    PERIOD_RAD,
     ZERO_VIBRATION,
     ZERO_VIBRATION_DERIVATIVE,
     decel_over_accel,
-    undamped_times_rad,
     unity_magnitude_problem,
 )
 from design.types import FloatArray
@@ -34,39 +31,8 @@ SOURCE = (
 LONGEST_PERIODS = 3.0
 """Longest of these shapers that is searched, in undamped periods [-]."""
 
-PARTIAL_SUMS = np.array([1.0, -2.0, 2.0])
-"""Impulses of PS-ZV: the command is at 1, -1 and 1 [-]."""
-
-PARTIAL_SUMS_DERIVATIVE = np.array([1.0, -2.0, 2.0, -2.0, 2.0])
-"""Impulses of PS-ZVD [-]."""
-
-UNDAMPED_PARTIAL_SUMS_RAD = PERIOD_RAD * np.array([0.0, 0.152406, 0.277396, 0.631311, 0.678948])
-"""Times of PS-ZVD, undamped, to six digits: the only solution of 7,000 starts within a period."""
-
 HALVINGS = 60
 """Of an interval of a quarter turn: to the last digit."""
-
-
-def ps_zv(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
-    """Formulate the three impulses 1, -2, 2, whose sums are 1 in magnitude.
-
-    The second step takes the command from 1 to -1: which set of an asymmetric actuator drives which
-    part of it no model of steps can say. So the actuator is taken to follow its command.
-    """
-    if mode.damping_ratio == 0:
-        phases = undamped_times_rad(1.0, np.zeros(2), 2 * math.pi, PARTIAL_SUMS)
-        times = phases / mode.natural_frequency_rad_s
-        return ClosedForm(
-            impulses=Impulses(times_s=times, amplitudes=PARTIAL_SUMS), designed_for=Ideal()
-        )
-    return unity_magnitude_problem(
-        ZERO_VIBRATION,
-        mode,
-        Ideal(),
-        settle=False,
-        max_duration_periods=LONGEST_PERIODS,
-        amplitudes=PARTIAL_SUMS,
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -153,52 +119,33 @@ def _isosceles(b: float, damping_ratio: float, ratio: complex) -> float:
     return high
 
 
-def ps_zvd(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
-    """Formulate the five impulses 1, -2, 2, -2, 2, whose residual is flat in frequency.
-
-    For an actuator that follows its command, for the reason of `ps_zv`.
-    """
-    return unity_magnitude_problem(
-        ZERO_VIBRATION_DERIVATIVE,
-        mode,
-        Ideal(),
-        settle=False,
-        max_duration_periods=LONGEST_PERIODS,
-        amplitudes=PARTIAL_SUMS_DERIVATIVE,
-        seeds=_seeds("undamped_partial_sums", UNDAMPED_PARTIAL_SUMS_RAD, mode, 1.0),
-    )
-
-
 def sna_zvd(mode: Mode, actuator: Actuator, options: NegativeOptions) -> Formulation:
     """Formulate five impulses of which the second and fourth are given, flat in frequency.
 
     Undamped and behind an actuator that follows its command it is its own mirror image: amplitudes
     a, -b, c, -b, a at 0, y - x, y, y + x, 2 y. The conditions ``V = dV/dw = 0`` leave one of a, c,
-    x, y free, which the source does not fix; here, in equal steps from ZVD at b = 0 to UMZVD at
-    b = 1::
+    x, y free; here, on the line from ZVD at b = 0 to UMZVD at b = 1::
 
         a = (1 + 3 b) / 4,    c = (1 + b) / 2
 
-    within 0.7 % of the fastest of all shares. Damped, the positive impulses decay by the
-    phase y as those of ZVD do, exp(k y) from one to the next with ``k = z / sqrt(1 - z^2)``; where
-    the command would leave 0 to 1, the first is 1 or the last b. Behind an asymmetric actuator the
-    amplitudes are the same. In each case the four times solve the four equations.
+    within 0.7 % of the fastest of all shares. Damped, the positive impulses decay as those of ZVD
+    do, by ``exp(-k y)`` from one to the next with ``k = z / sqrt(1 - z^2)``; where the command
+    would leave 0 to 1, the first is 1 or the last b. Behind an asymmetric actuator the amplitudes
+    are the same. In each case the four times solve the four equations.
     """
     b, z = options.negative_amplitude, mode.damping_ratio
     x, y = _mirrored(b)
+    damped = math.sqrt(1 - z * z)
+    shift = cmath.phase(decel_over_accel(mode, actuator))
+    near = np.array([0.0, y - x + shift, y, y + x + shift, 2 * y]) / damped
     return unity_magnitude_problem(
         ZERO_VIBRATION_DERIVATIVE,
         mode,
         actuator,
         settle=False,
         max_duration_periods=LONGEST_PERIODS,
-        amplitudes=_decaying(b, math.exp(y * z / math.sqrt(1 - z * z))),
-        seeds=_seeds(
-            "undamped_mirror_image",
-            np.array([0.0, y - x, y, y + x, 2 * y]),
-            mode,
-            decel_over_accel(mode, actuator),
-        ),
+        amplitudes=_decaying(b, math.exp(y * z / damped)),
+        seeds=(Seed(name="undamped_mirror_image", gaps_rad=np.diff(near)),),
     )
 
 
@@ -235,24 +182,6 @@ def _decaying(b: float, decay: float) -> FloatArray:
     return np.array([first, -b, 1 + 2 * b - first - last, -b, last])
 
 
-def _seeds(name: str, undamped_rad: FloatArray, mode: Mode, ratio: complex) -> tuple[Seed, ...]:
-    """Undamped times, stretched to the damped period; the negative ones shifted by the phase."""
-    times = undamped_rad + cmath.phase(ratio) * (np.arange(undamped_rad.size) % 2)
-    damped = math.sqrt(1 - mode.damping_ratio**2)
-    return (Seed(name=name, gaps_rad=np.diff(times) / damped),)
-
-
-PS_ZV = ShaperKind(
-    name="ps_zv",
-    summary="Impulses 1, -2, 2 (partial sums of magnitude 1), zero vibration, for an actuator that "
-    "follows its command.",
-    source=SOURCE,
-    claims=("residual",),
-    options=NoOptions,
-    actuators=EVERY_ACTUATOR,
-    formulate=ps_zv,
-)
-
 SNA_ZV = ShaperKind(
     name="sna_zv",
     summary="Three impulses, the negative one of given amplitude, zero vibration, behind an "
@@ -264,23 +193,11 @@ SNA_ZV = ShaperKind(
     formulate=sna_zv,
 )
 
-PS_ZVD = ShaperKind(
-    name="ps_zvd",
-    summary="Impulses 1, -2, 2, -2, 2 (partial sums of magnitude 1), zero vibration and slope, for "
-    "an actuator that follows its command.",
-    source=SOURCE,
-    claims=("residual", "slope"),
-    options=NoOptions,
-    actuators=EVERY_ACTUATOR,
-    formulate=ps_zvd,
-)
-
 SNA_ZVD = ShaperKind(
     name="sna_zvd",
     summary="Five impulses, the negative ones of given amplitude, zero vibration and slope, behind "
     "an asymmetric actuator.",
-    source=f"{SOURCE}, which leaves the positive amplitudes free; theirs here are those of a "
-    "mirror image between ZVD and UMZVD",
+    source=f"{SOURCE}; positive amplitudes: a mirror image between ZVD and UMZVD",
     claims=("residual", "slope"),
     options=NegativeOptions,
     actuators=("ideal", "first_order", "second_order"),

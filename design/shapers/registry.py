@@ -2,10 +2,11 @@
 
 from design.shapers.ei import EI, THREE_HUMP_EI, TWO_HUMP_EI, UM_2EI, UM_EI
 from design.shapers.kind import ShaperKind
-from design.shapers.negative import PS_ZV, PS_ZVD, SNA_ZV, SNA_ZVD
+from design.shapers.negative import SNA_ZV, SNA_ZVD
 from design.shapers.numei import NUM_2EI, NUM_EI
 from design.shapers.numsi import NUM_SI
 from design.shapers.numzv import NUMZV, NUMZVD, UMZVC
+from design.shapers.partial_sums import PS_ZV, PS_ZVD
 from design.shapers.positive import MZV, ZV, ZVD, ZVDD, ZVDDD
 from design.shapers.several_modes import CONVOLVED, MULTI_UMZV, MULTI_ZV
 from design.shapers.specified_insensitivity import SI

@@ -1,0 +1,94 @@
+"""PS-ZV, PS-ZVD: impulses whose partial sums are 1 in magnitude: the command is at 1 or -1.
+
+They are faster than those of unity magnitude, and swing the drive twice as far.
+"""
+
+import math
+
+import numpy as np
+
+from design.actuators import Actuator, Ideal
+from design.impulses import Impulses
+from design.plants import Mode
+from design.shapers.kind import NoOptions, ShaperKind
+from design.shapers.negative import LONGEST_PERIODS, SOURCE
+from design.shapers.positive import EVERY_ACTUATOR
+from design.shapers.problem import ClosedForm, Formulation, Seed
+from design.shapers.unity_magnitude import (
+    PERIOD_RAD,
+    ZERO_VIBRATION,
+    ZERO_VIBRATION_DERIVATIVE,
+    undamped_times_rad,
+    unity_magnitude_problem,
+)
+
+PARTIAL_SUMS = np.array([1.0, -2.0, 2.0])
+"""Impulses of PS-ZV: the command is at 1, -1 and 1 [-]."""
+
+PARTIAL_SUMS_DERIVATIVE = np.array([1.0, -2.0, 2.0, -2.0, 2.0])
+"""Impulses of PS-ZVD [-]."""
+
+UNDAMPED_PARTIAL_SUMS_RAD = PERIOD_RAD * np.array([0.0, 0.152406, 0.277396, 0.631311, 0.678948])
+"""Times of PS-ZVD, undamped, to six digits: the only solution of 7,000 starts within a period."""
+
+
+def ps_zv(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+    """Formulate the three impulses 1, -2, 2, whose sums are 1 in magnitude.
+
+    The second step takes the command from 1 to -1: which set of an asymmetric actuator drives which
+    part of it no model of steps can say. So the actuator is taken to follow its command.
+    """
+    if mode.damping_ratio == 0:
+        phases = undamped_times_rad(1.0, np.zeros(2), 2 * math.pi, PARTIAL_SUMS)
+        times = phases / mode.natural_frequency_rad_s
+        return ClosedForm(
+            impulses=Impulses(times_s=times, amplitudes=PARTIAL_SUMS), designed_for=Ideal()
+        )
+    return unity_magnitude_problem(
+        ZERO_VIBRATION,
+        mode,
+        Ideal(),
+        settle=False,
+        max_duration_periods=LONGEST_PERIODS,
+        amplitudes=PARTIAL_SUMS,
+    )
+
+
+def ps_zvd(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+    """Formulate the five impulses 1, -2, 2, -2, 2, whose residual is flat in frequency.
+
+    For an actuator that follows its command, for the reason of `ps_zv`.
+    """
+    gaps = np.diff(UNDAMPED_PARTIAL_SUMS_RAD) / math.sqrt(1 - mode.damping_ratio**2)
+    return unity_magnitude_problem(
+        ZERO_VIBRATION_DERIVATIVE,
+        mode,
+        Ideal(),
+        settle=False,
+        max_duration_periods=LONGEST_PERIODS,
+        amplitudes=PARTIAL_SUMS_DERIVATIVE,
+        seeds=(Seed(name="undamped_partial_sums", gaps_rad=gaps),),
+    )
+
+
+PS_ZV = ShaperKind(
+    name="ps_zv",
+    summary="Impulses 1, -2, 2 (partial sums of magnitude 1), zero vibration, for an actuator that "
+    "follows its command.",
+    source=SOURCE,
+    claims=("residual",),
+    options=NoOptions,
+    actuators=EVERY_ACTUATOR,
+    formulate=ps_zv,
+)
+
+PS_ZVD = ShaperKind(
+    name="ps_zvd",
+    summary="Impulses 1, -2, 2, -2, 2 (partial sums of magnitude 1), zero vibration and slope, for "
+    "an actuator that follows its command.",
+    source=SOURCE,
+    claims=("residual", "slope"),
+    options=NoOptions,
+    actuators=EVERY_ACTUATOR,
+    formulate=ps_zvd,
+)
