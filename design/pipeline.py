@@ -30,9 +30,9 @@ from design.shapers.problem import (
     JointProblem,
     Promise,
 )
-from design.solvers.exchange import BandCandidate, band_candidates
 from design.solvers.joint import shortest
 from design.solvers.search import Candidate, candidates
+from design.solvers.unity_band.search import BandCandidate, band_candidates
 from design.types import FloatArray
 
 SLOW_ACTUATOR = 2.0

@@ -1,0 +1,122 @@
+"""From a band to candidates: of the fewest impulses first, two seeds of each number compared."""
+
+import math
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from design.errors import InfeasibleDesignError
+from design.shapers.problem import BandSearch, Seed, UnityBandProblem
+from design.solvers.unity_band.descent import Descent, Run
+from design.types import FloatArray
+
+COMPARED = 2
+"""Seeds of one number of impulses of whose designs the shorter is taken."""
+
+FAR_MISS = 1.2
+"""A run that ends with so many times the tolerance is no matter of where it began [-]."""
+
+_one_at_a_time = threading.Lock()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BandCandidate:
+    """A design over a band by the solver's word, not yet verified.
+
+    Attributes
+    ----------
+    problem
+        What it solves.
+    gaps_rad
+        Gaps between its impulses, shape (n - 1,) [rad].
+    seed
+        Name of the start that led to it.
+    iterations
+        Steps from there.
+    starts
+        Starts tried so far, of fewer impulses too.
+    """
+
+    problem: UnityBandProblem
+    gaps_rad: FloatArray
+    seed: str
+    iterations: int
+    starts: int
+
+
+def band_candidates(search: BandSearch) -> Iterator[BandCandidate]:
+    """Yield designs over a band, of the fewest impulses first.
+
+    Of every number of impulses two seeds are compared; where one ends far above the tolerance, the
+    others wait until more impulses have been tried.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        When all candidates, if any, are used up: says what came nearest.
+    TimeLimitError
+        If the solver ran past its time.
+    """
+    runs = _Runs(search)
+    later = []
+    for problem in search.problems:
+        tried, found = 0, []
+        for seed in problem.seeds:
+            run = runs.run(problem, seed)
+            tried += 1
+            found += runs.candidate(problem, seed, run)
+            if run.highest > FAR_MISS or (found and tried >= COMPARED):
+                break
+        yield from sorted(found, key=lambda one: float(one.gaps_rad.sum()))
+        later += [(problem, seed) for seed in problem.seeds[tried:]]
+    for problem, seed in later:
+        yield from runs.candidate(problem, seed, runs.run(problem, seed))
+    raise InfeasibleDesignError(runs.searched())
+
+
+class _Runs:
+    """What was tried so far."""
+
+    def __init__(self, search: BandSearch) -> None:
+        self.search = search
+        self.starts = 0
+        self.nearest, self.late = math.inf, math.inf
+
+    def run(self, problem: UnityBandProblem, seed: Seed) -> Run:
+        """Run from a seed."""
+        self.starts += 1
+        with _one_at_a_time:
+            run = Descent(problem, self.search.half_width, self.search.tolerance).run(seed.gaps_rad)
+        self.nearest = min(self.nearest, run.highest)
+        return run
+
+    def candidate(self, problem: UnityBandProblem, seed: Seed, run: Run) -> list[BandCandidate]:
+        """Return the end of a run, if it is a candidate."""
+        duration = float(run.gaps_rad.sum())
+        if run.converged and duration > self.search.horizon_rad:
+            self.late = min(self.late, duration)
+        elif run.converged:
+            return [
+                BandCandidate(
+                    problem=problem,
+                    gaps_rad=run.gaps_rad,
+                    seed=seed.name,
+                    iterations=run.steps,
+                    starts=self.starts,
+                )
+            ]
+        return []
+
+    def searched(self) -> str:
+        """Say how far was searched, and what came nearest."""
+        search, period = self.search, 2 * math.pi
+        counts = sorted(problem.amplitudes.size for problem in search.problems)
+        report = (
+            f"no shaper of {' or '.join(map(str, counts))} impulses of unity magnitude was found "
+            f"that leaves at most {search.tolerance:g} from {1 - search.half_width:.6g} to "
+            f"{1 + search.half_width:.6g} of the frequency, within {search.horizon_rad / period:g} "
+            f"periods in {self.starts} starts"
+        )
+        if self.late < math.inf:
+            return f"{report}; the shortest takes {self.late / period:.6g} periods"
+        return f"{report}; the nearest miss leaves {self.nearest * search.tolerance:.4g} there"
