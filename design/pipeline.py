@@ -29,6 +29,7 @@ from design.shapers.problem import (
     Formulation,
     JointProblem,
     Promise,
+    within,
 )
 from design.solvers.joint import shortest
 from design.solvers.search import Candidate, candidates
@@ -262,13 +263,13 @@ def _promise_over_range(plant: Scheduled, options: Any) -> tuple[Promise, ...]: 
     """Promise a kind's tolerance over the range; one without a tolerance promises no more there."""
     if not hasattr(options, "tolerance"):
         return ()
-    return (Promise(quantity="band", limit=options.tolerance, band=plant.band),)
+    return (within(options.tolerance, plant.band),)
 
 
 def _worst_in_range(impulses: Impulses, plant: Plant, actuator: Actuator) -> float | None:
     if not isinstance(plant, Scheduled):
         return None
-    asked = Promise(quantity="band", limit=math.inf, band=plant.band)
+    asked = within(math.inf, plant.band)
     return certify(impulses, plant.middle, actuator, (asked,)).claims[0].value
 
 

@@ -8,11 +8,11 @@ from typing import Any
 
 from design.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder, SecondOrderSet
 from design.plants import Mode, Pendulum, Plant
-from design.shapers import numsi
 from design.shapers.ei import ToleranceOptions
 from design.shapers.kind import NoOptions, PeakOptions, SettleOptions
 from design.shapers.negative import NegativeOptions
 from design.shapers.numei import HumpOptions
+from design.shapers.numsi import UnityBandOptions
 from design.shapers.positive import MzvOptions
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions
@@ -218,10 +218,8 @@ SHAPER_TABLE: dict[str, Row] = {
         plants=PLANTS,
         actuators=(IDEAL, FIRST_ORDER, THESIS, LIMITED),
         options=(
-            numsi.BandOptions(half_width=0.1),
-            numsi.BandOptions(
-                half_width=0.12, tolerance=0.1, settle=True, max_duration_periods=4.0
-            ),
+            UnityBandOptions(half_width=0.1),
+            UnityBandOptions(half_width=0.12, tolerance=0.1, settle=True, max_duration_periods=4.0),
         ),
         impulses=5,
     ),

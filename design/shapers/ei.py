@@ -5,19 +5,21 @@ nominal one. The equations and their solution are those of `design.shapers.humps
 """
 
 import functools
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from design.actuators import Actuator, Ideal
 from design.impulses import Impulses
 from design.plants import Mode
 from design.shapers.humps import Humps, humped
-from design.shapers.kind import ShaperKind
+from design.shapers.kind import (
+    LARGEST_TOLERANCE,
+    SMALLEST_TOLERANCE,
+    ShaperKind,
+    tolerance_field,
+)
 from design.shapers.positive import EVERY_ACTUATOR, served
-from design.shapers.problem import ClosedForm, Formulation, Promise
+from design.shapers.problem import ClosedForm, Formulation, Promise, within
 from design.types import require_between
-
-SMALLEST_TOLERANCE, LARGEST_TOLERANCE = 1e-3, 0.5
-"""Below it the zeros beside a hump are nearly one; above it little is suppressed [-]."""
 
 ZERO = 1e-9
 """What counts as no residual: as in the certificate, which formulations do not import [-]."""
@@ -33,14 +35,7 @@ class ToleranceOptions:
         Largest residual vibration between the outermost zeros [-].
     """
 
-    tolerance: float = field(
-        default=0.05,
-        metadata={
-            "description": "Residual vibration that each hump of the curve reaches.",
-            "ge": SMALLEST_TOLERANCE,
-            "le": LARGEST_TOLERANCE,
-        },
-    )
+    tolerance: float = tolerance_field("Residual vibration that each hump of the curve reaches.")
 
     def __post_init__(self) -> None:
         require_between("tolerance", self.tolerance, SMALLEST_TOLERANCE, LARGEST_TOLERANCE)
@@ -67,7 +62,7 @@ def _promises(found: Humps, tolerance: float) -> tuple[Promise, ...]:
     band = (float(found.zeros[0]), float(found.zeros[-1]))
     return (
         Promise(quantity="residual", limit=nominal),
-        Promise(quantity="band", limit=tolerance, band=band),
+        within(tolerance, band),
     )
 
 

@@ -10,6 +10,8 @@ from design.shapers.problem import Formulation, Promise, Quantity
 from design.types import require_between
 
 __all__ = [
+    "LARGEST_TOLERANCE",
+    "SMALLEST_TOLERANCE",
     "NoOptions",
     "PeakOptions",
     "Promise",
@@ -17,6 +19,7 @@ __all__ = [
     "SettleOptions",
     "ShaperKind",
     "for_one_of",
+    "tolerance_field",
 ]
 
 SHORTEST_HORIZON_PERIODS = 0.1
@@ -26,6 +29,25 @@ LONGEST_HORIZON_PERIODS = 100.0
 SMALLEST_PEAK = 0.01
 LARGEST_PEAK = 100.0
 """Bounds of the peak command over the cruise speed: beyond them one of the two is nothing [-]."""
+
+
+SMALLEST_TOLERANCE, LARGEST_TOLERANCE = 1e-3, 0.5
+"""Bounds of a tolerance: below, zeros do as well; above, hardly any shaper is needed [-]."""
+
+USUAL_TOLERANCE = 0.05
+"""Tolerance of the literature [-]."""
+
+
+def tolerance_field(description: str) -> float:
+    """Return the field of a tolerance between `SMALLEST_TOLERANCE` and `LARGEST_TOLERANCE`."""
+    return field(
+        default=USUAL_TOLERANCE,
+        metadata={
+            "description": description,
+            "ge": SMALLEST_TOLERANCE,
+            "le": LARGEST_TOLERANCE,
+        },
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -3,7 +3,7 @@
 import cmath
 import functools
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from design.actuators import Actuator, RateLimited
 from design.errors import InfeasibleDesignError
 from design.plants import Mode
 from design.shapers.alternating import AlternatingBand
-from design.shapers.ei import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, ZERO
+from design.shapers.ei import ZERO
 from design.shapers.humps import (
     UNITY_ONE_HUMP,
     UNITY_TOLERANCE,
@@ -20,8 +20,14 @@ from design.shapers.humps import (
     Humps,
     humped,
 )
-from design.shapers.kind import SettleOptions, ShaperKind
-from design.shapers.problem import Expressions, Formulation, Problem, Promise, Ratios, Seed
+from design.shapers.kind import (
+    LARGEST_TOLERANCE,
+    SMALLEST_TOLERANCE,
+    SettleOptions,
+    ShaperKind,
+    tolerance_field,
+)
+from design.shapers.problem import Expressions, Formulation, Problem, Promise, Ratios, Seed, within
 from design.shapers.unity_magnitude import (
     PERIOD_RAD,
     alternating,
@@ -65,14 +71,7 @@ class HumpOptions(SettleOptions):
         Height of each hump [-].
     """
 
-    tolerance: float = field(
-        default=0.05,
-        metadata={
-            "description": "Residual vibration that each hump of the curve reaches.",
-            "ge": SMALLEST_TOLERANCE,
-            "le": LARGEST_TOLERANCE,
-        },
-    )
+    tolerance: float = tolerance_field("Residual vibration that each hump of the curve reaches.")
 
     def __post_init__(self) -> None:
         SettleOptions.__post_init__(self)
@@ -169,7 +168,7 @@ def numei(mode: Mode, actuator: Actuator, options: HumpOptions, *, humps: int) -
         designed_for=actuator,
         claims=(
             Promise(quantity="residual", limit=options.tolerance if humps == 1 else ZERO),
-            Promise(quantity="band", limit=options.tolerance),
+            within(options.tolerance, band=None),
         ),
         ratios=Ratios(
             lowest=np.where(below, lowest, 1 + NEAREST_TO_ONE),

@@ -10,11 +10,16 @@ from design.actuators import Actuator, RateLimited
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.plants import Mode
 from design.shapers.alternating import AlternatingBand
-from design.shapers.kind import SettleOptions, ShaperKind
+from design.shapers.kind import (
+    LARGEST_TOLERANCE,
+    SMALLEST_TOLERANCE,
+    SettleOptions,
+    ShaperKind,
+    tolerance_field,
+)
 from design.shapers.problem import (
     BandSearch,
     Formulation,
-    Promise,
     Seed,
     UnityBandProblem,
 )
@@ -27,10 +32,6 @@ from design.shapers.unity_magnitude import (
     switched_order,
 )
 from design.types import require_between
-
-SMALLEST_TOLERANCE = 1e-3
-LARGEST_TOLERANCE = 0.5
-"""Bounds of the tolerance: below, zeros do as well; above, hardly any shaper is needed [-]."""
 
 NARROWEST = 1e-3
 WIDEST = 0.6
@@ -80,7 +81,7 @@ FAR = 1.3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BandOptions(SettleOptions):
+class UnityBandOptions(SettleOptions):
     """Parameters of a shaper over a band.
 
     Attributes
@@ -93,14 +94,7 @@ class BandOptions(SettleOptions):
         Their number, 3, 5, 7 or 9; the fewest that serve if None.
     """
 
-    tolerance: float = field(
-        default=0.05,
-        metadata={
-            "description": "Largest residual over the band.",
-            "ge": SMALLEST_TOLERANCE,
-            "le": LARGEST_TOLERANCE,
-        },
-    )
+    tolerance: float = tolerance_field("Largest residual over the band.")
     half_width: float = field(
         default=0.15,
         metadata={
@@ -124,7 +118,7 @@ class BandOptions(SettleOptions):
             raise InvalidInputError("impulses", self.impulses, "3, 5, 7 or 9, or left out")
 
 
-def numsi(mode: Mode, actuator: Actuator, options: BandOptions) -> Formulation:
+def numsi(mode: Mode, actuator: Actuator, options: UnityBandOptions) -> Formulation:
     """Formulate the minimum-time shaper whose residual is within a tolerance over a band.
 
     ``|V(r)| <= tolerance`` for every ratio ``r`` of true and nominal frequency within the half
@@ -157,7 +151,6 @@ def numsi(mode: Mode, actuator: Actuator, options: BandOptions) -> Formulation:
             f"settling before each of {counts[0]} switches takes longer than "
             f"max_duration_periods = {options.max_duration_periods:g}"
         )
-    band = (1 - options.half_width, 1 + options.half_width)
     return BandSearch(
         problems=tuple(problems),
         tolerance=options.tolerance,
@@ -165,11 +158,10 @@ def numsi(mode: Mode, actuator: Actuator, options: BandOptions) -> Formulation:
         natural_frequency_rad_s=mode.natural_frequency_rad_s,
         horizon_rad=horizon,
         designed_for=actuator,
-        claims=(Promise(quantity="band", limit=options.tolerance, band=band),),
     )
 
 
-def _alike(count: int, options: BandOptions) -> float:
+def _alike(count: int, options: UnityBandOptions) -> float:
     """Return the half width that would be as hard to reach at the tolerance of the seeds.
 
     n impulses cancel (n - 1) / 2 derivatives or so: the half width goes by that root of the
@@ -178,7 +170,9 @@ def _alike(count: int, options: BandOptions) -> float:
     return options.half_width * float((SEED_TOLERANCE / options.tolerance) ** (2 / (count - 1)))
 
 
-def _seeds(mode: Mode, actuator: Actuator, count: int, options: BandOptions) -> tuple[Seed, ...]:
+def _seeds(
+    mode: Mode, actuator: Actuator, count: int, options: UnityBandOptions
+) -> tuple[Seed, ...]:
     """Seeds of one number of impulses, the nearest half width first.
 
     A step through the deceleration set acts as if it came later by the phase of the
@@ -204,7 +198,7 @@ NUM_SI = ShaperKind(
     'vibration reduction with specified insensitivity to modeling errors", Japan-USA Symposium on '
     "Flexible Automation (1996), for the actuators of Kim, master thesis (2011), chapter 3",
     claims=("band",),
-    options=BandOptions,
+    options=UnityBandOptions,
     actuators=("ideal", "first_order", "second_order", "rate_limited"),
     formulate=numsi,
 )

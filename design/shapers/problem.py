@@ -40,6 +40,11 @@ class Promise:
     band: tuple[float, float] | None = None
 
 
+def within(tolerance: float, band: tuple[float, float] | None) -> Promise:
+    """Return the promise of a tolerance over a band; None as of `Promise`."""
+    return Promise(quantity="band", limit=tolerance, band=band)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Expressions:
     """CasADi expressions of a problem, all dimensionless.
@@ -234,7 +239,7 @@ class BandProblem:
     @property
     def claims(self) -> tuple[Promise, ...]:
         """The tolerance over the band."""
-        return (Promise(quantity="band", limit=self.tolerance, band=self.band),)
+        return (within(self.tolerance, self.band),)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -334,8 +339,6 @@ class BandSearch:
         Longest duration [rad].
     designed_for
         The actuator of the claims.
-    claims
-        What the impulses keep.
     """
 
     problems: tuple[UnityBandProblem, ...]
@@ -344,7 +347,16 @@ class BandSearch:
     natural_frequency_rad_s: float
     horizon_rad: float
     designed_for: Actuator
-    claims: tuple[Promise, ...]
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Ends of the band [-]."""
+        return 1 - self.half_width, 1 + self.half_width
+
+    @property
+    def claims(self) -> tuple[Promise, ...]:
+        """The tolerance over the band."""
+        return (within(self.tolerance, self.band),)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

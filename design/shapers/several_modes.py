@@ -8,15 +8,14 @@ import numpy as np
 from design.actuators import Actuator, Ideal
 from design.errors import InvalidInputError
 from design.plants import Mode
-from design.shapers.ei import (
-    EI,
+from design.shapers.ei import EI, THREE_HUMP_EI, TWO_HUMP_EI, ToleranceOptions
+from design.shapers.kind import (
     LARGEST_TOLERANCE,
     SMALLEST_TOLERANCE,
-    THREE_HUMP_EI,
-    TWO_HUMP_EI,
-    ToleranceOptions,
+    NoOptions,
+    ShaperKind,
+    for_one_of,
 )
-from design.shapers.kind import NoOptions, ShaperKind, for_one_of
 from design.shapers.positive import EVERY_ACTUATOR, MZV, ZV, ZVD, ZVDD, ZVDDD, served
 from design.shapers.problem import Convolution, Formulation, JointProblem
 from design.shapers.umzv import UMZV, UMZVD

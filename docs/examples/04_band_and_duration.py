@@ -20,7 +20,7 @@ from design.analysis.sensitivity import insensitivity
 from design.impulses import Impulses
 from design.pipeline import design
 from design.plants import Pendulum
-from design.shapers.numsi import BandOptions
+from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import SHAPERS
 
 TOLERANCE = 0.05
@@ -55,7 +55,7 @@ for name, kind in SHAPERS.items():
     )
 curves: dict[int, list[tuple[float, float]]] = {}
 for half_width in HALF_WIDTHS:
-    options = BandOptions(half_width=half_width, tolerance=TOLERANCE)
+    options = UnityBandOptions(half_width=half_width, tolerance=TOLERANCE)
     shaper = design(CRANE, ACTUATOR, SHAPERS["num_si"], options).impulses
     band = guaranteed(shaper)
     count = shaper.times_s.size

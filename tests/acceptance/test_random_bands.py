@@ -7,7 +7,7 @@ from design.actuators import Model
 from design.analysis.residual import residual_curve
 from design.errors import InfeasibleDesignError
 from design.pipeline import design
-from design.shapers.numsi import BandOptions
+from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import SHAPERS
 from tests.acceptance.test_random_designs import random_case
 
@@ -23,7 +23,9 @@ def test_random_band_shapers_are_verified_or_say_how_far_was_searched(
         half_width = float(np.random.default_rng(10_000 + seed).uniform(0.05, 0.25))
         refusal = ""
         try:
-            made = design(mode, actuator, SHAPERS["num_si"], BandOptions(half_width=half_width))
+            made = design(
+                mode, actuator, SHAPERS["num_si"], UnityBandOptions(half_width=half_width)
+            )
         except InfeasibleDesignError as error:
             refusal = str(error)
         if refusal:

@@ -18,7 +18,7 @@ from design.maneuvers import maneuver
 from design.pipeline import Design, design
 from design.plants import Mode, Pendulum, Plant, Scheduled
 from design.shapers.numei import HumpOptions
-from design.shapers.numsi import BandOptions
+from design.shapers.numsi import UnityBandOptions
 from design.shapers.problem import Problem, Promise
 from design.shapers.registry import SHAPERS
 from design.tables.compute import compute_rows
@@ -197,7 +197,7 @@ def test_specified_insensitivity_over_its_band_takes_no_longer(
 ) -> None:
     """Humps of one height are one way to keep a band; `num_si` may take any."""
     made = shaper(CRANE, actuator, name)
-    free = BandOptions(half_width=half_width(made), impulses=made.impulses.times_s.size)
+    free = UnityBandOptions(half_width=half_width(made), impulses=made.impulses.times_s.size)
     found = design(CRANE, actuator, SHAPERS["num_si"], free)
     assert found.impulses.duration_s <= made.impulses.duration_s * (1 + 1e-9)
 

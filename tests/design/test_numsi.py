@@ -13,7 +13,7 @@ from design.errors import InfeasibleDesignError, InvalidInputError
 from design.impulses import Impulses
 from design.pipeline import Design, design
 from design.plants import Plant
-from design.shapers.numsi import BandOptions
+from design.shapers.numsi import UnityBandOptions
 from design.shapers.problem import Promise
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
@@ -24,7 +24,7 @@ SWITCHED = replace(THESIS, model="switched")
 
 
 def band_shaper(plant: Plant, actuator: Actuator, half_width: float, **options: float) -> Design:
-    wanted = BandOptions(half_width=half_width, **options)  # type: ignore[arg-type]
+    wanted = UnityBandOptions(half_width=half_width, **options)  # type: ignore[arg-type]
     return design(plant, actuator, SHAPERS["num_si"], wanted)
 
 
@@ -195,4 +195,4 @@ def test_what_no_shaper_does_is_refused_with_how_near_one_came() -> None:
 )
 def test_values_outside_their_bounds_are_refused(field: str, value: float) -> None:
     with pytest.raises(InvalidInputError, match=field):
-        BandOptions(**{field: value})  # type: ignore[arg-type]
+        UnityBandOptions(**{field: value})  # type: ignore[arg-type]

@@ -113,8 +113,8 @@ class _Runs:
         counts = sorted(problem.amplitudes.size for problem in search.problems)
         report = (
             f"no shaper of {' or '.join(map(str, counts))} impulses of unity magnitude was found "
-            f"that leaves at most {search.tolerance:g} from {1 - search.half_width:.6g} to "
-            f"{1 + search.half_width:.6g} of the frequency, within {search.horizon_rad / period:g} "
+            f"that leaves at most {search.tolerance:g} from {search.band[0]:.6g} to "
+            f"{search.band[1]:.6g} of the frequency, within {search.horizon_rad / period:g} "
             f"periods in {self.starts} starts"
         )
         if self.late < math.inf:
