@@ -171,7 +171,7 @@ def _ordered_fastest_first(problem: Problem, ends: newton.Roots) -> Iterator[Flo
 def _searched(problem: Problem, ends: newton.Roots, starts: int) -> str:
     """Say how far was searched, and what came nearest."""
     period = 2 * np.pi
-    roots = problem.split(ends.unknowns[ends.converged])[0]
+    roots, ratios = problem.split(ends.unknowns[ends.converged])
     report = (
         f"no ordered solution with duration <= {problem.horizon_rad / period:g} periods "
         f"in {starts} starts"
@@ -179,9 +179,16 @@ def _searched(problem: Problem, ends: newton.Roots, starts: int) -> str:
     if roots.size == 0:
         best = np.nanargmin(ends.misses)
         return f"{report}; nearest miss: an equation off by {ends.misses[best]:.3g}"
-    # How far out of its bounds a root is: the worst gap, or what it takes beyond the horizon.
+    # How far out of its bounds a root is: the worst gap or ratio, or what it takes beyond the
+    # horizon.
     short = (problem.shortest_gaps_rad - roots).max(axis=1)
     late = roots.sum(axis=1) - problem.horizon_rad
-    nearest = roots[np.argmin(np.maximum(short, late))]
-    times = ", ".join(f"{phase / period:.6g}" for phase in np.cumsum(nearest))
-    return f"{report}; nearest miss: the solution with switches at 0, {times} periods"
+    away = np.maximum(problem.ratios.lowest - ratios, ratios - problem.ratios.highest)
+    misses = np.maximum(np.maximum(short, late), away.max(axis=1, initial=-np.inf))
+    best = np.argmin(misses)
+    times = ", ".join(f"{phase / period:.6g}" for phase in np.cumsum(roots[best]))
+    nearest = f"{report}; nearest miss: the solution with switches at 0, {times} periods"
+    if not ratios.shape[1]:
+        return nearest
+    where = ", ".join(f"{ratio:.4g}" for ratio in ratios[best])
+    return f"{nearest}, its zeros and peaks at {where} of the frequency"

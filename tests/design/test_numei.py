@@ -283,6 +283,12 @@ def test_no_solution_says_how_far_was_searched() -> None:
             shaper(CRANE, THESIS, options=HumpOptions(settle=True, max_duration_periods=horizon))
 
 
+def test_the_nearest_miss_tells_where_its_curve_has_its_zeros() -> None:
+    message = r"nearest miss: .* periods, its zeros and peaks at [\d.]+, [\d.]+ of the frequency$"
+    with pytest.raises(InfeasibleDesignError, match=message):
+        shaper(CRANE, SWITCHED, options=HumpOptions(max_duration_periods=0.5))
+
+
 def test_a_root_with_another_curve_is_none_of_these_shapers() -> None:
     # Behind this drive seven impulses have no ordered solution but one that leaves 97 %.
     message = r"in 1026 starts; .*; solutions that pass the tolerance between their own zeros: 1$"
