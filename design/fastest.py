@@ -6,8 +6,12 @@ from dataclasses import dataclass, replace
 from design.analysis.exclusion import excludes
 from design.errors import InfeasibleDesignError
 from design.shapers.problem import BandProblem, Obstacle
-from design.solvers import bands
-from design.solvers.bands import BandCandidate
+from design.solvers.convex_band.search import (
+    BandCandidate,
+    candidates,
+    least_residual,
+    obstacles,
+)
 from design.types import FloatArray
 
 SMALL_GAP = 1e-4
@@ -62,7 +66,7 @@ def fastest(problem: BandProblem) -> Iterator[Fastest]:
     """
     best: Fastest | None = None
     bound = 0.0  # nothing is shorter than no time
-    for found in bands.candidates(problem):
+    for found in candidates(problem):
         if isinstance(found, Obstacle):
             bound = max(bound, found.duration_rad if _stands(problem, found) else 0.0)
         else:
@@ -88,7 +92,7 @@ def fastest(problem: BandProblem) -> Iterator[Fastest]:
 
 
 def _lower_bound(problem: BandProblem, candidate: BandCandidate) -> float:
-    for obstacle in bands.obstacles(problem, candidate):
+    for obstacle in obstacles(problem, candidate):
         if _stands(problem, obstacle):
             return obstacle.duration_rad
     return 0.0
@@ -115,7 +119,7 @@ def _require_in_time(problem: BandProblem, found: Fastest) -> None:
         if found.lower_bound_rad >= problem.horizon_rad
         else "no shorter one was found"
     )
-    tolerance = EASIER * bands.least_residual(problem, problem.horizon_rad)
+    tolerance = EASIER * least_residual(problem, problem.horizon_rad)
     instead = f" or a tolerance of {tolerance:.4g}" if tolerance < 1 else ""
     raise InfeasibleDesignError(
         f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "

@@ -1,0 +1,166 @@
+"""The structure of the fastest shaper over a band, by cone programs over grids of time and ratio.
+
+How many impulses there are, and which peaks of the residual touch the tolerance. A shaper shorter
+than D is one of duration D too: the problem of a longer duration contains that of a shorter one.
+Time runs backwards, as in `optimality`.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.errors import SolverFailedError
+from design.shapers.problem import BandProblem
+from design.solvers import clarabel
+from design.solvers.clarabel import ConeOutcome, ConeProgram
+from design.solvers.convex_band.optimality import Point
+from design.solvers.outcome import Status
+from design.types import FloatArray
+
+LAGS_A_HALF_PERIOD = 12
+RATIOS_A_PEAK = 6
+FEWEST_LAGS = 12
+FEWEST_RATIOS = 9
+"""Points of the even grids: for each half turn of the last impulse, and at least."""
+
+REFINEMENT = 13
+REACH = 1.5
+REFINED_PITCHES = (1.0, 0.2, 0.04)
+"""Points added around each impulse and peak, how far to either side, in pitches of what length."""
+
+DISTINCT = 1e-3
+"""Share of the refined pitch that two points are apart at least [-]."""
+
+PRESENT = 1e-3
+"""Share of the largest weight or amplitude below which the cone program's is none [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Grid:
+    """Where a cone program looks.
+
+    Attributes
+    ----------
+    lags
+        Ascending from 0 to the duration [rad].
+    ratios
+        Ascending over the band [-].
+    """
+
+    lags: FloatArray
+    ratios: FloatArray
+
+
+def even_grid(problem: BandProblem, duration_rad: float) -> Grid:
+    """Return a grid of even pitches, fine against the turn of the last impulse."""
+    lower, upper = problem.band
+    turns = (upper - lower) * duration_rad / math.pi
+    last = duration_rad / math.pi * upper
+    return Grid(
+        lags=np.linspace(0, duration_rad, FEWEST_LAGS + math.ceil(LAGS_A_HALF_PERIOD * last)),
+        ratios=np.linspace(lower, upper, FEWEST_RATIOS + math.ceil(RATIOS_A_PEAK * turns)),
+    )
+
+
+def _refined(even: Grid, point: Point, share: float) -> Grid:
+    """Add points around impulses and peaks, within a share of three even pitches."""
+    around = np.linspace(-REACH, REACH, REFINEMENT)
+
+    def added(evenly: FloatArray, places: FloatArray) -> FloatArray:
+        pitch = share * (evenly[1] - evenly[0])
+        near = np.clip(np.add.outer(places, pitch * around), evenly[0], evenly[-1])
+        together = np.unique(np.concatenate((evenly, near.ravel())))
+        kept: FloatArray = together[np.diff(together, prepend=-math.inf) > DISTINCT * pitch]
+        kept[-1] = evenly[-1]
+        return kept
+
+    return Grid(lags=added(even.lags, point.lags), ratios=added(even.ratios, point.ratios))
+
+
+def least_on_grid(problem: BandProblem, grid: Grid) -> ConeOutcome:
+    """Return the least largest residual over the band of commands of one duration, on a grid."""
+    turned = np.exp(np.multiply.outer(problem.unit_pole * grid.ratios, grid.lags))
+    zeros = np.zeros(grid.ratios.size, dtype=complex)
+    if problem.levels is None:
+        program = ConeProgram(
+            offset=zeros, rows=turned, lowest=0.0, highest=math.inf, unit_sum=True
+        )
+    else:
+        # Unknown is the command between two points of the grid: 0 before the first, 1 at last.
+        program = ConeProgram(
+            offset=zeros + 1,
+            rows=np.diff(turned, axis=1),
+            lowest=problem.levels[0],
+            highest=problem.levels[1],
+            unit_sum=False,
+        )
+    outcome = clarabel.solve(program)
+    if outcome.status is not Status.SOLVE_SUCCEEDED:
+        raise SolverFailedError(f"clarabel ended with {outcome.status.value} on a band problem")
+    return outcome
+
+
+def structure(problem: BandProblem, grid: Grid, found: ConeOutcome) -> Point | None:
+    """Read impulses and touching peaks off the grid; None where there is but one impulse."""
+    if problem.levels is None:
+        lags, amplitudes = _clusters(grid.lags, found.unknowns)
+    else:
+        lags, amplitudes = _switches(grid.lags, found.unknowns, problem.levels)
+    if lags.size < 2 or np.diff(lags).min() <= 0:  # noqa: PLR2004
+        return None
+    lags[0], lags[-1] = 0.0, grid.lags[-1]
+    ratios, weights = _clusters(grid.ratios, found.weights)
+    # A peak so near the edge that the grid cannot tell the two apart sits on the edge.
+    low_edge = ratios < grid.ratios[:2].mean()
+    high_edge = ratios > grid.ratios[-2:].mean()
+    ratios[low_edge], ratios[high_edge] = grid.ratios[0], grid.ratios[-1]
+    return Point(
+        lags=lags,
+        amplitudes=amplitudes / amplitudes.sum(),
+        ratios=ratios,
+        inner=~(low_edge | high_edge),
+        weights=weights / weights.sum(),
+    )
+
+
+def _clusters(places: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Join neighbours that have weight: centres and sums, at least two of them."""
+    weights = np.where(weights > PRESENT * weights.max(), weights, 0.0)
+    group = np.cumsum(np.diff(weights > 0, prepend=False) & (weights > 0)) - 1
+    kept = weights > 0
+    sums: FloatArray = np.bincount(group[kept], weights[kept]).astype(float)
+    centres = np.bincount(group[kept], (weights * places)[kept]) / sums
+    return centres, sums
+
+
+def _switches(
+    edges: FloatArray, levels: FloatArray, limits: tuple[float, float]
+) -> tuple[FloatArray, FloatArray]:
+    """Read the switches of a command between two levels off its cells, areas kept."""
+    lowest, highest = limits
+    share = (levels - lowest) / (highest - lowest)
+    high = share > 0.5  # noqa: PLR2004 - nearer to the upper level
+    changes = np.flatnonzero(high[1:] != high[:-1])
+    lags = edges[changes + 1].copy()
+    pitch = edges[1] - edges[0]
+    if changes.size:
+        nearest = np.abs(np.arange(levels.size)[:, None] - changes - 0.5).argmin(axis=1)
+        left_over = np.bincount(nearest, share - high, minlength=changes.size) * pitch
+        lags += np.where(high[changes], left_over, -left_over)
+    command = np.where(np.append(high[changes], high[-1]), highest, lowest)
+    around = np.concatenate(([1.0], command, [0.0]))
+    return np.concatenate(([0.0], lags, [edges[-1]])), around[:-1] - around[1:]
+
+
+def closer_look(problem: BandProblem, duration_rad: float) -> tuple[Grid, ConeOutcome]:
+    """Solve the cone program of a duration on a grid refined around impulses and peaks."""
+    even = grid = even_grid(problem, duration_rad)
+    found = least_on_grid(problem, grid)
+    for share in REFINED_PITCHES:
+        start = structure(problem, grid, found)
+        if start is None:
+            break
+        grid = _refined(even, start, share)
+        found = least_on_grid(problem, grid)
+    return grid, found

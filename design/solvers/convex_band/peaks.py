@@ -1,0 +1,128 @@
+"""Peaks exchanged over a band until none is above the tolerance, and optima followed along it."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from design.shapers.problem import BandProblem
+from design.solvers.convex_band.optimality import Point, solved
+from design.types import ComplexArray, FloatArray
+
+MOST_EXCHANGES = 8
+"""How often peaks are exchanged before the grid is refined."""
+
+ABOVE = 1e-11
+"""Excess over the tolerance at which a peak counts as above: below the margin [-]."""
+
+SCAN_TURN_RAD = math.pi / 16
+"""Turn of the last impulse between two points of the search for peaks [rad]."""
+
+FIRST_WEIGHT = 1e-3
+"""Cost of a peak that was not among the touching ones before, over that of all [-]."""
+
+SHORTEST_FOLLOWED = 1e-5
+"""Relative step of the tolerance below which an optimum cannot be followed on [-]."""
+
+
+def optimum(problem: BandProblem, point: Point, tolerance: float) -> Point | None:
+    """Exchange peaks until none is above the tolerance and none is held that is not needed."""
+    lower, upper = problem.band
+    for _ in range(MOST_EXCHANGES):
+        found = solved(problem, point, tolerance)
+        if found is None:
+            return None
+        kept = found.weights > 0
+        outside = found.inner & ((found.ratios <= lower) | (found.ratios >= upper))
+        ratios, values = _peaks(problem, found)
+        above = values > tolerance * (1 + ABOVE)
+        if kept.all() and not outside.any() and not above.any():
+            return found if (problem.levels or found.amplitudes.min() > 0) else None
+        if outside.any():
+            ratios_held = np.clip(found.ratios, lower, upper)
+            inner = found.inner & ~outside
+        else:
+            ratios_held, inner = found.ratios, found.inner
+        held, free_to_move, weights = ratios_held[kept], inner[kept], found.weights[kept]
+        pitch = (upper - lower) / 50
+        for ratio in ratios[above].tolist():
+            at_edge = ratio in {lower, upper}
+            near = np.flatnonzero(np.abs(held - ratio) < pitch)
+            if near.size:
+                held[near[0]] = ratio
+                free_to_move[near[0]] = not at_edge
+            else:
+                held = np.append(held, ratio)
+                free_to_move = np.append(free_to_move, not at_edge)
+                weights = np.append(weights, FIRST_WEIGHT)
+        order = np.argsort(held)
+        point = replace(
+            found,
+            ratios=held[order],
+            inner=free_to_move[order],
+            weights=weights[order] / weights.sum(),
+        )
+    return None
+
+
+def followed(
+    problem: BandProblem, point: Point, from_tolerance: float, tolerance: float
+) -> tuple[Point, float] | None:
+    """Follow an optimum from the tolerance that its duration allows towards the one asked.
+
+    Returns the last optimum and its tolerance: another than asked where impulses or peaks merge.
+    """
+    now = optimum(problem, point, from_tolerance)
+    if now is None:
+        return None
+    level, target = math.log(from_tolerance), math.log(tolerance)
+    step = target - level
+    while level != target and abs(step) >= SHORTEST_FOLLOWED:
+        aim = target if abs(target - level) <= abs(step) else level + step
+        further = optimum(problem, now, math.exp(aim))
+        if further is None:
+            step /= 2
+        else:
+            now, level = further, aim
+            step *= 2
+    return now, math.exp(level)
+
+
+def _peaks(problem: BandProblem, point: Point) -> tuple[FloatArray, FloatArray]:
+    """Return the local maxima of the residual over the band, edges included, refined."""
+    lower, upper = problem.band
+    turn = (upper - lower) * float(point.lags[-1])
+    grid = np.linspace(lower, upper, 9 + math.ceil(turn / SCAN_TURN_RAD))
+    values = _residuals(problem, point, grid)
+    left = np.concatenate(([-math.inf], values[:-1]))
+    right = np.concatenate((values[1:], [-math.inf]))
+    tops = np.flatnonzero((values >= left) & (values >= right))
+    ratios = grid[tops]
+    moving = (tops > 0) & (tops < grid.size - 1)
+    pitch = grid[1] - grid[0]
+    # A peak may lie between an edge and its neighbour: it does if the residual rises inward.
+    inward = np.array([grid[0], grid[-1]])
+    slopes = _growth(problem, point, inward)[0] * np.array([1, -1])
+    hidden = inward[slopes > 0] + np.array([0.5, -0.5])[slopes > 0] * pitch
+    ratios, moving = np.append(ratios, hidden), np.append(moving, np.full(hidden.size, True))
+    for _ in range(4):  # Newton's method on the slope: four steps from a fine grid are enough
+        slope, bend = _growth(problem, point, ratios)
+        step = np.where(moving & (bend < 0), -slope / np.where(bend < 0, bend, 1.0), 0.0)
+        ratios = np.clip(ratios + np.clip(step, -pitch, pitch), lower, upper)
+    return ratios, _residuals(problem, point, ratios)
+
+
+def _growth(
+    problem: BandProblem, point: Point, ratios: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the first and second derivative of ln |F| in the ratio."""
+    turned = np.exp(np.multiply.outer(problem.unit_pole * ratios, point.lags)) * point.amplitudes
+    vector = turned.sum(axis=1)
+    rho = problem.unit_pole * (turned @ point.lags) / vector
+    rho2 = problem.unit_pole**2 * (turned @ point.lags**2) / vector
+    return rho.real, (rho2 - rho**2).real
+
+
+def _residuals(problem: BandProblem, point: Point, ratios: FloatArray) -> FloatArray:
+    turned: ComplexArray = np.exp(np.multiply.outer(problem.unit_pole * ratios, point.lags))
+    return np.abs(turned @ point.amplitudes)

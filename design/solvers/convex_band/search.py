@@ -1,0 +1,215 @@
+"""The fastest shaper that keeps a band of frequencies within a tolerance, with proof of how fast.
+
+A cone program over a time grid (`grid`) finds the structure. Newton's method on the conditions of
+optimality (`optimality`) then moves times, amplitudes and peaks where they belong, off the grid.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.shapers.problem import BandProblem, Obstacle
+from design.solvers.convex_band.grid import (
+    REFINED_PITCHES,
+    closer_look,
+    even_grid,
+    least_on_grid,
+    structure,
+)
+from design.solvers.convex_band.optimality import Point, solved
+from design.solvers.convex_band.peaks import followed, optimum
+from design.types import FloatArray
+
+CLOSE_DURATION = 1e-6
+"""Relative width of the bracket around the duration at which the search ends [-]."""
+
+KEPT_INSIDE = 0.1
+"""Share of the bracket that is left on either side of the next duration [-]."""
+
+EVEN_ONLY = 4
+"""Durations tried on even grids before those are refined."""
+
+MOST_DURATIONS = 12
+"""Durations tried in all."""
+
+AWAY = (0.005, -0.005, 0.02, -0.02)
+"""How far from the duration found the structure is looked at if none led to it [-]."""
+
+SHORTENED = (0.003, 0.01, 0.03, 0.1)
+"""By how much a duration is shortened where only a cone program can tell that it is short [-]."""
+
+DESIGN_MARGIN = 1e-10
+"""Peaks are put this far below the tolerance, so that rounding lifts none above it [-]."""
+
+EASED = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
+"""By how much the tolerance is eased for a duration that is just too short, least first [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BandCandidate:
+    """An optimum by the solver's word, not yet verified.
+
+    Attributes
+    ----------
+    times_rad
+        Times of the impulses, shape (n,) [rad].
+    amplitudes
+        Their amplitudes, shape (n,) [-].
+    iterations
+        Steps of Newton's method.
+    cone_programs
+        Cone programs solved until then.
+    """
+
+    times_rad: FloatArray
+    amplitudes: FloatArray
+    iterations: int
+    cone_programs: int
+    point: Point
+
+
+def candidates(problem: BandProblem) -> Iterator[BandCandidate | Obstacle]:
+    """Yield optima, the likeliest first, and proofs met on the way; those further on take longer.
+
+    Where impulses or peaks merge at the optimum itself, what comes from longer durations ends
+    just before it, a shaper all the same, and what comes from shorter ones is a proof.
+
+    Raises
+    ------
+    SolverFailedError
+        If a cone program was not solved.
+    """
+    tolerance = problem.tolerance * (1 - DESIGN_MARGIN)
+    duration, low, high = first_duration_rad(problem), 0.0, math.inf
+    before: tuple[float, float] | None = None
+    programs = 0
+    refine = False
+    for attempt in range(MOST_DURATIONS):
+        refine = refine or attempt >= EVEN_ONLY
+        programs += 1 + refine * len(REFINED_PITCHES)
+        least, best = _nearest(problem, duration, refine=refine, follow=refine)
+        if best is not None:
+            yield _told(problem, *best, programs)
+        if least > tolerance:
+            low = max(low, duration)
+        else:
+            high = min(high, duration)
+        now = (duration, ripples_of(least))
+        duration = _next_duration(before, now, ripples_of(tolerance), low, high)
+        if best is not None and not refine:
+            # No optimum after all, for an impulse that the grid did not show: a closer look there.
+            duration, refine = float(best[0].lags[-1]), True
+        if high - low < CLOSE_DURATION * low:
+            break
+        before = now
+    for share in AWAY:
+        programs += 1 + len(REFINED_PITCHES)
+        _, best = _nearest(problem, duration * (1 + share), refine=True, follow=True)
+        if best is not None:
+            yield _told(problem, *best, programs)
+
+
+def _nearest(
+    problem: BandProblem, duration_rad: float, *, refine: bool, follow: bool
+) -> tuple[float, tuple[Point, float] | None]:
+    """Return the least residual of a duration, and what its structure leads to."""
+    tolerance = problem.tolerance * (1 - DESIGN_MARGIN)
+    if refine:
+        grid, found = closer_look(problem, duration_rad)
+    else:
+        grid = even_grid(problem, duration_rad)
+        found = least_on_grid(problem, grid)
+    start = structure(problem, grid, found)
+    if start is None:
+        return found.largest, None
+    best = optimum(problem, start, tolerance)
+    if best is not None:
+        return found.largest, (best, tolerance)
+    return found.largest, followed(problem, start, found.largest, tolerance) if follow else None
+
+
+def _told(
+    problem: BandProblem, point: Point, tolerance: float, programs: int
+) -> BandCandidate | Obstacle:
+    if tolerance > problem.tolerance:
+        return _obstacle(problem, point)
+    return BandCandidate(
+        times_rad=point.lags[-1] - point.lags[::-1],
+        amplitudes=point.amplitudes[::-1],
+        iterations=point.steps,
+        cone_programs=programs,
+        point=point,
+    )
+
+
+def _next_duration(
+    before: tuple[float, float] | None,
+    now: tuple[float, float],
+    wanted: float,
+    low: float,
+    high: float,
+) -> float:
+    """Return the duration to try next: secant through the last two, inside the bracket."""
+    (duration, ripples), (other, others) = now, before or (0.0, 0.0)
+    slope = (ripples - others) / (duration - other)
+    guess = duration + (wanted - ripples) / slope if slope > 0 else 0.0
+    if low == 0:
+        return guess if duration / 2 < guess < duration else duration / 2
+    if high == math.inf:
+        return guess if duration < guess < 2 * duration else 1.2 * duration
+    inside = KEPT_INSIDE * (high - low)
+    return min(max(guess, low + inside), high - inside) if guess > 0 else (low + high) / 2
+
+
+def ripples_of(residual: float) -> float:
+    """Turn a residual into what grows about evenly with the duration, as Chebyshev's windows do."""
+    return math.acosh(1 / min(residual, 1 - 1e-12))
+
+
+def first_duration_rad(problem: BandProblem) -> float:
+    """Return about how long the fastest shaper lasts [rad].
+
+    ``n`` impulses a half period of the band's centre apart reach, as a Dolph-Chebyshev window,
+    ``1 / T_{n-1}(1 / sin(pi h / 2))`` over the relative half width h; here n need not be whole.
+    """
+    lower, upper = problem.band
+    centre = (lower + upper) / 2 * problem.unit_pole.imag
+    edge = math.acosh(1 / math.sin(math.pi / 2 * (upper - lower) / (upper + lower)))
+    spacings = ripples_of(problem.tolerance) / edge
+    return math.pi / centre * max(spacings, 0.5) * (1.05 if problem.levels is None else 0.8)
+
+
+def obstacles(problem: BandProblem, candidate: BandCandidate) -> Iterator[Obstacle]:
+    """Yield what may prove that no shaper is as short as durations ever further below."""
+    longest = float(candidate.times_rad[-1])
+    for eased in EASED:
+        point = solved(problem, candidate.point, problem.tolerance * (1 + eased))
+        if point is not None and point.lags[-1] < longest:
+            yield _obstacle(problem, point)
+    for shortened in SHORTENED:
+        yield obstacle_at(problem, longest * (1 - shortened))
+
+
+def _obstacle(problem: BandProblem, point: Point) -> Obstacle:
+    """Return the dual function of an optimum."""
+    vector = np.exp(np.multiply.outer(problem.unit_pole * point.ratios, point.lags))
+    along = (vector @ point.amplitudes).conj()
+    return Obstacle(
+        duration_rad=float(point.lags[-1]),
+        ratios=point.ratios,
+        vectors=point.weights * along / np.abs(along),
+    )
+
+
+def obstacle_at(problem: BandProblem, duration_rad: float) -> Obstacle:
+    """Return what may prove that no shaper is as short as a duration, from the cone program."""
+    grid = even_grid(problem, duration_rad)
+    found = least_on_grid(problem, grid)
+    return Obstacle(duration_rad=duration_rad, ratios=grid.ratios, vectors=found.obstacle)
+
+
+def least_residual(problem: BandProblem, duration_rad: float) -> float:
+    """Return about the least tolerance that a duration allows, from the cone program [-]."""
+    return least_on_grid(problem, even_grid(problem, duration_rad)).largest
