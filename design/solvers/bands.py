@@ -269,6 +269,8 @@ def _switches(
 # ---------------------------------------------------------------- Newton's method
 
 
+# A start that runs away overflows before the change is seen not to be finite.
+@np.errstate(over="ignore", invalid="ignore")
 def _newton(problem: BandProblem, point: _Point, tolerance: float) -> _Point | None:
     """Solve the conditions of optimality from a point near by; None where that fails.
 
