@@ -5,6 +5,7 @@ here.
 """
 
 import dataclasses
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, get_args
@@ -26,6 +27,10 @@ NEARLY = 1.5
 
 AIM = 1 - 1e-3
 """Where it is aimed at, over the tolerance: what is left of the way to it is little [-]."""
+
+LONGEST_PERIODS = {"positive": 6.0, "negative": 3.5}
+"""Shapers over a band that are searched, in periods as of `_periods`, by their amplitudes: longer
+ones cost seconds to tens of seconds each, as measured for bands to 0.9 and tolerances to 0.001."""
 
 WITHIN = 1 + 1e-9
 """Margin of a tolerance, as of the certificate: an EI shaper lies on its own but for rounding."""
@@ -145,6 +150,14 @@ def designed(choice: Choice, question: Question) -> Designed | Refused:
             reason=f"serves no actuator of kind {question.actuator.kind}, only "
             f"{', '.join(kind.actuators)}",
         )
+    if "half_width" in choice.options:
+        periods = _periods(choice.options["half_width"], asked.tolerance)
+        if periods > LONGEST_PERIODS[choice.options.get("amplitudes", "positive")]:
+            return Refused(
+                choice=choice,
+                reason=f"is not searched: over this band a shaper within {asked.tolerance:g} takes "
+                f"about {periods:.2g} periods, and finding the fastest takes too long",
+            )
     try:
         first = best = made(choice, question)
         for _ in range(TIGHTENED):
@@ -167,6 +180,15 @@ def designed(choice: Choice, question: Question) -> Designed | Refused:
     except DesignError as error:
         return Refused(choice=choice, reason=str(error))
     return best if best.worst_residual <= WITHIN * asked.tolerance else first
+
+
+def _periods(half_width: float, tolerance: float) -> float:
+    """Return about how many periods a positive shaper over a band takes [-].
+
+    That of an equal-ripple window (C. L. Dolph, Proc. IRE 34 (1946)) whose main lobe ends where the
+    band begins: from half widths of 0.3 on at most a third more than `si` takes.
+    """
+    return math.acosh(1 / tolerance) / (math.pi * (1 - half_width))
 
 
 def made(choice: Choice, question: Question) -> Designed:

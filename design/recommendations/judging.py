@@ -233,12 +233,14 @@ def _sign_in_words(impulses: Impulses, sign: str, *, met: bool) -> str:
 def ranges(question: Question) -> str:
     """Return where the tolerance is asked, in words."""
     low, high = question.band
-    told = f"from {low:.4g} to {high:.4g} of the frequency"
-    if len(question.nominal) == 1:
-        hertz = question.nominal[0].natural_frequency_rad_s / (2 * math.pi)
+    hertz = question.nominal[0].natural_frequency_rad_s / (2 * math.pi)
+    told = f"from {low:.4g} to {high:.4g} of the frequency" if high > low else "at the frequency"
+    if len(question.nominal) > 1:
+        told += " in every mode"
+    elif high > low:
         told += f" ({hertz * low:.4g} to {hertz * high:.4g} Hz)"
     else:
-        told += " in every mode"
+        told += f" ({hertz:.4g} Hz)"
     if question.requirements.damping is not None:
         least, most = question.requirements.damping
         told += f" and damping ratios {least:g} to {most:g}"

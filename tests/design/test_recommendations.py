@@ -10,7 +10,7 @@ import pytest
 from design.actuators import Actuator, SecondOrder, SecondOrderSet
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.plants import Mode, Modes, Pendulum, Plant, Scheduled
-from design.recommendations import recommendation
+from design.recommendations import candidates, recommendation
 from design.recommendations.judging import Candidate
 from design.recommendations.recommendation import Recommendation, recommend
 from design.recommendations.requirements import Requirements
@@ -367,6 +367,25 @@ def test_a_drive_a_hundred_times_slower_anywhere_in_the_band_is_refused() -> Non
     slow = SecondOrderSet(natural_frequency_rad_s=0.037, damping_ratio=1.0)
     with pytest.raises(InvalidInputError, match="times slower"):
         asked(actuator=SecondOrder(accel=slow, decel=slow), half_width=0.3)
+
+
+def test_what_takes_too_long_to_find_is_said_to_be_left_out() -> None:
+    found = asked(half_width=0.7, sign="positive")
+    reasons = {one.choice.name: one.reason for one in found.refused}
+    assert "is not searched: over this band" in reasons["si (amplitudes negative)"]
+    assert found.recommended.name == "si"
+    with pytest.raises(InfeasibleDesignError, match="least found to be left is"):
+        asked(half_width=0.9, tolerance=0.001)
+
+
+@pytest.mark.parametrize(("half_width", "tolerance"), [(0.3, 0.05), (0.6, 0.05), (0.3, 0.005)])
+def test_the_expected_duration_over_a_band_is_near_that_found(
+    half_width: float, tolerance: float
+) -> None:
+    si = everything(asked(half_width=half_width, tolerance=tolerance, sign="positive"))["si"]
+    assert candidates._periods(half_width, tolerance) == pytest.approx(
+        si.duration_s / PERIOD_S, rel=0.33
+    )
 
 
 def test_samples_longer_than_any_shaper_leave_nothing_to_recommend() -> None:
