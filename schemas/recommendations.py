@@ -7,7 +7,15 @@ from pydantic import Field
 from design.recommendations.candidates import Choice, Refused
 from design.recommendations.judging import Candidate, Verdict
 from design.recommendations.recommendation import Recommendation
-from design.recommendations.requirements import Requirements, Sign
+from design.recommendations.requirements import (
+    FARTHEST_COMMAND,
+    LARGEST_RATIO,
+    SMALLEST_RATIO,
+    SMALLEST_TOLERANCE,
+    WIDEST_HALF_WIDTH,
+    Requirements,
+    Sign,
+)
 from schemas.actuators import ActuatorIn
 from schemas.base import PlantDamping, Positive, Wire, says_nothing
 from schemas.designs import WarningOut
@@ -24,7 +32,7 @@ class DampingRangeIn(Wire):
 
 
 class RecommendationRequest(Wire):
-    """Body of `POST /v1/recommendations`."""
+    """Body of `POST /v1/recommendations`; bounds are told by the design record, with reasons."""
 
     plant: PlantIn
     actuator: ActuatorIn
@@ -32,19 +40,30 @@ class RecommendationRequest(Wire):
         float | None,
         Field(
             description="The true frequency is within 1 - half_width and 1 + half_width of the "
-            "plant's; 0.15 if neither it nor the ratios are given, below 1 [-]."
+            "plant's; 0.15 if neither it nor the ratios are given [-].",
+            json_schema_extra={"minimum": 0, "maximum": WIDEST_HALF_WIDTH},
         ),
     ] = None
     lower_ratio: Annotated[
         float | None,
-        Field(description="Least true frequency over the plant's, in place of half_width [-]."),
+        Field(
+            description="Least true frequency over the plant's, in place of half_width [-].",
+            json_schema_extra={"minimum": SMALLEST_RATIO, "maximum": 1},
+        ),
     ] = None
     upper_ratio: Annotated[
-        float | None, Field(description="Largest true frequency, with lower_ratio [-].")
+        float | None,
+        Field(
+            description="Largest true frequency, with lower_ratio [-].",
+            json_schema_extra={"minimum": 1, "maximum": LARGEST_RATIO},
+        ),
     ] = None
     tolerance: Annotated[
         float,
-        Field(description="Largest residual over all that the plant may be, 0 to 1 [-]."),
+        Field(
+            description="Largest residual over all that the plant may be [-].",
+            json_schema_extra={"minimum": SMALLEST_TOLERANCE, "exclusiveMaximum": 1},
+        ),
     ] = 0.05
     damping: Annotated[
         DampingRangeIn | None,
@@ -55,10 +74,18 @@ class RecommendationRequest(Wire):
         Sign, Field(description="positive: all impulses above 0; unity: +1, -1, +1, ...")
     ] = "any"
     lowest_command: Annotated[
-        float, Field(description="Lowest level of a shaped unit step, over its height [-].")
+        float,
+        Field(
+            description="Lowest level of a shaped unit step, over its height [-].",
+            json_schema_extra={"minimum": -FARTHEST_COMMAND, "maximum": 0},
+        ),
     ] = 0.0
     highest_command: Annotated[
-        float, Field(description="Highest level of a shaped unit step, over its height [-].")
+        float,
+        Field(
+            description="Highest level of a shaped unit step, over its height [-].",
+            json_schema_extra={"minimum": 1, "maximum": 1 + FARTHEST_COMMAND},
+        ),
     ] = 1.0
     max_high_mode_gain: Annotated[
         Positive | None,

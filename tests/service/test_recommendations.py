@@ -29,8 +29,11 @@ def test_the_fastest_is_recommended_with_its_runners_up_and_reasons(client: http
     assert (best["name"], best["shaper"]) == ("num_si", {"kind": "num_si", "half_width": 0.18})
     assert best["duration_s"] == pytest.approx(1.3174919, abs=1e-6)
     assert best["meets_all"]
-    assert [one["name"] for one in body["runners_up"]] == ["si", "ei"]
-    assert body["runners_up"][0]["lower_bound_s"] <= body["runners_up"][0]["duration_s"]
+    further = {one["name"]: one for one in body["runners_up"]}
+    assert {"si", "ei"} <= set(further)
+    assert further["si"]["lower_bound_s"] <= further["si"]["duration_s"]
+    durations = [one["duration_s"] for one in (best, *body["runners_up"])]
+    assert durations == sorted(durations)
     told = {one["name"]: one for one in body["others"]}
     (missed,) = [one for one in told["numzvd"]["requirements"] if not one["met"]]
     assert missed["requirement"] == "tolerance"
@@ -133,9 +136,11 @@ def test_the_table_ranks_and_says_what_each_misses() -> None:
     assert lines[0].split()[:3] == ["rank", "shaper", "duration_s"]
     assert lines[1].split()[:3] == ["1", "num_si", "1.317"]
     assert any(line.startswith("-") and line.endswith("tolerance") for line in lines)
-    assert "why         num_si is the fastest of 3 shapers" in table
+    assert "why         num_si is the fastest of " in table
     assert "refused     umzvc: serves no actuator" in table
     text = shapersmith("recommend", "-", "--format", "csv", given=ASKED).stdout
     rows = list(csv.DictReader(io.StringIO(text)))
-    assert [row["rank"] for row in rows[:4]] == ["1", "2", "3", "-"]
+    meeting = [row for row in rows if row["rank"] != "-"]
+    assert [row["rank"] for row in meeting] == [str(n) for n in range(1, len(meeting) + 1)]
+    assert all(row["misses"] for row in rows[len(meeting) :])
     assert float(rows[0]["duration_s"]) == pytest.approx(1.3174918952, abs=1e-9)
