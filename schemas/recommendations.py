@@ -1,10 +1,12 @@
 """Wire form of recommendations."""
 
+import math
 from typing import Annotated, Any, Self
 
 from pydantic import Field
 
-from design.recommendations.candidates import Choice, Refused
+from design.recommendations.candidates import Refused
+from design.recommendations.choices import Choice
 from design.recommendations.judging import Candidate, Verdict
 from design.recommendations.recommendation import Recommendation
 from design.recommendations.requirements import (
@@ -112,13 +114,19 @@ class RecommendationRequest(Wire):
         )
 
 
+def _bounded(value: float | None) -> float | None:
+    """Return a number that JSON knows: none for one without bound."""
+    return value if value is None or math.isfinite(value) else None
+
+
 class VerdictOut(Wire):
     """One requirement, and whether a shaper meets it."""
 
     requirement: Annotated[str, Field(description="Its field in the request.")]
     met: bool
     value: Annotated[
-        float | None, Field(description="Compared, in the field's unit; null of sign.")
+        float | None,
+        Field(description="Compared, in the field's unit; null of a sign, or without bound."),
     ]
     limit: float | None
     reason: str
@@ -129,7 +137,7 @@ class VerdictOut(Wire):
         return cls.model_construct(
             requirement=verdict.requirement,
             met=verdict.met,
-            value=verdict.value,
+            value=_bounded(verdict.value),
             limit=verdict.limit,
             reason=verdict.reason,
         )
@@ -147,10 +155,10 @@ class CandidateOut(Wire):
     meets_all: bool
     requirements: Annotated[list[VerdictOut], Field(description="Each with its reason.")]
     worst_residual: Annotated[
-        float,
+        float | None,
         Field(
             description="Largest residual over band and damping, with the actuator given, by "
-            "simulation [-]."
+            "simulation; null where the decelerating set itself rings within both [-]."
         ),
     ]
     residual: Annotated[float, Field(description="Left at the plant's own frequency [-].")]
@@ -201,7 +209,7 @@ class CandidateOut(Wire):
             duration_s=candidate.duration_s,
             meets_all=not candidate.missed,
             requirements=[VerdictOut.from_design(one) for one in candidate.verdicts],
-            worst_residual=made.worst_residual,
+            worst_residual=_bounded(made.worst_residual),
             residual=candidate.residual,
             insensitivity=None
             if candidate.insensitivity is None

@@ -152,7 +152,7 @@ def _candidate_row(candidate: CandidateOut) -> Sequence[object]:
     return (
         candidate.name,
         candidate.duration_s,
-        candidate.worst_residual,
+        "" if candidate.worst_residual is None else candidate.worst_residual,
         *(("", "") if band is None else (band.lower_ratio, band.upper_ratio)),
         candidate.high_mode_gain,
         candidate.peak_command,

@@ -1,32 +1,31 @@
-"""Every shaper that may serve: kinds of the registry, with parameters that suit the question.
+"""Shapers made for a question, and what they leave where it asks.
 
-Kinds are known by the names of their parameters alone, so that a new one is asked without a line
-here.
+A shaper with a tolerance keeps it where its theory does; on samples, behind limits and at other
+damping ratios it may leave more. It is then designed for a smaller one.
 """
 
-import dataclasses
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, get_args
 
 from design.analysis.band import largest_in_band
 from design.errors import DesignError
 from design.pipeline import Design, design
 from design.plants import Modes, Plant
+from design.recommendations.choices import Choice
 from design.recommendations.requirements import Question
 from design.sampled import SAMPLE_TOLERANCE, sampled_design
-from design.shapers.kind import ShaperKind
-from design.shapers.several_modes import BASES
 
-TIGHTENED = 4
-"""How often a shaper that misses the tolerance by little is designed anew for a smaller one."""
+TIGHTENED = 6
+"""How often a shaper that misses the tolerance is designed anew for a smaller one, at most."""
 
-NEARLY = 1.5
+NEARLY = 3.0
 """What a shaper may leave over the tolerance for that to be tried [-]."""
 
-AIM = 1 - 1e-3
-"""Where it is aimed at, over the tolerance: what is left of the way to it is little [-]."""
+AIM, ENOUGH = 1 - 1e-3, 0.99
+"""Where that is aimed at, and where it ends, over the tolerance: the rest is little time [-]."""
+
+SLOWER = 1.01
+"""Duration over the first one's for which it goes on: that of most kinds is one for all [-]."""
 
 LONGEST_PERIODS = {"positive": 6.0, "negative": 3.5}
 """Shapers over a band that are searched, in periods as of `_periods`, by their amplitudes: longer
@@ -34,37 +33,6 @@ ones cost seconds to tens of seconds each, as measured for bands to 0.9 and tole
 
 WITHIN = 1 + 1e-9
 """Margin of a tolerance, as of the certificate: an EI shaper lies on its own but for rounding."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Choice:
-    """A kind of shaper with its parameters.
-
-    Attributes
-    ----------
-    kind, options
-        Entry of the registry, and its parameters by name, those left out that are not touched.
-    asked
-        Those of them that differ from the kind's own.
-    bound_holds
-        Whether a lower bound of its duration is one of the question too: it is designed for the
-        band and the tolerance asked, and no stricter.
-    """
-
-    kind: ShaperKind
-    options: dict[str, Any]
-    asked: dict[str, Any]
-    bound_holds: bool = False
-
-    @property
-    def name(self) -> str:
-        """The kind, with what tells it from others of the same kind."""
-        told = [f"{name} {self.options[name]}" for name in TELLING if name in self.options]
-        return f"{self.kind.name} ({', '.join(told)})" if told else self.kind.name
-
-
-TELLING = ("base", "amplitudes", "max_velocity_ratio")
-"""Parameters of which several values are tried."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -98,51 +66,8 @@ class Refused:
     reason: str
 
 
-def serves(kind: ShaperKind, question: Question) -> bool:
-    """Whether a kind is for as many modes as the plant has.
-
-    Those for several serve one too, but are there what they are made of: `zv`, `umzv`, their bases.
-    """
-    return (len(question.nominal) > 1) == (kind.formulate_jointly is not None)
-
-
-def choices(kind: ShaperKind, question: Question) -> Iterator[Choice]:
-    """Yield the ways in which one kind may serve, its own parameters first."""
-    names = {option.name: option for option in dataclasses.fields(kind.options)}
-    asked = question.requirements
-    common: dict[str, Any] = {}
-    if "tolerance" in names and "base" not in names:
-        common["tolerance"] = asked.tolerance
-    if "half_width" in names:
-        # A band narrower than the kind's narrowest is served by that.
-        narrowest = names["half_width"].metadata.get("ge", 0.0)
-        common["half_width"] = max(question.half_width, narrowest)
-    exact = common.get("half_width") == question.half_width and "tolerance" in common
-    commands = {"lowest_command": asked.lowest_command, "highest_command": asked.highest_command}
-    variants: list[dict[str, Any]] = [{}]
-    if "amplitudes" in names:
-        variants = [{}, {"amplitudes": "negative", **commands}]
-    if "max_velocity_ratio" in names and asked.highest_command > 1:
-        variants = [{}, {"max_velocity_ratio": asked.highest_command}]
-    if "base" in names:
-        variants = [_of_base(base, asked.tolerance) for base in get_args(names["base"].type)]
-    for variant in variants:
-        changed = {**common, **variant}
-        told = {name: value for name, value in changed.items() if value != names[name].default}
-        yield Choice(kind=kind, options=changed, asked=told, bound_holds=exact)
-
-
-def _of_base(base: str, tolerance: float) -> dict[str, Any]:
-    takes = {option.name for option in dataclasses.fields(BASES[base].options)}
-    return {"base": base, "tolerance": tolerance} if "tolerance" in takes else {"base": base}
-
-
 def designed(choice: Choice, question: Question) -> Designed | Refused:
-    """Design one shaper and tell what it leaves, or why there is none.
-
-    A kind with a tolerance that holds it where its theory does, but misses it by little elsewhere
-    in the ranges or on samples, is designed anew for a smaller one.
-    """
+    """Design one shaper and tell what it leaves, or why there is none."""
     kind, asked = choice.kind, question.requirements
     if question.actuator.kind not in kind.actuators:
         return Refused(
@@ -159,27 +84,60 @@ def designed(choice: Choice, question: Question) -> Designed | Refused:
                 f"about {periods:.2g} periods, and finding the fastest takes too long",
             )
     try:
-        first = best = made(choice, question)
-        for _ in range(TIGHTENED):
-            over = best.worst_residual / asked.tolerance
-            if "tolerance" not in choice.options or not WITHIN < over <= NEARLY:
-                break
-            smaller = best.choice.options["tolerance"] + (AIM - over) * asked.tolerance
-            if smaller <= 0:
-                break
-            tighter = replace(
-                best.choice,
-                options={**choice.options, "tolerance": smaller},
-                asked={**choice.asked, "tolerance": smaller},
-                bound_holds=False,
-            )
-            again = made(tighter, question)
-            if again.worst_residual >= best.worst_residual:
-                break
-            best = replace(again, lower_bound_s=first.lower_bound_s)
+        first = made(choice, question)
     except DesignError as error:
         return Refused(choice=choice, reason=str(error))
-    return best if best.worst_residual <= WITHIN * asked.tolerance else first
+    over = first.worst_residual / asked.tolerance
+    if "tolerance" in choice.options and WITHIN < over <= NEARLY:
+        return _tightened(first, question) or first
+    return first
+
+
+def _tightened(first: Designed, question: Question) -> Designed | None:
+    """Return the shaper for a tolerance so small that it keeps the one asked; None if none does.
+
+    The first step takes the excess off the tolerance, further ones are by false position.
+    """
+    asked = question.requirements.tolerance
+    misses, keeps = first, None
+    for _ in range(TIGHTENED):
+        if keeps is None:
+            excess = misses.worst_residual - AIM * asked
+            smaller = max(_own(misses) - excess, _own(misses) / 4)
+        else:
+            share = (AIM * asked - keeps.worst_residual) / (
+                misses.worst_residual - keeps.worst_residual
+            )
+            smaller = _own(keeps) + share * (_own(misses) - _own(keeps))
+        try:
+            again = made(with_tolerance(first.choice, smaller), question)
+        except DesignError:
+            break
+        if again.worst_residual <= WITHIN * asked:
+            keeps = replace(again, lower_bound_s=first.lower_bound_s)
+            slower = keeps.found.impulses.duration_s > SLOWER * first.found.impulses.duration_s
+            if keeps.worst_residual >= ENOUGH * asked or not slower:
+                break
+        elif again.worst_residual >= misses.worst_residual:
+            break
+        else:
+            misses = again
+    return keeps
+
+
+def _own(one: Designed) -> float:
+    """Return the tolerance that a shaper was designed for."""
+    return float(one.choice.options["tolerance"])
+
+
+def with_tolerance(choice: Choice, tolerance: float) -> Choice:
+    """Return the choice for another tolerance, whose lower bound is none of the question."""
+    return replace(
+        choice,
+        options={**choice.options, "tolerance": tolerance},
+        asked={**choice.asked, "tolerance": tolerance},
+        bound_holds=False,
+    )
 
 
 def _periods(half_width: float, tolerance: float) -> float:

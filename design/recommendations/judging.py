@@ -149,7 +149,7 @@ def _verdicts(candidate: Candidate, question: Question) -> Iterator[Verdict]:
         met=met,
         value=worst,
         limit=asked.tolerance,
-        reason=f"leaves {'at most' if met else 'up to'} {percent(worst)} {ranges(question)}, "
+        reason=f"leaves {_at_most(worst, met=met)} {ranges(question)}, "
         f"{'within' if met else 'above'} {percent(asked.tolerance)}",
     )
     if asked.max_duration_s is not None:
@@ -184,6 +184,12 @@ def _verdicts(candidate: Candidate, question: Question) -> Iterator[Verdict]:
             f"modes from {HIGH_MODES[0]:g} to {HIGH_MODES[1]:g} times the frequency, "
             f"{'within' if met else 'above'} {limit:.3g}",
         )
+
+
+def _at_most(worst: float, *, met: bool) -> str:
+    if worst == math.inf:
+        return "without bound, as the decelerating set rings there,"
+    return f"{'at most' if met else 'up to'} {percent(worst)}"
 
 
 def _command_verdict(candidate: Candidate, question: Question) -> Verdict:

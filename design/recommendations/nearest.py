@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from design.errors import InfeasibleDesignError
-from design.recommendations.candidates import Choice, Designed, Refused, made
+from design.recommendations.candidates import Designed, Refused, made, with_tolerance
+from design.recommendations.choices import Choice
 from design.recommendations.judging import Candidate, judged, percent, ranges
 from design.recommendations.requirements import Question
 
@@ -175,7 +176,7 @@ def _eased(question: Question, ranked: Sequence[Candidate]) -> Iterator[Candidat
         low, high = question.requirements.tolerance, min([*short, LARGEST_TOLERANCE])
         for _ in range(HALVINGS):
             middle = math.sqrt(low * high)
-            found = _with_tolerance(choice, middle, question)
+            found = _eased_to(choice, middle, question)
             if found is None or found.found.impulses.duration_s > longest:
                 low = middle
                 continue
@@ -187,10 +188,8 @@ LARGEST_TOLERANCE = 0.5
 """Largest residual over a band that a shaper is designed for: above it little is suppressed [-]."""
 
 
-def _with_tolerance(choice: Choice, tolerance: float, question: Question) -> Designed | None:
-    options = {**choice.options, "tolerance": tolerance}
-    eased = replace(choice, options=options, asked={**choice.asked, "tolerance": tolerance})
+def _eased_to(choice: Choice, tolerance: float, question: Question) -> Designed | None:
     try:
-        return made(eased, question)
+        return made(with_tolerance(choice, tolerance), question)
     except InfeasibleDesignError:
         return None

@@ -8,7 +8,8 @@ import numpy as np
 from design.actuators import Actuator
 from design.impulses import Impulses
 from design.plants import Plant
-from design.recommendations.candidates import Refused, choices, designed, serves
+from design.recommendations.candidates import Refused, designed
+from design.recommendations.choices import choices, serves
 from design.recommendations.judging import Candidate, judged, percent, ranges
 from design.recommendations.nearest import shortest_possible, unmet
 from design.recommendations.requirements import Question, Requirements, question_of

@@ -120,6 +120,27 @@ def test_limits_that_nothing_meets_name_the_nearest(client: httpx.Client) -> Non
     assert nearest["/tolerance"] in body["detail"]
 
 
+def test_a_drive_that_rings_within_the_ranges_leaves_null_and_says_so(
+    client: httpx.Client,
+) -> None:
+    request = {
+        "plant": {"kind": "mode", "natural_frequency_rad_s": 3.5, "damping_ratio": 0.1},
+        "actuator": {
+            "kind": "second_order",
+            "accel": {"natural_frequency_rad_s": 20, "damping_ratio": 0.8},
+            "decel": {"natural_frequency_rad_s": 3.6, "damping_ratio": 0.15},
+        },
+        "damping": {"from": 0.05, "to": 0.2},
+        "half_width": 0.1,
+    }
+    body = client.post("/v1/recommendations", json=request).json()
+    assert all(amplitude > 0 for amplitude in body["recommended"]["impulses"]["amplitudes"])
+    (umzv,) = [one for one in body["others"] if one["name"] == "umzv"]
+    assert umzv["worst_residual"] is None
+    reason = umzv["requirements"][0]["reason"]
+    assert reason.startswith("leaves without bound, as the decelerating set rings there, from 0.9")
+
+
 def test_the_command_prints_what_the_service_answers(client: httpx.Client) -> None:
     told = shapersmith("recommend", "-", given=ASKED)
     assert (told.returncode, told.stderr) == (0, "")
