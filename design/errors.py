@@ -40,7 +40,23 @@ class InvalidInputError(DesignError):
 
 
 class InfeasibleDesignError(DesignError):
-    """No shaper that meets the request was found; the message says how far was searched."""
+    """No shaper that meets the request was found; the message says how far was searched.
+
+    Parameters
+    ----------
+    message
+        All of it in words.
+    faults
+        Dotted paths of the fields that cannot be met together, each with the nearest that can.
+    """
+
+    def __init__(self, message: str, faults: tuple[tuple[str, str], ...] = ()) -> None:
+        super().__init__(message, faults)  # what pickle calls it with in another process
+        self.message = message
+        self.faults = faults
+
+    def __str__(self) -> str:
+        return self.message
 
 
 class SolverFailedError(DesignError):

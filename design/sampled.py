@@ -39,6 +39,10 @@ __all__ = [
 Method = Literal["exact_positive", "split", "unity_on_grid", "more_impulses_on_grid"]
 """How a shaper was brought to the grid: the name of the function here that did it."""
 
+SAMPLE_TOLERANCE = 0.01
+"""What a shaper on samples may leave before impulses are added, where nothing else is said: a fifth
+of the usual 5 % [-]."""
+
 EXACT = 1e-13
 """Largest equation that counts as zero: a few hundred roundings of terms of size one [-]."""
 

@@ -50,7 +50,9 @@ class _Dynamics:
     coupled: list[int]  # states that are velocity errors
 
 
-def _dynamics(actuator: Actuator, frequencies_rad_s: FloatArray, damping_ratio: float) -> _Dynamics:
+def _dynamics(
+    actuator: Actuator, frequencies_rad_s: FloatArray, damping_ratio: float | FloatArray
+) -> _Dynamics:
     both = (actuator.decel_lag, actuator.accel_lag)
     scale = max(lag.corner_rad_s for lag in both)
     if actuator.model == "switched":
@@ -157,7 +159,7 @@ def ringing_after(
     impulses: Impulses,
     actuator: Actuator,
     frequencies_rad_s: FloatArray,
-    damping_ratio: float,
+    damping_ratio: float | FloatArray,
     initial: FloatArray | None = None,
 ) -> tuple[ComplexArray, ComplexArray]:
     """Return the free vibration that a command leaves, and that of an unshaped step.
@@ -171,7 +173,7 @@ def ringing_after(
     frequencies_rad_s
         Natural frequencies of the mode, shape (f,) [rad/s].
     damping_ratio
-        Damping ratio of the mode [-].
+        Damping ratio of the mode, the same at all frequencies, or one for each, shape (f,) [-].
     initial
         State ``q, q'/w`` of the mode at each frequency just before the first step, shape (f, 2);
         at rest if not given, as the actuator is.
@@ -185,15 +187,18 @@ def ringing_after(
         coupled system.
     """
     dynamics = _dynamics(actuator, frequencies_rad_s, damping_ratio)
-    rising = _left_eigenvectors(dynamics, 1, frequencies_rad_s, damping_ratio)
-    poles = complex(-damping_ratio, (1 - damping_ratio**2) ** 0.5) * frequencies_rad_s
+    unit_poles = np.broadcast_to(
+        -damping_ratio + 1j * np.sqrt(1 - np.square(damping_ratio)), frequencies_rad_s.shape
+    )
+    rising = _left_eigenvectors(dynamics, 1, frequencies_rad_s, unit_poles)
+    poles = unit_poles * frequencies_rad_s
 
     def ringing(command: Impulses, begun: FloatArray | None) -> ComplexArray:
         changes = reference(command, actuator)
         final = _states_at_changes(changes, dynamics, begun)[1][-1]
         last = rising
         if not changes.accelerates[-1]:
-            last = _left_eigenvectors(dynamics, 0, frequencies_rad_s, damping_ratio)
+            last = _left_eigenvectors(dynamics, 0, frequencies_rad_s, unit_poles)
         # Back from the end of the last ramp.
         late = changes.times_s[-1] + changes.ramps_s[-1] - command.times_s[-1]
         left: ComplexArray = (last * final).sum(axis=1) * np.exp(-poles * late)
@@ -205,7 +210,7 @@ def ringing_after(
 
 
 def _left_eigenvectors(
-    dynamics: _Dynamics, force: int, frequencies_rad_s: FloatArray, damping_ratio: float
+    dynamics: _Dynamics, force: int, frequencies_rad_s: FloatArray, unit_poles: ComplexArray
 ) -> ComplexArray:
     """Left eigenvectors of the mode in the coupled system of one set, shape (f, n).
 
@@ -214,14 +219,13 @@ def _left_eigenvectors(
     matrices = dynamics.matrices[force]
     size = matrices.shape[-1]
     lags = size - 2
-    unit_pole = complex(-damping_ratio, (1 - damping_ratio**2) ** 0.5)
     left = np.empty((frequencies_rad_s.size, size), dtype=np.complex128)
     left[:, -2] = -1.0
-    left[:, -1] = unit_pole
+    left[:, -1] = unit_poles
     if lags:
-        poles = (unit_pole * frequencies_rad_s)[:, None, None]
+        poles = (unit_poles * frequencies_rad_s)[:, None, None]
         shifted = poles * np.eye(lags) - matrices[:, :lags, :lags].swapaxes(1, 2)
-        drive = matrices[:, -1, :lags] * unit_pole
+        drive = matrices[:, -1, :lags] * unit_poles[:, None]
         # A set that brings a lag to rest at once: nothing of it rings.
         left[:, :lags] = (
             np.linalg.solve(shifted, drive[..., None])[..., 0] * dynamics.kept[force, :lags]

@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import Field, create_model
 
 from design.errors import InvalidInputError
+from design.sampled import SAMPLE_TOLERANCE
 from design.shapers.kind import ShaperKind
 from design.shapers.registry import SHAPERS
 from schemas.base import Positive, Wire
-
-SAMPLE_TOLERANCE = 0.01
-"""What a shaper on samples may leave before impulses are added: a fifth of the usual 5 % [-]."""
 
 
 class ShaperRequest(Wire):

@@ -13,6 +13,7 @@ from schemas.designs import DesignRequest, DesignResponse
 from schemas.fits import FitOut, FitRequest
 from schemas.maneuvers import ManeuverRequest, ManeuverResponse
 from schemas.maps import MapRequest, MapResponse
+from schemas.recommendations import RecommendationRequest, RecommendationResponse
 from schemas.sensitivity import SensitivityRequest, SensitivityResponse
 from schemas.simulations import SimulationRequest, SimulationResponse
 from service import operations
@@ -72,6 +73,13 @@ OPERATIONS: dict[str, Operation] = {
         MapRequest,
         MapResponse,
         operations.map_over_fields,
+    ),
+    "recommendation": Operation(
+        "/v1/recommendations",
+        "From what is known to the fastest shaper that meets it, with the runners-up and reasons",
+        RecommendationRequest,
+        RecommendationResponse,
+        operations.recommend_shaper,
     ),
 }
 

@@ -25,6 +25,10 @@ COMMANDS = {
     "simulate": ("simulation", "response to a command over time (POST /v1/simulations)"),
     "maneuver": ("maneuver", "a whole move from rest to rest (POST /v1/maneuvers)"),
     "map": ("map", "residual, times or gains over one or two fields (POST /v1/maps)"),
+    "recommend": (
+        "recommendation",
+        "from what is known to the fastest shaper that meets it (POST /v1/recommendations)",
+    ),
     "fit": ("fit", "curve coefficients over a field of the plant (POST /v1/fits)"),
 }
 TABLE = "a table of designs over axes or a list, into a file (POST /v1/tables)"

@@ -25,6 +25,7 @@ from design.maps import Axis, Map, MapCase, field_map
 from design.motions import motion
 from design.pipeline import Design, design
 from design.plants import MOST_MODES, Mode, Modes, Plant, Scheduled
+from design.recommendations.recommendation import recommend
 from design.sampled import sample, sampled_design
 from design.shapers.registry import SHAPERS
 from design.types import SMALLEST
@@ -36,6 +37,7 @@ from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
 from schemas.maneuvers import ManeuverRequest, ManeuverResponse, ProgramOut
 from schemas.maps import MapRequest, MapResponse
 from schemas.plants import PlantIn
+from schemas.recommendations import RecommendationRequest, RecommendationResponse
 from schemas.sensitivity import ModeOut, SensitivityOut, SensitivityRequest, SensitivityResponse
 from schemas.shapers import MODELS, ShaperIn
 from schemas.simulations import SimulationRequest, SimulationResponse
@@ -338,6 +340,13 @@ def _mapped(request: MapRequest) -> tuple[MapCase, Axis, Axis | None, Map]:
         held = _impulses(plant, actuator, shaper, options)
     case = request.to_design(plant, actuator, held)
     return case, x, y, field_map(case, x, y)
+
+
+def recommend_shaper(request: RecommendationRequest) -> RecommendationResponse:
+    """Return the fastest shaper that meets what is asked, its runners-up, and why."""
+    plant, actuator = _subject(request)
+    found = recommend(plant, actuator, request.to_design())
+    return RecommendationResponse.from_design(found, version())
 
 
 def _richest(kinds: tuple[str, ...]) -> str:

@@ -112,7 +112,13 @@ def problem_of_design(error: DesignError) -> Problem:
             detail=f"must be {error.rule}, got {_echo(error.value)}",
         )
         return Problem(INVALID, _sentence(fault), (fault,))
-    return Problem(KIND_OF[type(error)], str(error))
+    faults: tuple[FieldFault, ...] = ()
+    if isinstance(error, InfeasibleDesignError):
+        faults = tuple(
+            FieldFault(pointer="/" + name.replace(".", "/"), detail=detail)
+            for name, detail in error.faults
+        )
+    return Problem(KIND_OF[type(error)], str(error), faults)
 
 
 def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:

@@ -9,6 +9,7 @@ from schemas.designs import DesignResponse, SolverOut
 from schemas.fits import FitOut
 from schemas.maneuvers import ManeuverResponse
 from schemas.maps import MapResponse
+from schemas.recommendations import CandidateOut, RecommendationResponse
 from schemas.sensitivity import SensitivityOut, SensitivityResponse
 from schemas.simulations import SimulationResponse
 
@@ -19,6 +20,7 @@ Response = (
     | SimulationResponse
     | ManeuverResponse
     | MapResponse
+    | RecommendationResponse
     | Catalogue
 )
 
@@ -33,7 +35,9 @@ def as_csv(response: Response) -> str:
 def as_table(response: Response) -> str:
     """Return an answer as aligned text with its findings below."""
     rows = list(_rows(response))
-    cells = [[_cell(value) for value in row] for row in rows]
+    # Compared at a glance, a row of many numbers each.
+    digits = 4 if isinstance(response, RecommendationResponse) else 9
+    cells = [[_cell(value, digits) for value in row] for row in rows]
     widths = [max(len(row[column]) for row in cells) for column in range(len(cells[0]))]
     lines = [
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
@@ -42,8 +46,8 @@ def as_table(response: Response) -> str:
     return "\n".join([*lines, *_findings(response)]) + "\n"
 
 
-def _cell(value: object) -> str:
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
+def _cell(value: object, digits: int) -> str:
+    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
 
 
 def _rows(response: Response) -> Iterable[Sequence[object]]:
@@ -68,6 +72,8 @@ def _rows(response: Response) -> Iterable[Sequence[object]]:
         yield from _move_rows(response)
     elif isinstance(response, MapResponse):
         yield from _map_rows(response)
+    elif isinstance(response, RecommendationResponse):
+        yield from _candidate_rows(response)
     elif isinstance(response, FitOut):
         yield "impulse", *(f"c{power}" for power in range(response.degree + 1))
         for number, row in enumerate(response.coefficients, start=1):
@@ -120,6 +126,42 @@ def _map_rows(response: MapResponse) -> Iterable[Sequence[object]]:
             yield *ahead, value, *("" if number is None else number for number in numbers)
 
 
+def _candidate_rows(response: RecommendationResponse) -> Iterable[Sequence[object]]:
+    """Yield a row for each shaper, numbered if it meets all that is asked, else with what fails."""
+    yield (
+        "rank",
+        "shaper",
+        "duration_s",
+        "worst_residual",
+        "lower_ratio",
+        "upper_ratio",
+        "high_mode_gain",
+        "peak_command",
+        "delay_s",
+        "smoothing_s2",
+        "misses",
+    )
+    for rank, one in enumerate([response.recommended, *response.runners_up], start=1):
+        yield rank, *_candidate_row(one)
+    for one in response.others:
+        yield "-", *_candidate_row(one)
+
+
+def _candidate_row(candidate: CandidateOut) -> Sequence[object]:
+    band = candidate.insensitivity
+    return (
+        candidate.name,
+        candidate.duration_s,
+        "" if candidate.worst_residual is None else candidate.worst_residual,
+        *(("", "") if band is None else (band.lower_ratio, band.upper_ratio)),
+        candidate.high_mode_gain,
+        candidate.peak_command,
+        candidate.delay_s,
+        candidate.smoothing_s2,
+        " ".join(one.requirement for one in candidate.requirements if not one.met),
+    )
+
+
 def _findings(response: Response) -> list[str]:
     if isinstance(response, DesignResponse):
         certificate = response.certificate
@@ -156,6 +198,9 @@ def _findings(response: Response) -> list[str]:
         ]
     if isinstance(response, SimulationResponse):
         return ["", *_swings(response)]
+    if isinstance(response, RecommendationResponse):
+        told = [f"why         {reason}" for reason in response.why]
+        return ["", *told, *(f"refused     {one.name}: {one.reason}" for one in response.refused)]
     return []
 
 

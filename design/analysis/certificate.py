@@ -7,6 +7,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from design.actuators import Actuator
+from design.analysis.band import largest_in_band
 from design.exponential import exponentials
 from design.impulses import Impulses
 from design.plants import Mode
@@ -44,18 +45,6 @@ are at most a third away, so that an actuator's poles stay far.
 
 Of a vibration that turns by phase p the third derivative is off by less than 1e-15 p^3 by the
 polynomial's degree, and by up to 1e-11 p^3 by rounding in what is simulated.
-"""
-
-BAND_STEP_RAD = 0.1
-"""Turn of the last impulse's phase from one frequency of a band to the next, at most [rad]."""
-
-FEWEST_IN_BAND = 33
-"""Frequencies at which a band is looked at, at least."""
-
-ZOOMS = 7
-"""How often a peak within a band is looked at four times closer: 0.1 rad / 4^7 = 6e-6 rad.
-
-The peak is then known to the square of that: far below `TOLERANCE_MARGIN`.
 """
 
 METHOD = (
@@ -172,7 +161,7 @@ def certify(
     def value(promise: Promise) -> float:
         if promise.band is None:
             return float(values[promise.quantity])
-        return _largest_in_band(impulses, mode, actuator, promise.band)
+        return largest_in_band(impulses, mode, actuator, promise.band)
 
     return Certificate(
         claims=tuple(
@@ -200,32 +189,6 @@ def certify_modes(
         own = tuple(promise for promise in promises if promise.mode == number)
         claims += certify(impulses, mode, actuator, own).claims
     return Certificate(claims=tuple(claims))
-
-
-def _largest_in_band(
-    impulses: Impulses, mode: Mode, actuator: Actuator, band: tuple[float, float]
-) -> float:
-    """Return the largest residual over a band of ratios, its peaks found between grid points."""
-
-    def residuals(ratios: FloatArray) -> FloatArray:
-        frequencies = mode.natural_frequency_rad_s * ratios.ravel()
-        ringing, unit = ringing_after(impulses, actuator, frequencies, mode.damping_ratio)
-        return (np.abs(ringing) / np.abs(unit)).reshape(ratios.shape)
-
-    turns = mode.natural_frequency_rad_s * impulses.duration_s * (band[1] - band[0])
-    ratios = np.linspace(*band, max(FEWEST_IN_BAND, int(turns / BAND_STEP_RAD) + 2))
-    values = residuals(ratios)
-    largest = float(values.max())
-    # The ends too: a peak may lie between one of them and its neighbour.
-    around = np.pad(values, 1, constant_values=-np.inf)
-    peaks = np.flatnonzero((values >= around[:-2]) & (values >= around[2:]))
-    middles, reach = ratios[peaks], ratios[1] - ratios[0]
-    for _ in range(ZOOMS):
-        closer = np.clip(middles[:, None] + reach * np.linspace(-1, 1, 9), *band)
-        values = residuals(closer)
-        largest = max(largest, float(values.max()))
-        middles, reach = closer[np.arange(middles.size), values.argmax(axis=1)], reach / 4
-    return largest
 
 
 def _initial_state(swing: FreeSwing, mode: Mode, ratios: FloatArray) -> FloatArray:

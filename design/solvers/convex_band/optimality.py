@@ -87,6 +87,8 @@ class _Places:
         return self.peaks + self.inner.size + (n - 2) + (n + 1 if self.free else 1)
 
 
+# A start that runs away overflows before the change is seen not to be finite.
+@np.errstate(over="ignore", invalid="ignore")
 def solved(problem: BandProblem, point: Point, tolerance: float) -> Point | None:
     """Solve the conditions of optimality from a point near by; None where that fails.
 

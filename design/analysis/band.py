@@ -1,0 +1,114 @@
+"""The largest residual where frequency and damping are known within ranges, by simulation."""
+
+import math
+
+import numpy as np
+
+from design.actuators import Actuator
+from design.impulses import Impulses
+from design.plants import Mode
+from design.simulation import ringing_after
+from design.types import FloatArray
+
+BAND_STEP_RAD = 0.1
+"""Turn of the last impulse's phase from one point of a band to the next, at most [rad]."""
+
+FEWEST_IN_BAND = 33
+"""Points at which a band is looked at, at least."""
+
+ZOOMS = 7
+"""How often a peak within a band is looked at four times closer: 0.1 rad / 4^7 = 6e-6 rad.
+
+The peak is then known to the square of that: far below the margin of a tolerance.
+"""
+
+Pair = tuple[float, float]
+"""Frequency ratio and damping ratio [-]."""
+
+
+def largest_in_band(
+    impulses: Impulses,
+    mode: Mode,
+    actuator: Actuator,
+    band: tuple[float, float],
+    damping: tuple[float, float] | None = None,
+) -> float:
+    """Return the largest residual over a band of frequencies, and of damping ratios if given.
+
+    Peaks are found between grid points. Of both ranges only the rim is looked at: the velocity
+    does not depend on the plant, so that V is an analytic function of the pole s, whose size is
+    largest on the rim of any region without a pole of V. In units of the unshaped step V has
+    poles where the decelerating set has; one within the region is told as an infinite residual.
+
+    Parameters
+    ----------
+    impulses
+        The command.
+    mode, actuator
+        The nominal mode and its actuator.
+    band
+        Lowest and highest ratio of true and nominal frequency [-].
+    damping
+        Least and largest damping ratio [-]; None for the mode's own.
+    """
+    low, high = band
+    if damping is None:
+        own = mode.damping_ratio
+        return _largest_between(impulses, mode, actuator, (low, own), (high, own))
+    least, most = damping
+    if _rings_within(impulses, mode, actuator, band, damping):
+        return math.inf
+    corners = [(low, least), (high, least), (high, most), (low, most)]
+    return max(
+        _largest_between(impulses, mode, actuator, corner, following)
+        for corner, following in zip(corners, corners[1:] + corners[:1], strict=True)
+    )
+
+
+def _largest_between(
+    impulses: Impulses, mode: Mode, actuator: Actuator, start: Pair, end: Pair
+) -> float:
+    """Return the largest residual on the straight way between two pairs."""
+    first, along = np.array(start), np.subtract(end, start)
+
+    def residuals(shares: FloatArray) -> FloatArray:
+        ratios, damping = (first + shares.reshape(-1, 1) * along).T
+        ringing, unit = ringing_after(
+            impulses, actuator, mode.natural_frequency_rad_s * ratios, damping
+        )
+        return (np.abs(ringing) / np.abs(unit)).reshape(shares.shape)
+
+    # Damping moves the pole by as much as frequency does, up to its ratio of frequency.
+    reach = abs(along[0]) + max(start[0], end[0]) * abs(along[1])
+    turns = mode.natural_frequency_rad_s * impulses.duration_s * reach
+    shares = np.linspace(0.0, 1.0, max(FEWEST_IN_BAND, int(turns / BAND_STEP_RAD) + 2))
+    values = residuals(shares)
+    largest = float(values.max())
+    # The ends too: a peak may lie between one of them and its neighbour.
+    around = np.pad(values, 1, constant_values=-np.inf)
+    peaks = np.flatnonzero((values >= around[:-2]) & (values >= around[2:]))
+    middles, step = shares[peaks], shares[1]
+    for _ in range(ZOOMS):
+        closer = np.clip(middles[:, None] + step * np.linspace(-1, 1, 9), 0.0, 1.0)
+        values = residuals(closer)
+        largest = max(largest, float(values.max()))
+        middles, step = closer[np.arange(middles.size), values.argmax(axis=1)], step / 4
+    return largest
+
+
+def _rings_within(
+    impulses: Impulses,
+    mode: Mode,
+    actuator: Actuator,
+    band: tuple[float, float],
+    damping: tuple[float, float],
+) -> bool:
+    """Whether the decelerating set, if it is used, has its pole within both ranges."""
+    lag = actuator.decel_lag
+    if impulses.accelerates.all() or lag.second_s2 == 0:
+        return False
+    ratio = lag.corner_rad_s / mode.natural_frequency_rad_s
+    return (
+        band[0] <= ratio <= band[1]
+        and damping[0] <= lag.first_s * lag.corner_rad_s / 2 <= damping[1]
+    )

@@ -1,0 +1,181 @@
+"""Shapers made for a question, and what they leave where it asks.
+
+A shaper with a tolerance keeps it where its theory does; on samples, behind limits and at other
+damping ratios it may leave more. It is then designed for a smaller one.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+from design.analysis.band import largest_in_band
+from design.errors import DesignError
+from design.pipeline import Design, design
+from design.plants import Modes, Plant
+from design.recommendations.choices import Choice
+from design.recommendations.requirements import Question
+from design.sampled import SAMPLE_TOLERANCE, sampled_design
+
+TIGHTENED = 6
+"""How often a shaper that misses the tolerance is designed anew for a smaller one, at most."""
+
+NEARLY = 3.0
+"""What a shaper may leave over the tolerance for that to be tried [-]."""
+
+AIM, ENOUGH = 1 - 1e-3, 0.99
+"""Where that is aimed at, and where it ends, over the tolerance: the rest is little time [-]."""
+
+SLOWER = 1.01
+"""Duration over the first one's for which it goes on: that of most kinds is one for all [-]."""
+
+LONGEST_PERIODS = {"positive": 6.0, "negative": 3.5}
+"""Shapers over a band that are searched, in periods as of `_periods`, by their amplitudes: longer
+ones cost seconds to tens of seconds each, as measured for bands to 0.9 and tolerances to 0.001."""
+
+WITHIN = 1 + 1e-9
+"""Margin of a tolerance, as of the certificate: an EI shaper lies on its own but for rounding."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Designed:
+    """A shaper that was made for a question.
+
+    Attributes
+    ----------
+    choice
+        What was designed.
+    found
+        The design, on samples where asked.
+    worst_residual
+        The most that it leaves anywhere in the ranges asked, by simulation [-].
+    lower_bound_s
+        No shaper of its class that keeps the tolerance over the band is as short: proven; None
+        where nothing is [s].
+    """
+
+    choice: Choice
+    found: Design
+    worst_residual: float
+    lower_bound_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Refused:
+    """A kind of shaper of which there is none here."""
+
+    choice: Choice
+    reason: str
+
+
+def designed(choice: Choice, question: Question) -> Designed | Refused:
+    """Design one shaper and tell what it leaves, or why there is none."""
+    kind, asked = choice.kind, question.requirements
+    if question.actuator.kind not in kind.actuators:
+        return Refused(
+            choice=choice,
+            reason=f"serves no actuator of kind {question.actuator.kind}, only "
+            f"{', '.join(kind.actuators)}",
+        )
+    if "half_width" in choice.options:
+        periods = _periods(choice.options["half_width"], asked.tolerance)
+        if periods > LONGEST_PERIODS[choice.options.get("amplitudes", "positive")]:
+            return Refused(
+                choice=choice,
+                reason=f"is not searched: over this band a shaper within {asked.tolerance:g} takes "
+                f"about {periods:.2g} periods, and finding the fastest takes too long",
+            )
+    try:
+        first = made(choice, question)
+    except DesignError as error:
+        return Refused(choice=choice, reason=str(error))
+    over = first.worst_residual / asked.tolerance
+    if "tolerance" in choice.options and WITHIN < over <= NEARLY:
+        return _tightened(first, question) or first
+    return first
+
+
+def _tightened(first: Designed, question: Question) -> Designed | None:
+    """Return the shaper for a tolerance so small that it keeps the one asked; None if none does.
+
+    The first step takes the excess off the tolerance, further ones are by false position.
+    """
+    asked = question.requirements.tolerance
+    misses, keeps = first, None
+    for _ in range(TIGHTENED):
+        if keeps is None:
+            excess = misses.worst_residual - AIM * asked
+            smaller = max(_own(misses) - excess, _own(misses) / 4)
+        else:
+            share = (AIM * asked - keeps.worst_residual) / (
+                misses.worst_residual - keeps.worst_residual
+            )
+            smaller = _own(keeps) + share * (_own(misses) - _own(keeps))
+        try:
+            again = made(with_tolerance(first.choice, smaller), question)
+        except DesignError:
+            break
+        if again.worst_residual <= WITHIN * asked:
+            keeps = replace(again, lower_bound_s=first.lower_bound_s)
+            slower = keeps.found.impulses.duration_s > SLOWER * first.found.impulses.duration_s
+            if keeps.worst_residual >= ENOUGH * asked or not slower:
+                break
+        elif again.worst_residual >= misses.worst_residual:
+            break
+        else:
+            misses = again
+    return keeps
+
+
+def _own(one: Designed) -> float:
+    """Return the tolerance that a shaper was designed for."""
+    return float(one.choice.options["tolerance"])
+
+
+def with_tolerance(choice: Choice, tolerance: float) -> Choice:
+    """Return the choice for another tolerance, whose lower bound is none of the question."""
+    return replace(
+        choice,
+        options={**choice.options, "tolerance": tolerance},
+        asked={**choice.asked, "tolerance": tolerance},
+        bound_holds=False,
+    )
+
+
+def _periods(half_width: float, tolerance: float) -> float:
+    """Return about how many periods a positive shaper over a band takes [-].
+
+    That of an equal-ripple window (C. L. Dolph, Proc. IRE 34 (1946)) whose main lobe ends where the
+    band begins: from half widths of 0.3 on at most a third more than `si` takes.
+    """
+    return math.acosh(1 / tolerance) / (math.pi * (1 - half_width))
+
+
+def made(choice: Choice, question: Question) -> Designed:
+    """Design one shaper and measure what it leaves; raises what the design does."""
+    modes = question.designed_for
+    plant: Plant = modes[0] if len(modes) == 1 else Modes(modes=modes)
+    asked, actuator = question.requirements, question.actuator
+    options = choice.kind.options(**choice.options)
+    found = design(plant, actuator, choice.kind, options)
+    if asked.sample_time_s is not None:
+        found, _ = sampled_design(
+            found,
+            modes[0],
+            actuator,
+            asked.sample_time_s,
+            found.certificate.zeros,
+            tolerance=SAMPLE_TOLERANCE,
+        )
+    return Designed(
+        choice=choice,
+        found=found,
+        worst_residual=_worst(found, question),
+        lower_bound_s=found.solver.lower_bound_s if choice.bound_holds else None,
+    )
+
+
+def _worst(found: Design, question: Question) -> float:
+    band, damping = question.own_band, question.requirements.damping
+    return max(
+        largest_in_band(found.impulses, mode, question.actuator, band, damping)
+        for mode in question.designed_for
+    )

@@ -1,0 +1,195 @@
+"""What to say where no shaper meets all that is asked: which limits fail, what comes nearest."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from design.errors import InfeasibleDesignError
+from design.recommendations.candidates import Designed, Refused, made, with_tolerance
+from design.recommendations.choices import Choice
+from design.recommendations.judging import Candidate, judged, percent, ranges
+from design.recommendations.requirements import Question
+
+HALVINGS = 6
+"""Of the way between two tolerances: a sixty-fourth of their quotient's logarithm is left."""
+
+MOST_REASONS = 3
+"""Refusals that are repeated where nothing at all could be designed."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Limit:
+    """One limit that may be given up.
+
+    Attributes
+    ----------
+    fields
+        Requirements that it is made of.
+    size
+        How far a candidate is from it, least is nearest.
+    told
+        What the nearest is, in words.
+    """
+
+    fields: tuple[str, ...]
+    size: Callable[[Candidate], float]
+    told: Callable[[Candidate], str]
+
+
+def unmet(
+    question: Question, ranked: Sequence[Candidate], refused: Sequence[Refused]
+) -> InfeasibleDesignError:
+    """Return the error that no shaper meets the requirements, with the nearest ones.
+
+    For each limit it tells what can be met if that one alone is given up. Where a longest duration
+    is asked, kinds that are designed for a band are designed anew for larger tolerances, to find
+    the least that can be left in that time.
+    """
+    if not ranked:
+        reasons = [f"{one.choice.name}: {one.reason}" for one in refused[:MOST_REASONS]]
+        return InfeasibleDesignError(f"no shaper could be designed; {'; '.join(reasons)}")
+    eased = [*ranked, *_eased(question, ranked)]
+    faults = [
+        (limit.fields[0], limit.told(nearest))
+        for limit in _limits(question)
+        for nearest in _nearest(limit, eased)
+    ]
+    told = [detail for _, detail in faults]
+    if not faults:
+        nearest = min(ranked, key=lambda one: (len(one.missed), one.duration_s))
+        missed = [verdict.reason for verdict in nearest.verdicts if not verdict.met]
+        told = [f"nor if one limit is given up; {nearest.name} misses least: {', '.join(missed)}"]
+        faults = [
+            (verdict.requirement, verdict.reason) for verdict in nearest.verdicts if not verdict.met
+        ]
+    if question.requirements.max_duration_s is not None:
+        told += shortest_possible(question, ranked)
+    return InfeasibleDesignError(
+        f"no shaper of {len(ranked)} designed meets all of {_asked(question)}: {'; '.join(told)}",
+        tuple(faults),
+    )
+
+
+def _asked(question: Question) -> str:
+    """Return every limit in words, the tolerance with where it is asked."""
+    asked = question.requirements
+    limits = [
+        f"tolerance {asked.tolerance:g} {ranges(question)}",
+        f"a command between {asked.lowest_command:g} and {asked.highest_command:g}",
+    ]
+    if asked.sign != "any":
+        limits.append(f"sign {asked.sign}")
+    for name in ("max_duration_s", "max_high_mode_gain"):
+        if getattr(asked, name) is not None:
+            limits.append(f"{name} {getattr(asked, name):g}")
+    if asked.sample_time_s is not None:
+        limits.append(f"samples of {asked.sample_time_s:g} s")
+    return ", ".join(limits)
+
+
+def _nearest(limit: _Limit, candidates: Sequence[Candidate]) -> Iterator[Candidate]:
+    """Yield the candidate nearest to one limit of those that meet all others, if there is one."""
+    others = [one for one in candidates if set(one.missed) <= set(limit.fields)]
+    if others:
+        yield min(others, key=lambda one: (limit.size(one), one.duration_s))
+
+
+def _limits(question: Question) -> Iterator[_Limit]:
+    asked = question.requirements
+    yield _Limit(
+        fields=("tolerance",),
+        size=lambda one: one.designed.worst_residual,
+        told=lambda one: (
+            f"within the other limits the least found to be left is "
+            f"{percent(one.designed.worst_residual)}, by {one.name}, {one.duration_s:.4g} s"
+        ),
+    )
+    if asked.max_duration_s is not None:
+        yield _Limit(
+            fields=("max_duration_s",),
+            size=lambda one: one.duration_s,
+            told=lambda one: (
+                f"the shortest found that meets the other limits takes {one.duration_s:.4g} s, "
+                f"{one.name}"
+            ),
+        )
+    if asked.sign != "any":
+        yield _Limit(
+            fields=("sign",),
+            size=lambda one: one.duration_s,
+            told=lambda one: (
+                f"of other signs than {asked.sign} {one.name} serves, {one.duration_s:.4g} s"
+            ),
+        )
+    yield _Limit(
+        fields=("lowest_command", "highest_command"),
+        size=lambda one: max(
+            asked.lowest_command - one.lowest_command, one.highest_command - asked.highest_command
+        ),
+        told=lambda one: (
+            f"with a command from {one.lowest_command:.4g} to {one.highest_command:.4g} "
+            f"{one.name} serves, {one.duration_s:.4g} s"
+        ),
+    )
+    if asked.max_high_mode_gain is not None:
+        yield _Limit(
+            fields=("max_high_mode_gain",),
+            size=lambda one: one.high_mode_gain,
+            told=lambda one: (
+                f"the least high-mode gain found is {one.high_mode_gain:.3g}, of {one.name}, "
+                f"{one.duration_s:.4g} s"
+            ),
+        )
+
+
+def shortest_possible(question: Question, ranked: Sequence[Candidate]) -> Iterator[str]:
+    """Yield what is proven of the duration of any shaper of a class, shortest first."""
+    asked = question.requirements
+    bounds = {}
+    for candidate in ranked:
+        bound = candidate.designed.lower_bound_s
+        if bound is not None:
+            positive = bool((candidate.impulses.amplitudes > 0).all())
+            what = (
+                "positive shaper"
+                if positive
+                else f"command between {asked.lowest_command:.4g} and {asked.highest_command:.4g}"
+            )
+            bounds[what] = bound
+    for what, bound in sorted(bounds.items(), key=lambda item: item[1]):
+        yield (
+            f"no {what} that keeps {percent(asked.tolerance)} over the band takes less than "
+            f"{bound:.4g} s (proven)"
+        )
+
+
+def _eased(question: Question, ranked: Sequence[Candidate]) -> Iterator[Candidate]:
+    """Yield shapers over the band that leave little more than the least in the longest time."""
+    longest = question.requirements.max_duration_s
+    if longest is None:
+        return
+    short = [one.designed.worst_residual for one in ranked if one.duration_s <= longest]
+    for candidate in ranked:
+        choice = candidate.designed.choice
+        if candidate.duration_s <= longest or "half_width" not in choice.options:
+            continue
+        low, high = question.requirements.tolerance, min([*short, LARGEST_TOLERANCE])
+        for _ in range(HALVINGS):
+            middle = math.sqrt(low * high)
+            found = _eased_to(choice, middle, question)
+            if found is None or found.found.impulses.duration_s > longest:
+                low = middle
+                continue
+            yield judged(found, question)
+            high = middle
+
+
+LARGEST_TOLERANCE = 0.5
+"""Largest residual over a band that a shaper is designed for: above it little is suppressed [-]."""
+
+
+def _eased_to(choice: Choice, tolerance: float, question: Question) -> Designed | None:
+    try:
+        return made(with_tolerance(choice, tolerance), question)
+    except InfeasibleDesignError:
+        return None

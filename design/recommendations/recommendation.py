@@ -1,0 +1,177 @@
+"""The fastest shaper that meets what is asked, its runners-up, and why."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from design.actuators import Actuator
+from design.impulses import Impulses
+from design.plants import Plant
+from design.recommendations.candidates import Refused, designed
+from design.recommendations.choices import choices, serves
+from design.recommendations.judging import Candidate, judged, percent, ranges
+from design.recommendations.nearest import shortest_possible, unmet
+from design.recommendations.requirements import Question, Requirements, question_of
+from design.shapers.registry import SHAPERS
+
+NO_GAIN = 1 + 1e-6
+"""High-mode gain of a shaper that is no worse there than none [-]."""
+
+SAME = 1e-6
+"""Shapers whose times over their duration, and amplitudes, differ by less are the same [-]."""
+
+DIGITS = 6
+"""Digits to which durations are compared: beyond, two ways to the same shaper differ [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Recommendation:
+    """An answer.
+
+    Attributes
+    ----------
+    question
+        What was asked.
+    candidates
+        Shapers that meet all of it, the recommended one first, then by duration; of two that take
+        the same, by width of the insensitivity, then by high-mode gain.
+    others
+        Those that do not, in the same order.
+    refused
+        Kinds of which there is none here.
+    why
+        Why the first is recommended, in sentences.
+    """
+
+    question: Question
+    candidates: tuple[Candidate, ...]
+    others: tuple[Candidate, ...]
+    refused: tuple[Refused, ...]
+    why: tuple[str, ...]
+
+    @property
+    def recommended(self) -> Candidate:
+        """The fastest that meets all that is asked."""
+        return self.candidates[0]
+
+
+def recommend(plant: Plant, actuator: Actuator, requirements: Requirements) -> Recommendation:
+    """Return the fastest shaper that meets the requirements, and all others with reasons.
+
+    Every kind of the registry is designed for the middle of what the plant may be and judged by the
+    largest residual over all of it, with the actuator given. Kinds for one mode are asked for a
+    plant of one, those for several for a plant of several.
+
+    Raises
+    ------
+    InvalidInputError
+        If a requirement breaks its rule or does not go with the plant.
+    InfeasibleDesignError
+        If none meets all; says which limits fail, and the nearest that can be met.
+
+    Examples
+    --------
+    >>> from design.actuators import Ideal
+    >>> from design.plants import Pendulum
+    >>> crane = Pendulum(cable_length_m=0.8)
+    >>> known_well = Requirements(half_width=0.02, sign="positive")
+    >>> [one.name for one in recommend(crane, Ideal(), known_well).candidates[:3]]
+    ['si', 'zv', 'mzv']
+    """
+    question = question_of(plant, actuator, requirements)
+    found: list[Candidate] = []
+    refused: list[Refused] = []
+    for kind in SHAPERS.values():
+        if not serves(kind, question):
+            continue
+        for choice in choices(kind, question):
+            made = designed(choice, question)
+            if isinstance(made, Refused):
+                refused.append(made)
+            else:
+                found.append(judged(made, question))
+    ranked = _with_the_same_named(sorted(found, key=_rank))
+    meeting = tuple(candidate for candidate in ranked if not candidate.missed)
+    if not meeting:
+        raise unmet(question, ranked, refused)
+    return Recommendation(
+        question=question,
+        candidates=meeting,
+        others=tuple(candidate for candidate in ranked if candidate.missed),
+        refused=tuple(refused),
+        why=tuple(_reasons(question, meeting, ranked)),
+    )
+
+
+def _with_the_same_named(ranked: Sequence[Candidate]) -> list[Candidate]:
+    """Return the candidates, each that repeats an earlier one with its name."""
+    told: list[Candidate] = []
+    for candidate in ranked:
+        same = next((one.name for one in told if _same(one.impulses, candidate.impulses)), None)
+        told.append(replace(candidate, same_as=same))
+    return told
+
+
+def _same(one: Impulses, other: Impulses) -> bool:
+    return one.times_s.size == other.times_s.size and bool(
+        np.allclose(one.times_s, other.times_s, rtol=0, atol=SAME * one.duration_s)
+        and np.allclose(one.amplitudes, other.amplitudes, rtol=0, atol=SAME)
+    )
+
+
+def _rank(candidate: Candidate) -> tuple[float, float, float]:
+    return (
+        _rounded(candidate.duration_s),
+        -_rounded(candidate.width),
+        _rounded(candidate.high_mode_gain),
+    )
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")
+
+
+def _reasons(
+    question: Question, meeting: Sequence[Candidate], ranked: Sequence[Candidate]
+) -> Iterator[str]:
+    best = meeting[0]
+    many = f"the fastest of {len(meeting)} shapers" if len(meeting) > 1 else "the only shaper"
+    yield (
+        f"{best.name} is {many} designed here that {'meet' if len(meeting) > 1 else 'meets'} all "
+        f"that is asked: it takes {best.duration_s:.4g} s and leaves at most "
+        f"{percent(best.designed.worst_residual)} {ranges(question)}"
+    )
+    if len(meeting) > 1:
+        yield _over_the_next(best, meeting[1])
+    calm = [one for one in meeting if one.high_mode_gain <= NO_GAIN]
+    if best.high_mode_gain > NO_GAIN and calm:
+        yield (
+            f"it leaves up to {best.high_mode_gain:.3g} times as much in a mode at 1.5 to 10 times "
+            f"the frequency as an unshaped step does; where such modes matter, {calm[0].name}, "
+            f"{calm[0].duration_s:.4g} s, leaves no more than that step"
+        )
+    faster = [one for one in ranked if one.missed and one.duration_s < best.duration_s]
+    if faster:
+        nearest = min(faster, key=lambda one: (len(one.missed), one.designed.worst_residual))
+        missed = [verdict.reason for verdict in nearest.verdicts if not verdict.met]
+        yield (
+            f"of {len(faster)} that are faster none serves; {nearest.name}, "
+            f"{nearest.duration_s:.4g} s, comes nearest, but {' and '.join(missed)}"
+        )
+    yield from shortest_possible(question, ranked)
+
+
+def _over_the_next(best: Candidate, second: Candidate) -> str:
+    """Say by what the first is ahead of the second."""
+    if second.same_as == best.name:
+        return f"{second.name} is the same shaper here"
+    first, next_one = _rank(best), _rank(second)
+    if first[0] < next_one[0]:
+        share = second.duration_s / best.duration_s - 1
+        return f"the next, {second.name}, takes {second.duration_s:.4g} s, {percent(share)} more"
+    if first[1] < next_one[1]:
+        return f"{second.name} takes as long, but is insensitive over a narrower band"
+    if first[2] < next_one[2]:
+        return f"{second.name} takes as long, but excites high modes more"
+    return f"{second.name} is as good in every respect"

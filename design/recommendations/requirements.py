@@ -1,0 +1,240 @@
+"""What a shaper is asked to do, before any is chosen."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from design.actuators import Actuator
+from design.analysis.residual import require_workable
+from design.errors import InvalidInputError
+from design.plants import LARGEST_DAMPING_RATIO, Mode, Modes, Plant, Scheduled
+from design.types import LARGEST, require_between, require_scale
+
+Sign = Literal["any", "positive", "unity"]
+"""Amplitudes allowed: all; above zero; +1, -1, +1, ... as an on-off drive takes them."""
+
+USUAL_HALF_WIDTH = 0.15
+"""Half width of the band if none is given, as of `si` [-]."""
+
+WIDEST_HALF_WIDTH = 0.95
+SMALLEST_RATIO, LARGEST_RATIO = 0.05, 10.0
+"""Bounds of the band: what is known no better than by a factor of ten is to be measured [-]."""
+
+SMALLEST_TOLERANCE = 1e-6
+"""Far below anything that a machine shows [-]."""
+
+FARTHEST_COMMAND = 10.0
+"""Farthest limit of the command from 0 and 1, in cruise speeds [-]."""
+
+MIDDLE_ROUNDING = 1e-12
+"""A middle of the band this near to the plant's frequency is that frequency [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Requirements:
+    """What is known of the plant and what the shaper has to keep.
+
+    Attributes
+    ----------
+    half_width
+        The true frequency is within ``1 - half_width`` and ``1 + half_width`` of the plant's [-];
+        None if the ends are given, and 0.15 if they are not either.
+    lower_ratio, upper_ratio
+        The same by its ends, at most and at least 1 [-]; None with ``half_width``.
+    tolerance
+        Largest residual over all that the plant may be, 0 to 1, both excluded [-].
+    damping
+        Least and largest damping ratio that the plant may have, its own between them [-]; None if
+        its own is right.
+    max_duration_s
+        Longest shaper [s]; None for no limit.
+    sign
+        Amplitudes allowed.
+    lowest_command, highest_command
+        Where the shaped command of a unit step must stay, over its cruise speed [-].
+    max_high_mode_gain
+        Largest share of an unshaped step left in any higher mode [-]; None for no limit.
+    sample_time_s
+        The impulses are to lie on samples of this length [s]; None for none.
+    """
+
+    half_width: float | None = None
+    lower_ratio: float | None = None
+    upper_ratio: float | None = None
+    tolerance: float = 0.05
+    damping: tuple[float, float] | None = None
+    max_duration_s: float | None = None
+    sign: Sign = "any"
+    lowest_command: float = 0.0
+    highest_command: float = 1.0
+    max_high_mode_gain: float | None = None
+    sample_time_s: float | None = None
+
+    def __post_init__(self) -> None:
+        self._require_band()
+        if not SMALLEST_TOLERANCE <= self.tolerance < 1:
+            raise InvalidInputError(
+                "tolerance",
+                self.tolerance,
+                f"at least {SMALLEST_TOLERANCE:g} and below 1, which no shaper leaves",
+            )
+        if self.damping is not None:
+            least, most = self.damping
+            require_between("damping.from", least, 0.0, LARGEST_DAMPING_RATIO)
+            require_between("damping.to", most, 0.0, LARGEST_DAMPING_RATIO)
+            if most < least:
+                raise InvalidInputError("damping.to", most, f"at least from, {least!r}")
+        for name in ("max_duration_s", "sample_time_s"):
+            value = getattr(self, name)
+            if value is not None:
+                require_scale(name, value)
+        require_between("lowest_command", self.lowest_command, -FARTHEST_COMMAND, 0.0)
+        require_between("highest_command", self.highest_command, 1.0, 1.0 + FARTHEST_COMMAND)
+        if self.max_high_mode_gain is not None and not 0 < self.max_high_mode_gain <= LARGEST:
+            raise InvalidInputError("max_high_mode_gain", self.max_high_mode_gain, "> 0")
+
+    def _require_band(self) -> None:
+        if self.half_width is not None:
+            for name in ("lower_ratio", "upper_ratio"):
+                if getattr(self, name) is not None:
+                    raise InvalidInputError(
+                        name, getattr(self, name), "left out where half_width is given"
+                    )
+            if not 0 <= self.half_width <= WIDEST_HALF_WIDTH:
+                raise InvalidInputError(
+                    "half_width",
+                    self.half_width,
+                    f"between 0 and {WIDEST_HALF_WIDTH:g}: from 1 on the band would reach zero "
+                    "frequency",
+                )
+            return
+        if (self.lower_ratio is None) != (self.upper_ratio is None):
+            missing = "lower_ratio" if self.lower_ratio is None else "upper_ratio"
+            raise InvalidInputError(missing, None, "given where the other end of the band is")
+        if self.lower_ratio is None or self.upper_ratio is None:
+            return
+        if not SMALLEST_RATIO <= self.lower_ratio <= 1:
+            raise InvalidInputError(
+                "lower_ratio",
+                self.lower_ratio,
+                f"between {SMALLEST_RATIO:g} and 1: a band around the plant's frequency that does "
+                "not reach zero",
+            )
+        if not 1 <= self.upper_ratio <= LARGEST_RATIO:
+            raise InvalidInputError(
+                "upper_ratio",
+                self.upper_ratio,
+                f"between 1 and {LARGEST_RATIO:g}: a band around the plant's frequency",
+            )
+
+    @property
+    def band_is_given(self) -> bool:
+        """Whether the band was asked for and is not the usual one."""
+        return self.half_width is not None or self.lower_ratio is not None
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Ends of the band, ratios of the plant's frequency [-]."""
+        if self.lower_ratio is not None and self.upper_ratio is not None:
+            return self.lower_ratio, self.upper_ratio
+        half = USUAL_HALF_WIDTH if self.half_width is None else self.half_width
+        return 1 - half, 1 + half
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Question:
+    """Requirements of one plant and its drive.
+
+    Attributes
+    ----------
+    actuator
+        The drive.
+    requirements
+        What is asked.
+    nominal
+        The plant's modes, of the damping ratio that shapers are designed for.
+    designed_for
+        The modes in the middle of all that they may be.
+    band
+        Ends of the band, ratios of the nominal frequencies [-].
+    """
+
+    actuator: Actuator
+    requirements: Requirements
+    nominal: tuple[Mode, ...]
+    designed_for: tuple[Mode, ...]
+    band: tuple[float, float]
+
+    @property
+    def own_band(self) -> tuple[float, float]:
+        """Ends of the band, ratios of the frequencies that shapers are designed for [-]."""
+        middle = self.designed_for[0].natural_frequency_rad_s
+        over = self.nominal[0].natural_frequency_rad_s / middle
+        return self.band[0] * over, self.band[1] * over
+
+    @property
+    def half_width(self) -> float:
+        """Half the band's width over its middle, as a request for a shaper would say it [-]."""
+        return round((self.band[1] - self.band[0]) / (self.band[1] + self.band[0]), 12)
+
+
+def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) -> Question:
+    """Return what is asked of one plant and drive.
+
+    Shapers are designed for the middle of the band, and of the damping range: there the same
+    shaper bears more on either side.
+
+    Raises
+    ------
+    InvalidInputError
+        If the requirements do not go with the plant, or a set of the actuator is out of proportion.
+    """
+    band = requirements.band
+    if isinstance(plant, Scheduled):
+        if requirements.band_is_given:
+            name = "lower_ratio" if requirements.half_width is None else "half_width"
+            raise InvalidInputError(
+                name, getattr(requirements, name), "left out: the plant's range is the band"
+            )
+        band = plant.band
+    if isinstance(plant, Modes):
+        for name in ("damping", "sample_time_s"):
+            if getattr(requirements, name) is not None:
+                raise InvalidInputError(
+                    name, getattr(requirements, name), "left out for a plant of several modes"
+                )
+    modes = plant.modes
+    if requirements.damping is not None:
+        modes = (_in_the_middle(modes[0], requirements.damping),)
+    middle = (band[0] + band[1]) / 2
+    middle = 1.0 if abs(middle - 1) < MIDDLE_ROUNDING else middle
+    designed_for = tuple(_scaled(mode, middle) for mode in modes)
+    for mode in designed_for:
+        for ratio in (1.0, band[0] / middle, band[1] / middle):
+            require_workable(_scaled(mode, ratio), actuator)
+    return Question(
+        actuator=actuator,
+        requirements=requirements,
+        nominal=modes,
+        designed_for=designed_for,
+        band=band,
+    )
+
+
+def _in_the_middle(mode: Mode, damping: tuple[float, float]) -> Mode:
+    least, most = damping
+    if not least <= mode.damping_ratio <= most:
+        raise InvalidInputError(
+            "plant.damping_ratio",
+            mode.damping_ratio,
+            f"within the range of damping given, {least:g} to {most:g}",
+        )
+    return Mode(
+        natural_frequency_rad_s=mode.natural_frequency_rad_s, damping_ratio=(least + most) / 2
+    )
+
+
+def _scaled(mode: Mode, ratio: float) -> Mode:
+    return Mode(
+        natural_frequency_rad_s=ratio * mode.natural_frequency_rad_s,
+        damping_ratio=mode.damping_ratio,
+    )

@@ -1,0 +1,301 @@
+"""Wire form of recommendations."""
+
+import math
+from typing import Annotated, Any, Self
+
+from pydantic import Field
+
+from design.recommendations.candidates import Refused
+from design.recommendations.choices import Choice
+from design.recommendations.judging import Candidate, Verdict
+from design.recommendations.recommendation import Recommendation
+from design.recommendations.requirements import (
+    FARTHEST_COMMAND,
+    LARGEST_RATIO,
+    SMALLEST_RATIO,
+    SMALLEST_TOLERANCE,
+    WIDEST_HALF_WIDTH,
+    Requirements,
+    Sign,
+)
+from schemas.actuators import ActuatorIn
+from schemas.base import PlantDamping, Positive, Wire, says_nothing
+from schemas.designs import WarningOut
+from schemas.impulses import ImpulsesWire
+from schemas.plants import BareMode, PlantIn
+from schemas.sensitivity import InsensitivityOut
+
+
+class DampingRangeIn(Wire):
+    """Which damping ratios the plant may have."""
+
+    from_: Annotated[PlantDamping, Field(alias="from", description="Least damping ratio [-].")]
+    to: Annotated[PlantDamping, Field(description="Largest damping ratio [-].")]
+
+
+class RecommendationRequest(Wire):
+    """Body of `POST /v1/recommendations`; bounds are told by the design record, with reasons."""
+
+    plant: PlantIn
+    actuator: ActuatorIn
+    half_width: Annotated[
+        float | None,
+        Field(
+            description="The true frequency is within 1 - half_width and 1 + half_width of the "
+            "plant's; 0.15 if neither it nor the ratios are given [-].",
+            json_schema_extra={"minimum": 0, "maximum": WIDEST_HALF_WIDTH},
+        ),
+    ] = None
+    lower_ratio: Annotated[
+        float | None,
+        Field(
+            description="Least true frequency over the plant's, in place of half_width [-].",
+            json_schema_extra={"minimum": SMALLEST_RATIO, "maximum": 1},
+        ),
+    ] = None
+    upper_ratio: Annotated[
+        float | None,
+        Field(
+            description="Largest true frequency, with lower_ratio [-].",
+            json_schema_extra={"minimum": 1, "maximum": LARGEST_RATIO},
+        ),
+    ] = None
+    tolerance: Annotated[
+        float,
+        Field(
+            description="Largest residual over all that the plant may be [-].",
+            json_schema_extra={"minimum": SMALLEST_TOLERANCE, "exclusiveMaximum": 1},
+        ),
+    ] = 0.05
+    damping: Annotated[
+        DampingRangeIn | None,
+        Field(description="Range of the damping ratio, the plant's own in it; null if that holds."),
+    ] = None
+    max_duration_s: Annotated[Positive | None, Field(description="Longest shaper [s].")] = None
+    sign: Annotated[
+        Sign, Field(description="positive: all impulses above 0; unity: +1, -1, +1, ...")
+    ] = "any"
+    lowest_command: Annotated[
+        float,
+        Field(
+            description="Lowest level of a shaped unit step, over its height [-].",
+            json_schema_extra={"minimum": -FARTHEST_COMMAND, "maximum": 0},
+        ),
+    ] = 0.0
+    highest_command: Annotated[
+        float,
+        Field(
+            description="Highest level of a shaped unit step, over its height [-].",
+            json_schema_extra={"minimum": 1, "maximum": 1 + FARTHEST_COMMAND},
+        ),
+    ] = 1.0
+    max_high_mode_gain: Annotated[
+        Positive | None,
+        Field(description="Largest share of an unshaped step left in any higher mode [-]."),
+    ] = None
+    sample_time_s: Annotated[
+        Positive | None, Field(description="Impulses lie on a controller's samples [s].")
+    ] = None
+
+    def to_design(self) -> Requirements:
+        """Build the design record."""
+        return Requirements(
+            half_width=self.half_width,
+            lower_ratio=self.lower_ratio,
+            upper_ratio=self.upper_ratio,
+            tolerance=self.tolerance,
+            damping=None if self.damping is None else (self.damping.from_, self.damping.to),
+            max_duration_s=self.max_duration_s,
+            sign=self.sign,
+            lowest_command=self.lowest_command,
+            highest_command=self.highest_command,
+            max_high_mode_gain=self.max_high_mode_gain,
+            sample_time_s=self.sample_time_s,
+        )
+
+
+def _bounded(value: float | None) -> float | None:
+    """Return a number that JSON knows: none for one without bound."""
+    return value if value is None or math.isfinite(value) else None
+
+
+class VerdictOut(Wire):
+    """One requirement, and whether a shaper meets it."""
+
+    requirement: Annotated[str, Field(description="Its field in the request.")]
+    met: bool
+    value: Annotated[
+        float | None,
+        Field(description="Compared, in the field's unit; null of a sign, or without bound."),
+    ]
+    limit: float | None
+    reason: str
+
+    @classmethod
+    def from_design(cls, verdict: Verdict) -> Self:
+        """Wrap the design record."""
+        return cls.model_construct(
+            requirement=verdict.requirement,
+            met=verdict.met,
+            value=_bounded(verdict.value),
+            limit=verdict.limit,
+            reason=verdict.reason,
+        )
+
+
+class CandidateOut(Wire):
+    """A shaper, judged."""
+
+    name: Annotated[str, Field(description="Kind, with what tells it from others of that kind.")]
+    shaper: Annotated[
+        dict[str, Any], Field(description="As `POST /v1/designs` takes it, for designed_for.")
+    ]
+    impulses: ImpulsesWire
+    duration_s: Annotated[float, Field(description="Time that it adds to a move [s].")]
+    meets_all: bool
+    requirements: Annotated[list[VerdictOut], Field(description="Each with its reason.")]
+    worst_residual: Annotated[
+        float | None,
+        Field(
+            description="Largest residual over band and damping, with the actuator given, by "
+            "simulation; null where the decelerating set itself rings within both [-]."
+        ),
+    ]
+    residual: Annotated[float, Field(description="Left at the plant's own frequency [-].")]
+    insensitivity: Annotated[
+        InsensitivityOut | None,
+        Field(description="Interval of ratios at the tolerance; null where there is none."),
+    ]
+    high_mode_gain: Annotated[
+        float,
+        Field(
+            description="Most that is left from 1.5 to 10 times the frequency, a share of the "
+            "unshaped step there [-]."
+        ),
+    ]
+    peak_command: Annotated[float, Field(description="Largest size of the command [-].")]
+    lowest_command: float
+    highest_command: float
+    delay_s: Annotated[float, Field(description="Mean time of its impulses [s].")]
+    smoothing_s2: Annotated[
+        float,
+        Field(
+            description="Times an acceleration: how far a shaped path is from the unshaped one, "
+            "delay_s later; half the variance of the impulses' times [s^2]."
+        ),
+    ]
+    lower_bound_s: Annotated[
+        float | None,
+        Field(
+            exclude_if=says_nothing,
+            description="No shaper of its class that keeps the tolerance over the band is as "
+            "short, proven; left out where nothing is [s].",
+        ),
+    ]
+    same_as: Annotated[
+        str | None,
+        Field(exclude_if=says_nothing, description="Name of one ahead with the same impulses."),
+    ]
+    warnings: list[WarningOut]
+
+    @classmethod
+    def from_design(cls, candidate: Candidate, sample_time_s: float | None) -> Self:
+        """Wrap the design record."""
+        made = candidate.designed
+        return cls.model_construct(
+            name=candidate.name,
+            shaper=_shaper(made.choice, sample_time_s),
+            impulses=ImpulsesWire.from_design(candidate.impulses),
+            duration_s=candidate.duration_s,
+            meets_all=not candidate.missed,
+            requirements=[VerdictOut.from_design(one) for one in candidate.verdicts],
+            worst_residual=_bounded(made.worst_residual),
+            residual=candidate.residual,
+            insensitivity=None
+            if candidate.insensitivity is None
+            else InsensitivityOut.from_design(candidate.insensitivity),
+            high_mode_gain=candidate.high_mode_gain,
+            peak_command=candidate.peak_command,
+            lowest_command=candidate.lowest_command,
+            highest_command=candidate.highest_command,
+            delay_s=candidate.smoothing.delay_s,
+            smoothing_s2=candidate.smoothing.smoothing_s2,
+            lower_bound_s=made.lower_bound_s,
+            same_as=candidate.same_as,
+            warnings=[
+                WarningOut.model_construct(code=one.code, detail=one.detail)
+                for one in made.found.warnings
+            ],
+        )
+
+
+def _shaper(choice: Choice, sample_time_s: float | None) -> dict[str, Any]:
+    told = {"kind": choice.kind.name, **choice.asked}
+    return told if sample_time_s is None else {**told, "sample_time_s": sample_time_s}
+
+
+class RefusedOut(Wire):
+    """A kind of shaper of which there is none here."""
+
+    name: str
+    shaper: dict[str, Any]
+    reason: str
+
+    @classmethod
+    def from_design(cls, refused: Refused, sample_time_s: float | None) -> Self:
+        """Wrap the design record."""
+        return cls.model_construct(
+            name=refused.choice.name,
+            shaper=_shaper(refused.choice, sample_time_s),
+            reason=refused.reason,
+        )
+
+
+class BandOut(Wire):
+    """Where the tolerance is asked: ratios of the plant's frequency."""
+
+    lower_ratio: float
+    upper_ratio: float
+
+
+class RecommendationResponse(Wire):
+    """Answer of `POST /v1/recommendations`."""
+
+    recommended: Annotated[
+        CandidateOut, Field(description="The fastest shaper that meets all that is asked.")
+    ]
+    why: Annotated[list[str], Field(description="Why that one, in sentences.")]
+    runners_up: Annotated[list[CandidateOut], Field(description="All others that do, by duration.")]
+    others: Annotated[list[CandidateOut], Field(description="Those that do not, by duration.")]
+    refused: Annotated[list[RefusedOut], Field(description="Kinds that could not be designed.")]
+    band: BandOut
+    designed_for: Annotated[
+        list[BareMode],
+        Field(description="The middle of what the plant may be: the plant of all these designs."),
+    ]
+    version: str
+
+    @classmethod
+    def from_design(cls, found: Recommendation, version: str) -> Self:
+        """Wrap the design record."""
+        question = found.question
+        sample_time_s = question.requirements.sample_time_s
+        best, *further = (CandidateOut.from_design(one, sample_time_s) for one in found.candidates)
+        return cls.model_construct(
+            recommended=best,
+            why=list(found.why),
+            runners_up=further,
+            others=[CandidateOut.from_design(one, sample_time_s) for one in found.others],
+            refused=[RefusedOut.from_design(one, sample_time_s) for one in found.refused],
+            band=BandOut.model_construct(
+                lower_ratio=question.band[0], upper_ratio=question.band[1]
+            ),
+            designed_for=[
+                BareMode.model_construct(
+                    natural_frequency_rad_s=mode.natural_frequency_rad_s,
+                    damping_ratio=mode.damping_ratio,
+                )
+                for mode in question.designed_for
+            ],
+            version=version,
+        )
