@@ -52,6 +52,16 @@ BAND_STEP_RAD = 0.1
 FEWEST_IN_BAND = 33
 """Frequencies at which a band is looked at, at least."""
 
+MISSED = 2e-3
+"""How far a peak may be above the points beside it, over the sum of the steps' sizes [-].
+
+``|V''|`` is at most that sum times the phase squared, which over half of `BAND_STEP_RAD` makes
+1.3e-3; an actuator's own slopes add to the phase. A peak further below the largest is not it.
+"""
+
+BAND_BLOCK = 100_000
+"""Impulses times frequencies that are simulated at once: their matrices take 40 MB."""
+
 ZOOMS = 7
 """How often a peak within a band is looked at four times closer: 0.1 rad / 4^7 = 6e-6 rad.
 
@@ -209,8 +219,13 @@ def _largest_in_band(
 
     def residuals(ratios: FloatArray) -> FloatArray:
         frequencies = mode.natural_frequency_rad_s * ratios.ravel()
-        ringing, unit = ringing_after(impulses, actuator, frequencies, mode.damping_ratio)
-        return (np.abs(ringing) / np.abs(unit)).reshape(ratios.shape)
+        found = np.empty(frequencies.size)
+        block = max(1, BAND_BLOCK // impulses.times_s.size)
+        for first in range(0, frequencies.size, block):
+            part = slice(first, first + block)
+            ringing, unit = ringing_after(impulses, actuator, frequencies[part], mode.damping_ratio)
+            found[part] = np.abs(ringing) / np.abs(unit)
+        return found.reshape(ratios.shape)
 
     turns = mode.natural_frequency_rad_s * impulses.duration_s * (band[1] - band[0])
     ratios = np.linspace(*band, max(FEWEST_IN_BAND, int(turns / BAND_STEP_RAD) + 2))
@@ -218,7 +233,8 @@ def _largest_in_band(
     largest = float(values.max())
     # The ends too: a peak may lie between one of them and its neighbour.
     around = np.pad(values, 1, constant_values=-np.inf)
-    peaks = np.flatnonzero((values >= around[:-2]) & (values >= around[2:]))
+    high = values >= largest - MISSED * float(np.abs(impulses.amplitudes).sum())
+    peaks = np.flatnonzero((values >= around[:-2]) & (values >= around[2:]) & high)
     middles, reach = ratios[peaks], ratios[1] - ratios[0]
     for _ in range(ZOOMS):
         closer = np.clip(middles[:, None] + reach * np.linspace(-1, 1, 9), *band)
