@@ -16,6 +16,9 @@ SMALL_GAP = 1e-4
 EASIER = 1.01
 """Margin of a tolerance that is offered instead, over what a grid reaches [-]."""
 
+FAR_BEYOND = 1.5
+"""Estimated duration over the horizon from which on it is not looked for [-]."""
+
 PERIOD_RAD = 6.283185307179586
 
 
@@ -56,10 +59,13 @@ def fastest(problem: BandProblem) -> Iterator[Fastest]:
     Raises
     ------
     InfeasibleDesignError
-        If the fastest is longer than the horizon; says what would be met instead.
+        If the fastest is longer than the horizon; says what would be met instead. If it has more
+        impulses than can be solved for.
     SolverFailedError
         If a cone program was not solved.
     """
+    _require_long_enough(problem)
+    bands.require_solvable(problem)
     best: Fastest | None = None
     bound = 0.0  # nothing is shorter than no time
     for found in bands.candidates(problem):
@@ -105,6 +111,24 @@ def _stands(problem: BandProblem, obstacle: Obstacle) -> bool:
     )
 
 
+def _require_long_enough(problem: BandProblem) -> None:
+    """Raise InfeasibleDesignError where a horizon is far too short, by a proof of its own."""
+    needed = bands.first_duration_rad(problem)
+    if needed < FAR_BEYOND * problem.horizon_rad:
+        return
+    obstacle, least = bands.obstacle_at(problem, problem.horizon_rad)
+    if not _stands(problem, obstacle):
+        return
+    lower, upper = problem.band
+    tolerance = EASIER * least
+    instead = f"; a tolerance of {tolerance:.4g} can be met" if tolerance < 1 else ""
+    raise InfeasibleDesignError(
+        f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "
+        f"within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural frequency: none "
+        f"is as short (proven), undamped it takes about {needed / PERIOD_RAD:.2g} periods{instead}"
+    )
+
+
 def _require_in_time(problem: BandProblem, found: Fastest) -> None:
     duration = float(found.times_rad[-1])
     if duration <= problem.horizon_rad:
@@ -115,7 +139,7 @@ def _require_in_time(problem: BandProblem, found: Fastest) -> None:
         if found.lower_bound_rad >= problem.horizon_rad
         else "no shorter one was found"
     )
-    tolerance = EASIER * bands.least_residual(problem, problem.horizon_rad)
+    tolerance = EASIER * bands.obstacle_at(problem, problem.horizon_rad)[1]
     instead = f" or a tolerance of {tolerance:.4g}" if tolerance < 1 else ""
     raise InfeasibleDesignError(
         f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from design.errors import SolverFailedError
+from design.errors import InfeasibleDesignError, SolverFailedError
 from design.shapers.problem import BandProblem, Obstacle
 from design.solvers import clarabel
 from design.solvers.clarabel import ConeOutcome, ConeProgram
@@ -30,7 +30,7 @@ FEWEST_RATIOS = 9
 
 REFINEMENT = 13
 REACH = 1.5
-REFINED_PITCHES = (1.0, 0.2, 0.04)
+REFINED_PITCHES = (1.0, 0.2, 0.04, 0.008)
 """Points added around each impulse and peak, how far to either side, in pitches of what length."""
 
 DISTINCT = 1e-3
@@ -45,6 +45,25 @@ KEPT_INSIDE = 0.1
 EVEN_ONLY = 4
 """Durations tried on even grids before those are refined."""
 
+COARSE = 0.03
+"""Relative error of durations by which even grids bracket the one that is looked for [-]."""
+
+MOST_HALF_PERIODS = 26.0
+"""Half periods of a shaper, and so about its impulses, up to which cone programs are solved [-]."""
+
+MOST_WORK = 4e6
+"""Entries of the cone programs, in all, after which the structure is not looked for further."""
+
+MOST_SEEN = 64
+"""Impulses beyond which a structure is none but a command that dithers on the grid."""
+
+ROUGH = (1e-3, 3e-3, 0.01, 0.03, 0.1)
+ROUGH_FINENESS = 2
+ROUGH_SHARES = (1e-3, 1e-5, 1e-7)
+"""How much longer than the shortest a command of the grid's own cells may be, the grid how many
+times finer, and share of the largest step below which one is none: of the last alone, where the
+command has limits that it would pass without them [-]."""
+
 MOST_DURATIONS = 12
 """Durations tried in all."""
 
@@ -58,7 +77,10 @@ SHORTENED = (0.003, 0.01, 0.03, 0.1)
 """By how much a duration is shortened where only a cone program can tell that it is short [-]."""
 
 PRESENT = 1e-3
-"""Share of the largest weight or amplitude below which the cone program's is none [-]."""
+"""Share of the largest amplitude below which the cone program's is none [-]."""
+
+PRESENT_WEIGHT = 1e-5
+"""The same of weights: damping makes peaks at high frequencies cheap, but not absent [-]."""
 
 MOST_STEPS = 30
 CONVERGED = 1e-12
@@ -94,13 +116,15 @@ class BandCandidate:
         Steps of Newton's method.
     cone_programs
         Cone programs solved until then.
+    point
+        What it is an optimum by; None for one of a grid's own steps.
     """
 
     times_rad: FloatArray
     amplitudes: FloatArray
     iterations: int
     cone_programs: int
-    point: "_Point"
+    point: "_Point | None"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -148,10 +172,10 @@ class _Grid:
     ratios: FloatArray
 
 
-def _even_grid(problem: BandProblem, duration_rad: float) -> _Grid:
+def _even_grid(problem: BandProblem, duration_rad: float, fineness: int = 1) -> _Grid:
     lower, upper = problem.band
-    turns = (upper - lower) * duration_rad / math.pi
-    last = duration_rad / math.pi * upper
+    turns = fineness * (upper - lower) * duration_rad / math.pi
+    last = fineness * duration_rad / math.pi * upper
     return _Grid(
         lags=np.linspace(0, duration_rad, FEWEST_LAGS + math.ceil(LAGS_A_HALF_PERIOD * last)),
         ratios=np.linspace(lower, upper, FEWEST_RATIOS + math.ceil(RATIOS_A_PEAK * turns)),
@@ -207,23 +231,42 @@ def first_duration_rad(problem: BandProblem) -> float:
     ``n`` impulses a half period of the band's centre apart reach, as a Dolph-Chebyshev window,
     ``1 / T_{n-1}(1 / sin(pi h / 2))`` over the relative half width h; here n need not be whole.
     """
+    centre = sum(problem.band) / 2 * problem.unit_pole.imag
+    share = 1.05 if problem.levels is None else 0.8
+    return math.pi / centre * max(_half_periods(problem), 0.5) * share
+
+
+def _half_periods(problem: BandProblem) -> float:
+    """Return that duration in half periods of the band's centre [-]."""
     lower, upper = problem.band
-    centre = (lower + upper) / 2 * problem.unit_pole.imag
     edge = math.acosh(1 / math.sin(math.pi / 2 * (upper - lower) / (upper + lower)))
-    spacings = _ripples(problem.tolerance) / edge
-    return math.pi / centre * max(spacings, 0.5) * (1.05 if problem.levels is None else 0.8)
+    return _ripples(problem.tolerance) / edge
+
+
+def require_solvable(problem: BandProblem) -> None:
+    """Raise InfeasibleDesignError where a shaper has more impulses than can be solved for."""
+    half_periods = _half_periods(problem)
+    if half_periods > MOST_HALF_PERIODS:
+        lower, upper = problem.band
+        tolerance = 1 / math.cosh(MOST_HALF_PERIODS / half_periods * _ripples(problem.tolerance))
+        raise InfeasibleDesignError(
+            f"a residual within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural "
+            f"frequency takes about {half_periods:.3g} half periods of its middle and an impulse "
+            f"in each; at most {MOST_HALF_PERIODS:g} are solved for: narrow the band, or allow a "
+            f"tolerance of {1.01 * tolerance:.4g}"
+        )
 
 
 def _structure(problem: BandProblem, grid: _Grid, found: ConeOutcome) -> _Point | None:
     """Read impulses and touching peaks off the grid; None where there is but one impulse."""
     if problem.levels is None:
-        lags, amplitudes = _clusters(grid.lags, found.unknowns)
+        lags, amplitudes = _clusters(grid.lags, found.unknowns, PRESENT)
     else:
         lags, amplitudes = _switches(grid.lags, found.unknowns, problem.levels)
     if lags.size < 2 or np.diff(lags).min() <= 0:  # noqa: PLR2004
         return None
     lags[0], lags[-1] = 0.0, grid.lags[-1]
-    ratios, weights = _clusters(grid.ratios, found.weights)
+    ratios, weights = _clusters(grid.ratios, found.weights, PRESENT_WEIGHT)
     # A peak so near the edge that the grid cannot tell the two apart sits on the edge.
     low_edge = ratios < grid.ratios[:2].mean()
     high_edge = ratios > grid.ratios[-2:].mean()
@@ -237,9 +280,11 @@ def _structure(problem: BandProblem, grid: _Grid, found: ConeOutcome) -> _Point 
     )
 
 
-def _clusters(places: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _clusters(
+    places: FloatArray, weights: FloatArray, present: float
+) -> tuple[FloatArray, FloatArray]:
     """Join neighbours that have weight: centres and sums, at least two of them."""
-    weights = np.where(weights > PRESENT * weights.max(), weights, 0.0)
+    weights = np.where(weights > present * weights.max(), weights, 0.0)
     group = np.cumsum(np.diff(weights > 0, prepend=False) & (weights > 0)) - 1
     kept = weights > 0
     sums: FloatArray = np.bincount(group[kept], weights[kept]).astype(float)
@@ -256,10 +301,10 @@ def _switches(
     high = share > 0.5  # noqa: PLR2004 - nearer to the upper level
     changes = np.flatnonzero(high[1:] != high[:-1])
     lags = edges[changes + 1].copy()
-    pitch = edges[1] - edges[0]
     if changes.size:
         nearest = np.abs(np.arange(levels.size)[:, None] - changes - 0.5).argmin(axis=1)
-        left_over = np.bincount(nearest, share - high, minlength=changes.size) * pitch
+        areas = (share - high) * np.diff(edges)
+        left_over = np.bincount(nearest, areas, minlength=changes.size)
         lags += np.where(high[changes], left_over, -left_over)
     command = np.where(np.append(high[changes], high[-1]), highest, lowest)
     around = np.concatenate(([1.0], command, [0.0]))
@@ -492,7 +537,9 @@ def candidates(problem: BandProblem) -> Iterator[BandCandidate | Obstacle]:
     """Yield optima, the likeliest first, and proofs met on the way; those further on take longer.
 
     Where impulses or peaks merge at the optimum itself, what comes from longer durations ends
-    just before it, a shaper all the same, and what comes from shorter ones is a proof.
+    just before it, a shaper all the same, and what comes from shorter ones is a proof. Where no
+    structure is found, as none is to be seen on a grid where a command may as well be between its
+    limits, the steps of a grid make a shaper that is a little longer.
 
     Raises
     ------
@@ -502,14 +549,19 @@ def candidates(problem: BandProblem) -> Iterator[BandCandidate | Obstacle]:
     tolerance = problem.tolerance * (1 - DESIGN_MARGIN)
     duration, low, high = first_duration_rad(problem), 0.0, math.inf
     before: tuple[float, float] | None = None
-    programs = 0
+    programs, work, met = 0, 0.0, False
     refine = False
     for attempt in range(MOST_DURATIONS):
-        refine = refine or attempt >= EVEN_ONLY
+        if attempt >= EVEN_ONLY and not refine:
+            # What even grids say of a duration is off by what they miss.
+            refine, low, high = True, low * (1 - COARSE), high * (1 + COARSE)
         programs += 1 + refine * len(REFINED_PITCHES)
+        work += _work(problem, duration, refine=refine)
         least, best = _nearest(problem, duration, refine=refine, follow=refine)
         if best is not None:
-            yield _told(problem, *best, programs)
+            told = _told(problem, *best, programs)
+            met = met or isinstance(told, BandCandidate)
+            yield told
         if least > tolerance:
             low = max(low, duration)
         else:
@@ -519,14 +571,53 @@ def candidates(problem: BandProblem) -> Iterator[BandCandidate | Obstacle]:
         if best is not None and not refine:
             # No optimum after all, for an impulse that the grid did not show: a closer look there.
             duration, refine = float(best[0].lags[-1]), True
-        if high - low < CLOSE_DURATION * low:
+        if high - low < CLOSE_DURATION * low or work > MOST_WORK:
             break
         before = now
     for share in AWAY:
+        if work > MOST_WORK:
+            break
         programs += 1 + len(REFINED_PITCHES)
+        work += _work(problem, duration, refine=True)
         _, best = _nearest(problem, duration * (1 + share), refine=True, follow=True)
         if best is not None:
-            yield _told(problem, *best, programs)
+            told = _told(problem, *best, programs)
+            met = met or isinstance(told, BandCandidate)
+            yield told
+    if not met:
+        yield from _of_the_grid(problem, duration, programs)
+
+
+def _work(problem: BandProblem, duration_rad: float, *, refine: bool) -> float:
+    grid = _even_grid(problem, duration_rad)
+    return grid.lags.size * grid.ratios.size * (1 + 4 * refine * len(REFINED_PITCHES))
+
+
+def _of_the_grid(
+    problem: BandProblem, duration_rad: float, programs: int
+) -> Iterator[BandCandidate]:
+    """Yield the command of a grid's own cells or points at the first duration that allows one."""
+    for longer in ROUGH:
+        duration = duration_rad * (1 + longer)
+        grid = _even_grid(problem, duration, ROUGH_FINENESS)
+        found = _least_residual(problem, grid)
+        programs += 1
+        if problem.levels is None:
+            steps = np.maximum(found.unknowns, 0.0)
+        else:
+            steps = -np.diff(np.concatenate(([1.0], np.clip(found.unknowns, *problem.levels), [0])))
+        for share in ROUGH_SHARES if problem.levels is None else ROUGH_SHARES[-1:]:
+            held = np.abs(steps) > share * np.abs(steps).max()
+            point = _Point(
+                lags=grid.lags[held] - grid.lags[held][0],
+                amplitudes=steps[held] / steps[held].sum(),
+                ratios=np.zeros(0),
+                inner=np.zeros(0, dtype=np.bool_),
+                weights=np.zeros(0),
+            )
+            if _peaks(problem, point)[1].max() <= problem.tolerance:
+                yield replace(_candidate(point, programs), point=None)
+                return
 
 
 def _nearest(
@@ -553,6 +644,10 @@ def _told(
 ) -> BandCandidate | Obstacle:
     if tolerance > problem.tolerance:
         return _obstacle(problem, point)
+    return _candidate(point, programs)
+
+
+def _candidate(point: _Point, programs: int) -> BandCandidate:
     return BandCandidate(
         times_rad=point.lags[-1] - point.lags[::-1],
         amplitudes=point.amplitudes[::-1],
@@ -584,12 +679,13 @@ def _next_duration(
 def obstacles(problem: BandProblem, candidate: BandCandidate) -> Iterator[Obstacle]:
     """Yield what may prove that no shaper is as short as durations ever further below."""
     longest = float(candidate.times_rad[-1])
+    start = candidate.point
     for eased in EASED:
-        point = _newton(problem, candidate.point, problem.tolerance * (1 + eased))
+        point = start and _newton(problem, start, problem.tolerance * (1 + eased))
         if point is not None and point.lags[-1] < longest:
             yield _obstacle(problem, point)
     for shortened in SHORTENED:
-        yield obstacle_at(problem, longest * (1 - shortened))
+        yield obstacle_at(problem, longest * (1 - shortened))[0]
 
 
 def _obstacle(problem: BandProblem, point: _Point) -> Obstacle:
@@ -603,11 +699,15 @@ def _obstacle(problem: BandProblem, point: _Point) -> Obstacle:
     )
 
 
-def obstacle_at(problem: BandProblem, duration_rad: float) -> Obstacle:
-    """Return what may prove that no shaper is as short as a duration, from the cone program."""
+def obstacle_at(problem: BandProblem, duration_rad: float) -> tuple[Obstacle, float]:
+    """Return what may prove that no shaper is as short as a duration, from the cone program.
+
+    With it about the least tolerance that the duration allows [-].
+    """
     grid = _even_grid(problem, duration_rad)
     found = _least_residual(problem, grid)
-    return Obstacle(duration_rad=duration_rad, ratios=grid.ratios, vectors=found.obstacle)
+    obstacle = Obstacle(duration_rad=duration_rad, ratios=grid.ratios, vectors=found.obstacle)
+    return obstacle, found.largest
 
 
 def _closer_look(problem: BandProblem, duration_rad: float) -> tuple[_Grid, ConeOutcome]:
@@ -616,13 +716,8 @@ def _closer_look(problem: BandProblem, duration_rad: float) -> tuple[_Grid, Cone
     found = _least_residual(problem, grid)
     for share in REFINED_PITCHES:
         start = _structure(problem, grid, found)
-        if start is None:
+        if start is None or start.lags.size > MOST_SEEN:
             break
         grid = _refined(even, start, share)
         found = _least_residual(problem, grid)
     return grid, found
-
-
-def least_residual(problem: BandProblem, duration_rad: float) -> float:
-    """Return about the least tolerance that a duration allows, from the cone program [-]."""
-    return _least_residual(problem, _even_grid(problem, duration_rad)).largest
