@@ -62,10 +62,13 @@ def verdict(number: int) -> Verdict:
     seconds = time.process_time() - started
     if seconds > LONGEST_S:
         wrong.append(f"took {seconds:.1f} s")
-    if refusal:
-        wrong += wrong_in_refusal(subject, refusal)
-    elif not wrong:
-        wrong += wrong_in_design(subject, made)
+    try:
+        if refusal:
+            wrong += wrong_in_refusal(subject, refusal)
+        elif not wrong:
+            wrong += wrong_in_design(subject, made)
+    except Exception as error:  # noqa: BLE001 - one that comes with another design than this
+        wrong.append(f"while it was judged, {type(error).__name__}: {error}; told: {refusal}")
     return Verdict(
         number=number,
         kind=subject.kind.name,

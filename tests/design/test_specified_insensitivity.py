@@ -326,10 +326,19 @@ def test_small_tolerances_and_wide_bands_take_no_more_than_seconds(options: Any)
 
 def test_a_horizon_far_too_short_is_refused_by_a_proof_of_its_own() -> None:
     with pytest.raises(InfeasibleDesignError, match=r"none is as short \(proven\)") as caught:
-        si(half_width=0.9, tolerance=1e-3, max_duration_periods=2.0)
+        si(half_width=0.6, tolerance=1e-3, max_duration_periods=2.0)
     (tolerance,) = re.findall(r"a tolerance of (0\.\d+) can be met", str(caught.value))
-    met = si(half_width=0.9, tolerance=float(tolerance), max_duration_periods=2.0)
+    met = si(half_width=0.6, tolerance=float(tolerance), max_duration_periods=2.0)
     assert met.impulses.duration_s <= 2.0
+
+
+def test_where_damping_alone_keeps_the_tolerance_as_fast_there_is_no_shaper() -> None:
+    damped = Mode(natural_frequency_rad_s=2 * math.pi, damping_ratio=0.1525)
+    # ln(1/V)/(2 pi z r) at the lowest frequency, a tenth of the nominal one.
+    with pytest.raises(InfeasibleDesignError, match=r"0\.3179 periods of waiting .*proven"):
+        si(damped, half_width=0.9, tolerance=0.97)
+    made = si(damped, half_width=0.9, tolerance=0.5)
+    assert made.impulses.duration_s < math.log(2) / (2 * math.pi * 0.1525 * 0.1)
 
 
 def test_more_impulses_than_can_be_solved_for_are_refused_with_a_tolerance_that_can() -> None:
