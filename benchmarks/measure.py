@@ -17,7 +17,11 @@ class Figure:
 
 
 def alternating_medians(
-    cases: dict[str, Callable[[], object]], *, rounds: int = 15, calls: int = 20
+    cases: dict[str, Callable[[], object]],
+    *,
+    rounds: int = 15,
+    calls: int = 20,
+    clock: Callable[[], float] = time.perf_counter,
 ) -> dict[str, list[float]]:
     """Return seconds a call of each case, one number a round.
 
@@ -28,10 +32,10 @@ def alternating_medians(
     seconds: dict[str, list[float]] = {name: [] for name in cases}
     for _ in range(rounds):
         for name, run in cases.items():
-            started = time.perf_counter()
+            started = clock()
             for _ in range(calls):
                 run()
-            seconds[name].append((time.perf_counter() - started) / calls)
+            seconds[name].append((clock() - started) / calls)
     return seconds
 
 

@@ -1,15 +1,17 @@
 """The fastest shaper over a band with its lower bound: the solver's word, judged apart from it."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from design.analysis.exclusion import excludes
 from design.errors import InfeasibleDesignError
 from design.shapers.problem import BandProblem, Obstacle
+from design.solvers.convex_band.duration import first_duration_rad, require_solvable
 from design.solvers.convex_band.search import (
     BandCandidate,
     candidates,
-    least_residual,
+    obstacle_at,
     obstacles,
 )
 from design.types import FloatArray
@@ -19,6 +21,15 @@ SMALL_GAP = 1e-4
 
 EASIER = 1.01
 """Margin of a tolerance that is offered instead, over what a grid reaches [-]."""
+
+NO_FASTER = 0.01
+"""Share of a wait by which nothing must be shorter [-]."""
+
+LARGEST_OFFERED = 0.5
+"""A tolerance above it is not worth to be offered instead: little is suppressed [-]."""
+
+FAR_BEYOND = 1.5
+"""Estimated duration over the horizon from which on it is not looked for [-]."""
 
 PERIOD_RAD = 6.283185307179586
 
@@ -60,11 +71,15 @@ def fastest(problem: BandProblem) -> Iterator[Fastest]:
     Raises
     ------
     InfeasibleDesignError
-        If the fastest is longer than the horizon; says what would be met instead.
+        If the fastest is longer than the horizon; says what would be met instead. If it has more
+        impulses than can be solved for.
     SolverFailedError
         If a cone program was not solved.
     """
+    _require_long_enough(problem)
+    require_solvable(problem)
     best: Fastest | None = None
+    answered = False
     bound = 0.0  # nothing is shorter than no time
     for found in candidates(problem):
         if isinstance(found, Obstacle):
@@ -85,10 +100,12 @@ def fastest(problem: BandProblem) -> Iterator[Fastest]:
         if best.gap <= SMALL_GAP:
             _require_in_time(problem, best)
             yield best
-            best = None
+            best, answered = None, True
     if best is not None:
         _require_in_time(problem, best)
         yield best
+    elif not answered:
+        _require_more_than_waiting(problem)
 
 
 def _lower_bound(problem: BandProblem, candidate: BandCandidate) -> float:
@@ -109,6 +126,42 @@ def _stands(problem: BandProblem, obstacle: Obstacle) -> bool:
     )
 
 
+def _require_long_enough(problem: BandProblem) -> None:
+    """Raise InfeasibleDesignError where a horizon is far too short, by a proof of its own."""
+    needed = first_duration_rad(problem)
+    if needed < FAR_BEYOND * problem.horizon_rad:
+        return
+    obstacle, least = obstacle_at(problem, problem.horizon_rad)
+    if not _stands(problem, obstacle):
+        return
+    lower, upper = problem.band
+    tolerance = EASIER * least
+    instead = f"; a tolerance of {tolerance:.4g} can be met" if tolerance < LARGEST_OFFERED else ""
+    raise InfeasibleDesignError(
+        f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "
+        f"within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural frequency: none "
+        f"is as short (proven), undamped it takes about {needed / PERIOD_RAD:.2g} periods{instead}"
+    )
+
+
+def _require_more_than_waiting(problem: BandProblem) -> None:
+    """Raise InfeasibleDesignError where nothing is faster than to wait for the mode's damping.
+
+    A step and one of no height after it: what rings has decayed by then.
+    """
+    decay, lower = -problem.unit_pole.real, problem.band[0]
+    if decay == 0:
+        return
+    wait = -math.log(problem.tolerance) / (decay * lower)
+    if _stands(problem, obstacle_at(problem, (1 - NO_FASTER) * wait)[0]):
+        raise InfeasibleDesignError(
+            f"no shaper keeps a residual within {problem.tolerance:g} from {lower:g} to "
+            f"{problem.band[1]:g} of the natural frequency faster, by more than "
+            f"{100 * NO_FASTER:g} %, than {wait / PERIOD_RAD:.4g} periods of waiting for the "
+            "mode's own damping (proven): a smaller tolerance needs one"
+        )
+
+
 def _require_in_time(problem: BandProblem, found: Fastest) -> None:
     duration = float(found.times_rad[-1])
     if duration <= problem.horizon_rad:
@@ -119,8 +172,8 @@ def _require_in_time(problem: BandProblem, found: Fastest) -> None:
         if found.lower_bound_rad >= problem.horizon_rad
         else "no shorter one was found"
     )
-    tolerance = EASIER * least_residual(problem, problem.horizon_rad)
-    instead = f" or a tolerance of {tolerance:.4g}" if tolerance < 1 else ""
+    tolerance = EASIER * obstacle_at(problem, problem.horizon_rad)[1]
+    instead = f" or a tolerance of {tolerance:.4g}" if tolerance < LARGEST_OFFERED else ""
     raise InfeasibleDesignError(
         f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "
         f"within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural frequency: the "

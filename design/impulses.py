@@ -40,28 +40,34 @@ class Impulses:
                 f"{self.amplitudes.size} numbers",
                 f"as many as times_s, which has {self.times_s.size}",
             )
+        times, total = self.times_s, float(np.abs(self.amplitudes).sum())
+        ordered = bool((times[1:] >= times[:-1]).all())
+        if not (ordered and times[0] >= -LARGEST and times[-1] <= LARGEST and 0 < total <= LARGEST):
+            self._require_numbers()
+        levels = np.abs(self.amplitudes.cumsum())
+        margin = 1e-12 * total
+        increases = levels > margin
+        increases[1:] = levels[1:] - levels[:-1] > margin
+        object.__setattr__(self, "accelerates", increases)
+
+    def _require_numbers(self) -> None:
+        """Raise InvalidInputError for the first fault, if there is one."""
         for name, values in (("times_s", self.times_s), ("amplitudes", self.amplitudes)):
-            outside = np.flatnonzero(~(np.abs(values) <= LARGEST))
-            if outside.size:
-                index = int(outside[0])
+            if not np.abs(values).max() <= LARGEST:  # not a number is not
+                index = int(np.flatnonzero(~(np.abs(values) <= LARGEST))[0])
                 raise InvalidInputError(
                     f"{name}.{index}", float(values[index]), f"between {-LARGEST:g} and {LARGEST:g}"
                 )
-        backward = np.flatnonzero(self.times_s[1:] < self.times_s[:-1])
-        if backward.size:
-            index = int(backward[0]) + 1
+        backward = self.times_s[1:] < self.times_s[:-1]
+        if backward.any():
+            index = int(backward.argmax()) + 1
             raise InvalidInputError(
                 f"times_s.{index}",
                 float(self.times_s[index]),
                 f"not before the time ahead of it, {float(self.times_s[index - 1])!r}",
             )
-        if not np.any(self.amplitudes):
+        if not self.amplitudes.any():
             raise InvalidInputError("amplitudes", self.amplitudes.tolist(), "not all zero")
-        levels = np.abs(np.cumsum(self.amplitudes))
-        margin = 1e-12 * float(np.abs(self.amplitudes).sum())
-        increases = levels > margin
-        increases[1:] = levels[1:] - levels[:-1] > margin
-        object.__setattr__(self, "accelerates", increases)
 
     @property
     def duration_s(self) -> float:

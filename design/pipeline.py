@@ -5,7 +5,7 @@ plant + actuator -> formulation -> seeds -> solver -> impulses -> certificate ->
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -47,6 +47,9 @@ OVER_RANGE = 1e-9
 
 BAND_MARGIN = 1e-6
 """Share by which a band is told narrower than found: its ends are within the tolerance [-]."""
+
+BAND_OPTIONS = ("half_width", "lower_ratio", "upper_ratio")
+"""Options that say which band a kind keeps."""
 
 SAME_TIME = 1e-12
 """Steps of convolved shapers closer than this, over the duration, are one [-]."""
@@ -197,7 +200,7 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
     formulation = _formulation(modes, actuator, kind, options)
     promises = promises_of(formulation, kind, modes)
     if isinstance(plant, Scheduled):
-        promises = (*promises, *_promise_over_range(plant, options))
+        promises = (*promises, *_promise_over_range(plant, promises))
     unverified: Certificate | None = None
     others = 0
     try:
@@ -256,14 +259,28 @@ def _over_range(plant: Scheduled, options: Any) -> Any:  # noqa: ANN401
     """Return the options with the plant's range as the band, of a kind that takes one."""
     if not hasattr(options, "half_width"):
         return options
-    return replace(options, half_width=plant.band[1] - 1)
+    for option in fields(options):
+        given = getattr(options, option.name)
+        if option.name in BAND_OPTIONS and given != option.default:
+            raise InvalidInputError(
+                f"shaper.{option.name}",
+                given,
+                "left out for a scheduled plant, whose range of frequencies is the band",
+            )
+    try:
+        return replace(options, half_width=plant.band[1] - 1)
+    except InvalidInputError as error:
+        raise InvalidInputError(
+            "plant.to",
+            f"{error.value:g} of it",
+            f"such that the range's frequencies reach to either side of their middle {error.rule}",
+        ) from None
 
 
-def _promise_over_range(plant: Scheduled, options: Any) -> tuple[Promise, ...]:  # noqa: ANN401
-    """Promise a kind's tolerance over the range; one without a tolerance promises no more there."""
-    if not hasattr(options, "tolerance"):
-        return ()
-    return (within(options.tolerance, plant.band),)
+def _promise_over_range(plant: Scheduled, promises: tuple[Promise, ...]) -> tuple[Promise, ...]:
+    """Promise a kind's tolerance over the range; one without a band promises no more there."""
+    limits = [promise.limit for promise in promises if promise.band is not None]
+    return tuple(within(limit, plant.band) for limit in sorted(limits)[-1:])
 
 
 def _worst_in_range(impulses: Impulses, plant: Plant, actuator: Actuator) -> float | None:

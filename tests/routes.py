@@ -12,7 +12,7 @@ import numpy as np
 from design.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder
 from design.impulses import Impulses
 from design.plants import Mode
-from design.types import FloatArray
+from design.types import ComplexArray, FloatArray
 
 
 def increases(amplitudes: FloatArray) -> list[bool]:
@@ -103,6 +103,35 @@ def largest_in_band_by_formula(
     """Return the largest residual on an even grid over a band of ratios, by the same formula."""
     ratios = np.linspace(*band, points).tolist()
     return max(claims_by_formula(impulses, mode, actuator, ratio)["residual"] for ratio in ratios)
+
+
+def curve_by_formula(
+    impulses: Impulses, mode: Mode, actuator: Actuator, ratios: FloatArray
+) -> FloatArray:
+    """Return the residual at each ratio, shape (k,), by the same sum with one product a set."""
+    z = mode.damping_ratio
+    poles = mode.natural_frequency_rad_s * ratios * complex(-z, math.sqrt(1 - z * z))
+    lags = impulses.duration_s - (impulses.times_s - impulses.times_s[0])
+    swings = np.exp(np.multiply.outer(poles, lags)) * impulses.amplitudes
+    limited = isinstance(actuator, RateLimited)
+    steps = [
+        (accel, abs(amplitude) if limited else 1.0)
+        for accel, amplitude in zip(
+            increases(impulses.amplitudes), impulses.amplitudes.tolist(), strict=True
+        )
+    ]
+
+    def gains(accel: bool, height: float) -> ComplexArray:
+        return np.array([
+            gain_and_slope(actuator, pole, accel=accel, height=height)[0] for pole in poles.tolist()
+        ])
+
+    total = np.zeros(ratios.size, dtype=np.complex128)
+    for step in sorted(set(steps)):
+        own = np.array([one == step for one in steps])
+        total += gains(*step) * swings[:, own].sum(axis=1)
+    found: FloatArray = np.abs(total / gains(True, 1.0))
+    return found
 
 
 def _lag_parts(actuator: Actuator) -> list[tuple[float, float]]:

@@ -16,6 +16,16 @@ BAND_STEP_RAD = 0.1
 FEWEST_IN_BAND = 33
 """Points at which a band is looked at, at least."""
 
+MISSED = 2e-3
+"""How far a peak may be above the points beside it, over the sum of the steps' sizes [-].
+
+``|V''|`` is at most that sum times the phase squared, which over half of `BAND_STEP_RAD` makes
+1.3e-3; an actuator's own slopes add to the phase. A peak further below the largest is not it.
+"""
+
+BLOCK = 100_000
+"""Impulses times frequencies that are simulated at once: their matrices take 40 MB."""
+
 ZOOMS = 7
 """How often a peak within a band is looked at four times closer: 0.1 rad / 4^7 = 6e-6 rad.
 
@@ -73,10 +83,14 @@ def _largest_between(
 
     def residuals(shares: FloatArray) -> FloatArray:
         ratios, damping = (first + shares.reshape(-1, 1) * along).T
-        ringing, unit = ringing_after(
-            impulses, actuator, mode.natural_frequency_rad_s * ratios, damping
-        )
-        return (np.abs(ringing) / np.abs(unit)).reshape(shares.shape)
+        frequencies = mode.natural_frequency_rad_s * ratios
+        found = np.empty(frequencies.size)
+        block = max(1, BLOCK // impulses.times_s.size)
+        for begin in range(0, frequencies.size, block):
+            part = slice(begin, begin + block)
+            ringing, unit = ringing_after(impulses, actuator, frequencies[part], damping[part])
+            found[part] = np.abs(ringing) / np.abs(unit)
+        return found.reshape(shares.shape)
 
     # Damping moves the pole by as much as frequency does, up to its ratio of frequency.
     reach = abs(along[0]) + max(start[0], end[0]) * abs(along[1])
@@ -86,7 +100,8 @@ def _largest_between(
     largest = float(values.max())
     # The ends too: a peak may lie between one of them and its neighbour.
     around = np.pad(values, 1, constant_values=-np.inf)
-    peaks = np.flatnonzero((values >= around[:-2]) & (values >= around[2:]))
+    high = values >= largest - MISSED * float(np.abs(impulses.amplitudes).sum())
+    peaks = np.flatnonzero((values >= around[:-2]) & (values >= around[2:]) & high)
     middles, step = shares[peaks], shares[1]
     for _ in range(ZOOMS):
         closer = np.clip(middles[:, None] + step * np.linspace(-1, 1, 9), 0.0, 1.0)

@@ -30,6 +30,13 @@ Steps of shapers for asymmetric actuators would change their sets.
 """
 
 
+IMPULSES_OVER_A_BAND = {EI.name: 3, TWO_HUMP_EI.name: 4, THREE_HUMP_EI.name: 5}
+"""Impulses of the bases that promise a band."""
+
+MOST_OVER_A_BAND = 1024
+"""Impulses of which a band is proven: their simulation over it takes seconds for each mode."""
+
+
 def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> JointProblem:
     """Formulate the fastest command without vibration in all modes.
 
@@ -99,11 +106,23 @@ class ConvolvedOptions:
             ToleranceOptions(tolerance=self.tolerance)
 
 
+def _require_provable(base: ShaperKind, modes: int) -> None:
+    impulses = IMPULSES_OVER_A_BAND.get(base.name, 0) ** modes
+    if impulses > MOST_OVER_A_BAND:
+        raise InvalidInputError(
+            "shaper.base",
+            base.name,
+            f"of fewer impulses for {modes} modes: convolved they are {impulses}, and a band is "
+            f"proven of at most {MOST_OVER_A_BAND}",
+        )
+
+
 def convolved(
     modes: tuple[Mode, ...], actuator: Actuator, options: ConvolvedOptions
 ) -> Convolution:
     """Formulate a shaper for each mode, each shaping the steps of the one before."""
     base = BASES[options.base]
+    _require_provable(base, len(modes))
     own = base.options()
     if options.tolerance is not None:
         own = ToleranceOptions(tolerance=options.tolerance)

@@ -169,7 +169,7 @@ def swing_parameters(mode: Mode, swing: FreeSwing | None) -> FloatArray:
 
 def alternating(impulses: int) -> FloatArray:
     """Return the amplitudes +1, -1, +1 ..., shape (impulses,)."""
-    return np.where(np.arange(impulses) % 2 == 0, 1.0, -1.0)
+    return np.array([1.0 - 2.0 * (number % 2) for number in range(impulses)])
 
 
 def decel_over_accel(mode: Mode, actuator: Actuator) -> complex:
@@ -178,8 +178,10 @@ def decel_over_accel(mode: Mode, actuator: Actuator) -> complex:
     A ramp, where limits make one, is part of G.
     """
     pole = mode.pole_rad_s
-    rise, fall = ramp_factors(np.array([pole]), np.array(unit_ramps_s(actuator))).tolist()
     lags = actuator.accel_lag.denominator(pole) / actuator.decel_lag.denominator(pole)
+    if not isinstance(actuator, RateLimited):
+        return lags
+    rise, fall = ramp_factors(np.array([pole]), np.array(actuator.unit_ramps_s)).tolist()
     return complex(lags * fall / rise)
 
 
@@ -189,13 +191,16 @@ def settling_gaps_rad(mode: Mode, actuator: Actuator, impulses: int, *, settle: 
     After a step up the acceleration set has to settle before the next, after a step down the
     deceleration set (Kim 2011, eq. 3.40). A ramp, where limits make one, is over before.
     """
-    gaps = np.full(impulses - 1, SHORTEST_GAP_RAD)
     w = mode.natural_frequency_rad_s
-    lags = (actuator.accel_lag, actuator.decel_lag)
-    for which, (lag, ramp_s) in enumerate(zip(lags, unit_ramps_s(actuator), strict=True)):
-        shortest_s = ramp_s + (lag.settling_time_s() if settle else 0.0)
-        gaps[which::2] = np.maximum(gaps[which::2], w * shortest_s)
-    return gaps
+    ramps = unit_ramps_s(actuator)
+    settling = (0.0, 0.0)
+    if settle:
+        settling = actuator.accel_lag.settling_time_s(), actuator.decel_lag.settling_time_s()
+    shortest = [
+        max(SHORTEST_GAP_RAD, w * (ramp_s + settling_s))
+        for ramp_s, settling_s in zip(ramps, settling, strict=True)
+    ]
+    return np.array([shortest[number % 2] for number in range(impulses - 1)])
 
 
 def unity_magnitude_problem(

@@ -60,6 +60,9 @@ SHORTEST_GAP_RAD = 1e-6
 CLOSE_ENOUGH = 1e-6
 """Gap between bound and duration, over the duration, at which nothing better is looked for [-]."""
 
+FARTHEST_AHEAD = 8.0
+"""How many times the last gain of the bound the next duration is beyond it, at most [-]."""
+
 STRAYED = 2.0
 """Duration over that of its start beyond which Newton's method has lost its way [-]."""
 
@@ -103,44 +106,54 @@ def shortest(problem: JointProblem) -> Iterator[Shortest]:
     """
     first = itemgetter(0)
     search = _Search(problem.unit_poles, positive=problem.positive)
-    duration, fineness = search.first_bound_rad, 1.0
+    low, high, fineness, ahead = search.first_bound_rad, math.inf, 1.0, 0.0
+    duration = low
     best: Shortest | None = None
     strongest: tuple[float, ComplexArray] = (0.0, np.zeros(0, dtype=np.complex128))
     for programs in range(1, MOST_PROGRAMS + 1):
         obstacle = search.obstacle_to(duration, fineness)
-        bound = duration
+        gained = 0.0
         if obstacle is not None:
-            bound = max(duration, search.bound_rad(obstacle.vectors))
-            strongest = max(
-                strongest, (search.bound_rad(obstacle.vectors), obstacle.vectors), key=first
-            )
-            if bound < duration * (1 + NEAR):
-                for times in search.structures(obstacle, bound):
+            excluded = search.bound_rad(obstacle.vectors)
+            strongest = max(strongest, (excluded, obstacle.vectors), key=first)
+            reached = max(duration, excluded)
+            if reached < duration * (1 + NEAR):
+                for times in search.structures(obstacle, reached):
                     found = search.sharpened(obstacle.vectors, times, programs)
                     if found is None:
                         continue
                     strongest = max(
                         strongest, (search.bound_rad(found.vectors), found.vectors), key=first
                     )
-                    bound = max(bound, strongest[0])
                     if best is None or found.times_rad[-1] < best.times_rad[-1]:
                         best = found
-                    if best.times_rad[-1] <= bound * (1 + CLOSE_ENOUGH):
+                    if best.times_rad[-1] <= strongest[0] * (1 + CLOSE_ENOUGH):
                         yield replace(best, vectors=strongest[1])
                         return
-        if bound > search.horizon_rad:
+            gained = max(reached, strongest[0]) - low
+            low += gained
+        else:
+            high = min(high, duration)
+        if low > search.horizon_rad:
             break
-        if bound <= duration * (1 + CLOSE_ENOUGH):
+        if high - low <= CLOSE_ENOUGH * low or 0 < gained <= CLOSE_ENOUGH * low:
             if fineness >= FINEST:
                 break
-            fineness *= 2
-        duration = bound
+            # What a coarse grid says of a duration is off by what it misses.
+            fineness, high, ahead = 2 * fineness, math.inf, 0.0
+            duration = max(strongest[0], search.first_bound_rad)
+            low = duration
+        elif high < math.inf:
+            duration = (low + high) / 2
+        else:
+            # The c of a duration far too short says little: go ahead by more and more.
+            duration, ahead = low + ahead * gained, min(max(2 * ahead, 1.0), FARTHEST_AHEAD)
     if best is not None:
         yield replace(best, vectors=strongest[1])
     raise InfeasibleDesignError(
         f"no command found without vibration in all {problem.unit_poles.size} modes: none is "
-        f"shorter than {duration / PERIOD_RAD:.6g} periods of the slowest, and {programs} linear "
-        "programs led to none"
+        f"shorter than {strongest[0] / PERIOD_RAD:.6g} periods of the slowest, and {programs} "
+        "linear programs led to none"
     )
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from design.exponential import exponentials
+from design.exponential import BLOCK, exponentials
 from design.types import FloatArray
 
 EPS = 2.0**-52
@@ -49,6 +49,15 @@ def test_one_scaling_for_the_stack_costs_its_small_members_nothing() -> None:
     small = rotation(1e-3)
     alone, beside = exponentials(small[None])[0], exponentials(np.stack([small, 1e6 * small]))[0]
     assert beside == pytest.approx(alone, abs=10 * EPS)  # a few roundings
+
+
+def test_a_stack_of_several_blocks_is_that_of_its_members() -> None:
+    phases = np.linspace(0, 20, 2 * BLOCK + 3)
+    result = exponentials(np.stack([rotation(phase) for phase in phases.tolist()]).reshape(
+        -1, 1, 2, 2
+    ))  # fmt: skip
+    assert result.shape == (phases.size, 1, 2, 2)
+    assert result[:, 0, 0, 0] == pytest.approx(np.cos(phases), abs=100 * EPS)
 
 
 @pytest.mark.parametrize("size", [1, 2, 4, 6])

@@ -12,6 +12,8 @@ from design.pipeline import Design, design
 from design.plants import Mode, Pendulum, Scheduled, SpringMass
 from design.shapers.ei import ToleranceOptions
 from design.shapers.registry import SHAPERS
+from design.shapers.several_modes import ConvolvedOptions
+from design.shapers.specified_insensitivity import BandOptions
 from tests.routes import claims_by_formula
 from tests.shaper_table import IDEAL, THESIS
 
@@ -78,6 +80,37 @@ def test_a_kind_without_tolerance_claims_its_zero_and_tells_the_range() -> None:
     assert found.worst_in_range == pytest.approx(
         worst_over_lengths(found, (0.5, 1.0), Ideal()), rel=1e-6
     )
+
+
+def test_convolved_shapers_claim_the_tolerance_of_their_base_if_it_has_one() -> None:
+    subject = hoist(0.5, 1.0)
+    zero = design(subject, IDEAL, SHAPERS["convolved"], ConvolvedOptions(base="zvd"))
+    assert {claim.quantity for claim in zero.certificate.claims} == {"residual", "slope"}
+    found = design(subject, IDEAL, SHAPERS["convolved"], ConvolvedOptions(base="ei"))
+    claim = found.certificate.claims[-1]
+    assert (claim.band, claim.limit) == (subject.band, 0.05)
+    assert claim.holds
+
+
+@pytest.mark.parametrize(
+    ("options", "match"),
+    [
+        (BandOptions(half_width=0.3), r"shaper\.half_width must be left out for a scheduled"),
+        (
+            BandOptions(lower_ratio=0.8, upper_ratio=1.3),
+            r"shaper\.lower_ratio must be left out for a scheduled",
+        ),
+    ],
+)
+def test_a_band_beside_the_range_is_refused(options: BandOptions, match: str) -> None:
+    with pytest.raises(InvalidInputError, match=match):
+        design(hoist(0.6, 1.0), IDEAL, SHAPERS["si"], options)
+
+
+def test_a_range_that_a_kind_cannot_take_as_its_band_is_refused_by_its_own_name() -> None:
+    match = r"plant\.to must be such that the range's frequencies reach .* between 0\.001 and 0\.6"
+    with pytest.raises(InvalidInputError, match=match):
+        design(hoist(0.1, 2.0), THESIS, SHAPERS["num_si"])
 
 
 def test_a_range_of_mass_is_the_range_of_its_frequencies() -> None:

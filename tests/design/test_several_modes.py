@@ -1,6 +1,7 @@
 """Shapers for several modes: theory, published numbers, and bounds by another route."""
 
 import math
+import time
 from itertools import combinations, product
 
 import numpy as np
@@ -15,7 +16,12 @@ from design.plants import Mode, Modes
 from design.shapers.registry import SHAPERS
 from design.shapers.several_modes import BASES, ConvolvedOptions
 from design.types import FloatArray
-from tests.routes import claims_by_formula, largest_in_band_by_formula, residual_by_integration
+from tests.routes import (
+    claims_by_formula,
+    curve_by_formula,
+    largest_in_band_by_formula,
+    residual_by_integration,
+)
 from tests.shaper_table import IDEAL, LIMITED, THESIS
 
 HERTZ = 2 * math.pi
@@ -314,3 +320,74 @@ def test_every_subset_of_modes_takes_no_longer() -> None:
         whole = made(subject, name).impulses.duration_s
         for pair in combinations(subject.modes, 2):
             assert made(Modes(modes=pair), name).impulses.duration_s <= whole * (1 + 1e-9)
+
+
+def test_a_band_of_too_many_convolved_impulses_is_refused() -> None:
+    six = LARGER[-1]
+    with pytest.raises(InvalidInputError, match=r"shaper\.base must be of fewer .* they are 15625"):
+        made(six, "convolved", ConvolvedOptions(base="three_hump_ei"))
+    # As many that claim zeros are no matter.
+    assert made(six, "convolved", ConvolvedOptions(base="zvddd")).impulses.times_s.size == 15625
+
+
+def test_bands_of_hundreds_of_convolved_impulses_are_proven_in_seconds() -> None:
+    four = LARGER[3]
+    started = time.process_time()
+    found = made(four, "convolved", ConvolvedOptions(base="three_hump_ei"))
+    assert time.process_time() - started <= 15.0  # 2 s on a quiet machine
+    assert found.impulses.times_s.size == 625
+    for claim in found.certificate.claims:
+        if claim.band is not None:
+            mode = four.modes[claim.mode]
+            ratios = np.linspace(*claim.band, 700)
+            told = float(curve_by_formula(found.impulses, mode, IDEAL, ratios).max())
+            # Peaks of a turn of 100 rad or so lie within 1e-3 of one of 700 ratios.
+            assert told <= claim.value * (1 + 1e-9)
+            assert told == pytest.approx(claim.value, rel=2e-2)
+
+
+def test_five_heavily_damped_modes_are_shaped_by_a_few_linear_programs() -> None:
+    modes = [(1.0, 0.194), (3.18, 0.16), (2.93, 0.188), (1.505, 0.188), (2.796, 0.188)]
+    found = made(plant(*modes), "multi_zv")
+    assert found.certificate.verified
+    assert found.solver.gap is not None
+    assert found.solver.gap <= 1e-4
+    assert found.solver.starts <= 20
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_no_random_start_of_slsqp_is_shorter_than_the_bound_of_two_modes(seed: int) -> None:
+    from scipy.optimize import minimize
+
+    rng = np.random.default_rng(seed)
+    (subject,) = random_plants(1, 2, seed=100 + seed)
+    found = made(subject, "multi_zv")
+    assert found.solver.lower_bound_s is not None
+
+    def vectors(x: FloatArray, count: int) -> FloatArray:
+        lags, amplitudes = np.append(x[: count - 1], 0.0), x[count - 1 :]
+        left = [np.exp(mode.pole_rad_s * lags) @ amplitudes for mode in subject.modes]
+        return np.array([part for one in left for part in (one.real, one.imag)])
+
+    solutions = 0
+    for start in range(12):
+        count = 3 + start % 3
+        lags = np.sort(rng.uniform(0, 1.5 * found.impulses.duration_s, count - 1))[::-1]
+        solved = minimize(
+            lambda x: x[0],
+            np.concatenate((lags, np.full(count, 1 / count))),
+            method="SLSQP",
+            bounds=[(0, 10)] * (count - 1) + [(0, 1)] * count,
+            constraints=[
+                {"type": "eq", "fun": vectors, "args": (count,)},
+                {"type": "eq", "fun": lambda x, n=count: x[n - 1 :].sum() - 1},
+                {"type": "ineq", "fun": lambda x, n=count: -np.diff(x[: n - 1])},
+            ],
+            options={"maxiter": 200},
+        )
+        if np.abs(vectors(solved.x, count)).max() > 1e-7:
+            continue
+        solutions += 1
+        # What it leaves, over the slope of what is left in time.
+        assert solved.x[0] >= found.solver.lower_bound_s * (1 - 1e-5)
+    assert solutions > 0

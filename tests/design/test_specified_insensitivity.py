@@ -3,6 +3,8 @@
 import importlib
 import itertools
 import math
+import re
+import time
 from typing import Any
 
 import numpy as np
@@ -288,3 +290,108 @@ def test_an_impossible_cone_program_is_told_as_such() -> None:
         )
     )
     assert found.status is Status.INFEASIBLE
+
+
+def test_a_command_far_beyond_its_range_has_no_structure_and_steps_of_a_grid_instead() -> None:
+    # Between 0.32 and 0.43 of a period the optimum may as well be anywhere between its limits.
+    mode = Mode(natural_frequency_rad_s=8.8855804904264, damping_ratio=0.02173707863886174)
+    made = si(
+        mode,
+        tolerance=0.005174127526885904,
+        amplitudes="negative",
+        lowest_command=-6.471094065234464,
+        highest_command=7.652488777176263,
+    )
+    assert made.certificate.verified
+    assert residuals(made, mode, np.linspace(0.85, 1.15, 20_000)).max() <= 0.005174127526885904
+    command = np.cumsum(made.impulses.amplitudes)
+    assert command.min() >= -6.4711
+    assert command.max() <= 7.6525
+    assert made.solver.gap is not None
+    assert 0 < made.solver.gap <= 0.05
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"half_width": 0.2764, "tolerance": 1e-3},
+        {"half_width": 0.83, "tolerance": 0.0018},
+        {"half_width": 0.65, "tolerance": 0.023, "amplitudes": "negative"},
+        {"half_width": 0.65, "tolerance": 0.05, "amplitudes": "negative", "highest_command": 6.0},
+        {"half_width": 0.9, "tolerance": 0.05},
+    ],
+)
+def test_small_tolerances_and_wide_bands_take_no_more_than_seconds(options: Any) -> None:
+    mode = Mode(natural_frequency_rad_s=3.0, damping_ratio=0.05)
+    started = time.process_time()
+    made = si(mode, max_duration_periods=100.0, **options)
+    assert time.process_time() - started <= 5.0  # half a second each, on a quiet machine
+    assert made.certificate.verified
+    assert made.solver.gap is not None
+    assert made.solver.gap <= 1e-4
+
+
+def test_a_horizon_far_too_short_is_refused_by_a_proof_of_its_own() -> None:
+    with pytest.raises(InfeasibleDesignError, match=r"none is as short \(proven\)") as caught:
+        si(half_width=0.6, tolerance=1e-3, max_duration_periods=2.0)
+    (tolerance,) = re.findall(r"a tolerance of (0\.\d+) can be met", str(caught.value))
+    met = si(half_width=0.6, tolerance=float(tolerance), max_duration_periods=2.0)
+    assert met.impulses.duration_s <= 2.0
+
+
+def test_where_damping_alone_keeps_the_tolerance_as_fast_there_is_no_shaper() -> None:
+    damped = Mode(natural_frequency_rad_s=2 * math.pi, damping_ratio=0.1525)
+    # ln(1/V)/(2 pi z r) at the lowest frequency, a tenth of the nominal one.
+    with pytest.raises(InfeasibleDesignError, match=r"0\.3179 periods of waiting .*proven"):
+        si(damped, half_width=0.9, tolerance=0.97)
+    made = si(damped, half_width=0.9, tolerance=0.5)
+    assert made.impulses.duration_s < math.log(2) / (2 * math.pi * 0.1525 * 0.1)
+
+
+def test_more_impulses_than_can_be_solved_for_are_refused_with_a_tolerance_that_can() -> None:
+    with pytest.raises(InfeasibleDesignError, match=r"at most 26 are solved for") as caught:
+        si(half_width=0.9, tolerance=1e-3, max_duration_periods=100.0)
+    (tolerance,) = re.findall(r"allow a tolerance of (0\.\d+)", str(caught.value))
+    # No harder than what is tested above: the default tolerance takes 23 half periods there.
+    assert 0.02 < float(tolerance) < 0.05
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_random_start_of_slsqp_finds_a_shorter_one_than_the_bound(seed: int) -> None:
+    from scipy.optimize import minimize
+
+    rng = np.random.default_rng(seed)
+    half, tolerance = float(rng.uniform(0.08, 0.4)), float(rng.uniform(0.03, 0.15))
+    mode = Mode(natural_frequency_rad_s=2 * math.pi, damping_ratio=float(rng.uniform(0, 0.15)))
+    made = si(mode, half_width=half, tolerance=tolerance)
+    assert made.solver.lower_bound_s is not None
+    ratios = np.linspace(1 - half, 1 + half, 60)
+
+    def slack(x: FloatArray, count: int) -> FloatArray:
+        lags = np.append(x[: count - 1], 0.0)
+        turned = np.exp(np.multiply.outer(poles(mode, ratios), lags))
+        left: FloatArray = tolerance**2 - np.abs(turned @ x[count - 1 :]) ** 2
+        return left
+
+    found = 0
+    for start in range(8):
+        count = 3 + start % 3
+        lags = np.sort(rng.uniform(0, 1.5 * made.impulses.duration_s, count - 1))[::-1]
+        solved = minimize(
+            lambda x: x[0],
+            np.concatenate((lags, np.full(count, 1 / count))),
+            method="SLSQP",
+            bounds=[(0, 10)] * (count - 1) + [(0, 1)] * count,
+            constraints=[
+                {"type": "ineq", "fun": slack, "args": (count,)},
+                {"type": "eq", "fun": lambda x, n=count: x[n - 1 :].sum() - 1},
+                {"type": "ineq", "fun": lambda x, n=count: -np.diff(x[: n - 1])},
+            ],
+            options={"maxiter": 200},
+        )
+        if slack(solved.x, count).min() < -1e-9 or abs(solved.x[count - 1 :].sum() - 1) > 1e-9:
+            continue
+        found += 1
+        # It keeps 60 frequencies only: between them it may be above by (h w t / 60)^2 / 8.
+        assert solved.x[0] >= made.solver.lower_bound_s * (1 - 2e-3)
+    assert found > 0

@@ -6,6 +6,7 @@ Time runs backwards, as in `optimality`.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,14 +27,24 @@ FEWEST_RATIOS = 9
 
 REFINEMENT = 13
 REACH = 1.5
-REFINED_PITCHES = (1.0, 0.2, 0.04)
+REFINED_PITCHES = (1.0, 0.2, 0.04, 0.008)
 """Points added around each impulse and peak, how far to either side, in pitches of what length."""
 
 DISTINCT = 1e-3
 """Share of the refined pitch that two points are apart at least [-]."""
 
 PRESENT = 1e-3
-"""Share of the largest weight or amplitude below which the cone program's is none [-]."""
+"""Share of the largest amplitude below which the cone program's is none [-]."""
+
+PRESENT_WEIGHT = 1e-5
+"""The same of weights: damping makes peaks at high frequencies cheap, but not absent [-]."""
+
+ROUGH_SHARES = (1e-3, 1e-5, 1e-7)
+"""Share of the largest step below which one of a grid's own command is none: of the last alone,
+where the command has limits that it would pass without them [-]."""
+
+MOST_SEEN = 64
+"""Impulses beyond which a structure is none but a command that dithers on the grid."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -52,11 +63,11 @@ class Grid:
     ratios: FloatArray
 
 
-def even_grid(problem: BandProblem, duration_rad: float) -> Grid:
+def even_grid(problem: BandProblem, duration_rad: float, fineness: int = 1) -> Grid:
     """Return a grid of even pitches, fine against the turn of the last impulse."""
     lower, upper = problem.band
-    turns = (upper - lower) * duration_rad / math.pi
-    last = duration_rad / math.pi * upper
+    turns = fineness * (upper - lower) * duration_rad / math.pi
+    last = fineness * duration_rad / math.pi * upper
     return Grid(
         lags=np.linspace(0, duration_rad, FEWEST_LAGS + math.ceil(LAGS_A_HALF_PERIOD * last)),
         ratios=np.linspace(lower, upper, FEWEST_RATIOS + math.ceil(RATIOS_A_PEAK * turns)),
@@ -104,13 +115,13 @@ def least_on_grid(problem: BandProblem, grid: Grid) -> ConeOutcome:
 def structure(problem: BandProblem, grid: Grid, found: ConeOutcome) -> Point | None:
     """Read impulses and touching peaks off the grid; None where there is but one impulse."""
     if problem.levels is None:
-        lags, amplitudes = _clusters(grid.lags, found.unknowns)
+        lags, amplitudes = _clusters(grid.lags, found.unknowns, PRESENT)
     else:
         lags, amplitudes = _switches(grid.lags, found.unknowns, problem.levels)
     if lags.size < 2 or np.diff(lags).min() <= 0:  # noqa: PLR2004
         return None
     lags[0], lags[-1] = 0.0, grid.lags[-1]
-    ratios, weights = _clusters(grid.ratios, found.weights)
+    ratios, weights = _clusters(grid.ratios, found.weights, PRESENT_WEIGHT)
     # A peak so near the edge that the grid cannot tell the two apart sits on the edge.
     low_edge = ratios < grid.ratios[:2].mean()
     high_edge = ratios > grid.ratios[-2:].mean()
@@ -124,9 +135,11 @@ def structure(problem: BandProblem, grid: Grid, found: ConeOutcome) -> Point | N
     )
 
 
-def _clusters(places: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _clusters(
+    places: FloatArray, weights: FloatArray, present: float
+) -> tuple[FloatArray, FloatArray]:
     """Join neighbours that have weight: centres and sums, at least two of them."""
-    weights = np.where(weights > PRESENT * weights.max(), weights, 0.0)
+    weights = np.where(weights > present * weights.max(), weights, 0.0)
     group = np.cumsum(np.diff(weights > 0, prepend=False) & (weights > 0)) - 1
     kept = weights > 0
     sums: FloatArray = np.bincount(group[kept], weights[kept]).astype(float)
@@ -143,10 +156,10 @@ def _switches(
     high = share > 0.5  # noqa: PLR2004 - nearer to the upper level
     changes = np.flatnonzero(high[1:] != high[:-1])
     lags = edges[changes + 1].copy()
-    pitch = edges[1] - edges[0]
     if changes.size:
         nearest = np.abs(np.arange(levels.size)[:, None] - changes - 0.5).argmin(axis=1)
-        left_over = np.bincount(nearest, share - high, minlength=changes.size) * pitch
+        areas = (share - high) * np.diff(edges)
+        left_over = np.bincount(nearest, areas, minlength=changes.size)
         lags += np.where(high[changes], left_over, -left_over)
     command = np.where(np.append(high[changes], high[-1]), highest, lowest)
     around = np.concatenate(([1.0], command, [0.0]))
@@ -159,8 +172,26 @@ def closer_look(problem: BandProblem, duration_rad: float) -> tuple[Grid, ConeOu
     found = least_on_grid(problem, grid)
     for share in REFINED_PITCHES:
         start = structure(problem, grid, found)
-        if start is None:
+        if start is None or start.lags.size > MOST_SEEN:
             break
         grid = _refined(even, start, share)
         found = least_on_grid(problem, grid)
     return grid, found
+
+
+def commands_of(problem: BandProblem, grid: Grid) -> Iterator[Point]:
+    """Yield the commands of a grid's own cells or points, with ever smaller steps; no peaks."""
+    found = least_on_grid(problem, grid)
+    if problem.levels is None:
+        steps = np.maximum(found.unknowns, 0.0)
+    else:
+        steps = -np.diff(np.concatenate(([1.0], np.clip(found.unknowns, *problem.levels), [0])))
+    for share in ROUGH_SHARES if problem.levels is None else ROUGH_SHARES[-1:]:
+        held = np.abs(steps) > share * np.abs(steps).max()
+        yield Point(
+            lags=grid.lags[held] - grid.lags[held][0],
+            amplitudes=steps[held] / steps[held].sum(),
+            ratios=np.zeros(0),
+            inner=np.zeros(0, dtype=np.bool_),
+            weights=np.zeros(0),
+        )

@@ -34,7 +34,7 @@ def optimum(problem: BandProblem, point: Point, tolerance: float) -> Point | Non
             return None
         kept = found.weights > 0
         outside = found.inner & ((found.ratios <= lower) | (found.ratios >= upper))
-        ratios, values = _peaks(problem, found)
+        ratios, values = peaks(problem, found)
         above = values > tolerance * (1 + ABOVE)
         if kept.all() and not outside.any() and not above.any():
             return found if (problem.levels or found.amplitudes.min() > 0) else None
@@ -88,7 +88,7 @@ def followed(
     return now, math.exp(level)
 
 
-def _peaks(problem: BandProblem, point: Point) -> tuple[FloatArray, FloatArray]:
+def peaks(problem: BandProblem, point: Point) -> tuple[FloatArray, FloatArray]:
     """Return the local maxima of the residual over the band, edges included, refined."""
     lower, upper = problem.band
     turn = (upper - lower) * float(point.lags[-1])

@@ -6,20 +6,22 @@ optimality (`optimality`) then moves times, amplitudes and peaks where they belo
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from design.shapers.problem import BandProblem, Obstacle
+from design.solvers.convex_band.duration import first_duration_rad, ripples_of
 from design.solvers.convex_band.grid import (
     REFINED_PITCHES,
     closer_look,
+    commands_of,
     even_grid,
     least_on_grid,
     structure,
 )
 from design.solvers.convex_band.optimality import Point, solved
-from design.solvers.convex_band.peaks import followed, optimum
+from design.solvers.convex_band.peaks import followed, optimum, peaks
 from design.types import FloatArray
 
 CLOSE_DURATION = 1e-6
@@ -30,6 +32,17 @@ KEPT_INSIDE = 0.1
 
 EVEN_ONLY = 4
 """Durations tried on even grids before those are refined."""
+
+COARSE = 0.03
+"""Relative error of durations by which even grids bracket the one that is looked for [-]."""
+
+MOST_WORK = 4e6
+"""Entries of the cone programs, in all, after which the structure is not looked for further."""
+
+ROUGH = (1e-3, 3e-3, 0.01, 0.03, 0.1)
+ROUGH_FINENESS = 2
+"""How much longer than the shortest a command of the grid's own cells may be, and the grid how many
+times finer [-]."""
 
 MOST_DURATIONS = 12
 """Durations tried in all."""
@@ -61,20 +74,24 @@ class BandCandidate:
         Steps of Newton's method.
     cone_programs
         Cone programs solved until then.
+    point
+        What it is an optimum by; None for one of a grid's own steps.
     """
 
     times_rad: FloatArray
     amplitudes: FloatArray
     iterations: int
     cone_programs: int
-    point: Point
+    point: Point | None
 
 
 def candidates(problem: BandProblem) -> Iterator[BandCandidate | Obstacle]:
     """Yield optima, the likeliest first, and proofs met on the way; those further on take longer.
 
     Where impulses or peaks merge at the optimum itself, what comes from longer durations ends
-    just before it, a shaper all the same, and what comes from shorter ones is a proof.
+    just before it, a shaper all the same, and what comes from shorter ones is a proof. Where no
+    structure is found, as none is to be seen on a grid where a command may as well be between its
+    limits, the steps of a grid make a shaper that is a little longer.
 
     Raises
     ------
@@ -84,14 +101,19 @@ def candidates(problem: BandProblem) -> Iterator[BandCandidate | Obstacle]:
     tolerance = problem.tolerance * (1 - DESIGN_MARGIN)
     duration, low, high = first_duration_rad(problem), 0.0, math.inf
     before: tuple[float, float] | None = None
-    programs = 0
+    programs, work, met = 0, 0.0, False
     refine = False
     for attempt in range(MOST_DURATIONS):
-        refine = refine or attempt >= EVEN_ONLY
+        if attempt >= EVEN_ONLY and not refine:
+            # What even grids say of a duration is off by what they miss.
+            refine, low, high = True, low * (1 - COARSE), high * (1 + COARSE)
         programs += 1 + refine * len(REFINED_PITCHES)
+        work += _work(problem, duration, refine=refine)
         least, best = _nearest(problem, duration, refine=refine, follow=refine)
         if best is not None:
-            yield _told(problem, *best, programs)
+            told = _told(problem, *best, programs)
+            met = met or isinstance(told, BandCandidate)
+            yield told
         if least > tolerance:
             low = max(low, duration)
         else:
@@ -101,14 +123,39 @@ def candidates(problem: BandProblem) -> Iterator[BandCandidate | Obstacle]:
         if best is not None and not refine:
             # No optimum after all, for an impulse that the grid did not show: a closer look there.
             duration, refine = float(best[0].lags[-1]), True
-        if high - low < CLOSE_DURATION * low:
+        if high - low < CLOSE_DURATION * low or work > MOST_WORK:
             break
         before = now
     for share in AWAY:
+        if work > MOST_WORK:
+            break
         programs += 1 + len(REFINED_PITCHES)
+        work += _work(problem, duration, refine=True)
         _, best = _nearest(problem, duration * (1 + share), refine=True, follow=True)
         if best is not None:
-            yield _told(problem, *best, programs)
+            told = _told(problem, *best, programs)
+            met = met or isinstance(told, BandCandidate)
+            yield told
+    if not met:
+        yield from _of_the_grid(problem, duration, programs)
+
+
+def _work(problem: BandProblem, duration_rad: float, *, refine: bool) -> float:
+    grid = even_grid(problem, duration_rad)
+    return grid.lags.size * grid.ratios.size * (1 + 4 * refine * len(REFINED_PITCHES))
+
+
+def _of_the_grid(
+    problem: BandProblem, duration_rad: float, programs: int
+) -> Iterator[BandCandidate]:
+    """Yield the command of a grid's own cells or points at the first duration that allows one."""
+    for tried, longer in enumerate(ROUGH, start=1):
+        for point in commands_of(
+            problem, even_grid(problem, duration_rad * (1 + longer), ROUGH_FINENESS)
+        ):
+            if peaks(problem, point)[1].max() <= problem.tolerance:
+                yield replace(_candidate(point, programs + tried), point=None)
+                return
 
 
 def _nearest(
@@ -135,6 +182,10 @@ def _told(
 ) -> BandCandidate | Obstacle:
     if tolerance > problem.tolerance:
         return _obstacle(problem, point)
+    return _candidate(point, programs)
+
+
+def _candidate(point: Point, programs: int) -> BandCandidate:
     return BandCandidate(
         times_rad=point.lags[-1] - point.lags[::-1],
         amplitudes=point.amplitudes[::-1],
@@ -163,33 +214,16 @@ def _next_duration(
     return min(max(guess, low + inside), high - inside) if guess > 0 else (low + high) / 2
 
 
-def ripples_of(residual: float) -> float:
-    """Turn a residual into what grows about evenly with the duration, as Chebyshev's windows do."""
-    return math.acosh(1 / min(residual, 1 - 1e-12))
-
-
-def first_duration_rad(problem: BandProblem) -> float:
-    """Return about how long the fastest shaper lasts [rad].
-
-    ``n`` impulses a half period of the band's centre apart reach, as a Dolph-Chebyshev window,
-    ``1 / T_{n-1}(1 / sin(pi h / 2))`` over the relative half width h; here n need not be whole.
-    """
-    lower, upper = problem.band
-    centre = (lower + upper) / 2 * problem.unit_pole.imag
-    edge = math.acosh(1 / math.sin(math.pi / 2 * (upper - lower) / (upper + lower)))
-    spacings = ripples_of(problem.tolerance) / edge
-    return math.pi / centre * max(spacings, 0.5) * (1.05 if problem.levels is None else 0.8)
-
-
 def obstacles(problem: BandProblem, candidate: BandCandidate) -> Iterator[Obstacle]:
     """Yield what may prove that no shaper is as short as durations ever further below."""
     longest = float(candidate.times_rad[-1])
+    start = candidate.point
     for eased in EASED:
-        point = solved(problem, candidate.point, problem.tolerance * (1 + eased))
+        point = start and solved(problem, start, problem.tolerance * (1 + eased))
         if point is not None and point.lags[-1] < longest:
             yield _obstacle(problem, point)
     for shortened in SHORTENED:
-        yield obstacle_at(problem, longest * (1 - shortened))
+        yield obstacle_at(problem, longest * (1 - shortened))[0]
 
 
 def _obstacle(problem: BandProblem, point: Point) -> Obstacle:
@@ -203,13 +237,12 @@ def _obstacle(problem: BandProblem, point: Point) -> Obstacle:
     )
 
 
-def obstacle_at(problem: BandProblem, duration_rad: float) -> Obstacle:
-    """Return what may prove that no shaper is as short as a duration, from the cone program."""
+def obstacle_at(problem: BandProblem, duration_rad: float) -> tuple[Obstacle, float]:
+    """Return what may prove that no shaper is as short as a duration, from the cone program.
+
+    With it about the least tolerance that the duration allows [-].
+    """
     grid = even_grid(problem, duration_rad)
     found = least_on_grid(problem, grid)
-    return Obstacle(duration_rad=duration_rad, ratios=grid.ratios, vectors=found.obstacle)
-
-
-def least_residual(problem: BandProblem, duration_rad: float) -> float:
-    """Return about the least tolerance that a duration allows, from the cone program [-]."""
-    return least_on_grid(problem, even_grid(problem, duration_rad)).largest
+    obstacle = Obstacle(duration_rad=duration_rad, ratios=grid.ratios, vectors=found.obstacle)
+    return obstacle, found.largest

@@ -1,0 +1,345 @@
+"""What is wrong with an answer: claims by formula, bounds by other kinds, words by numbers."""
+
+import math
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from design.actuators import Actuator, Ideal, RateLimited
+from design.analysis.certificate import Claim
+from design.analysis.sensitivity import insensitivity
+from design.errors import InfeasibleDesignError, InvalidInputError
+from design.impulses import Impulses
+from design.pipeline import Design, design
+from design.plants import Mode, Modes, Scheduled
+from design.sampled import sampled_design
+from design.shapers.registry import SHAPERS
+from design.shapers.several_modes import ConvolvedOptions
+from design.shapers.specified_insensitivity import BandOptions
+from tests.random_cases import Case
+from tests.routes import (
+    claims_by_formula,
+    curve_by_formula,
+    gain_and_slope,
+    ideal_derivative_by_formula,
+    increases,
+    residual_by_integration,
+)
+
+ROUNDING = 1e-9
+"""Two routes to one number agree to it, relative, and where it is nothing to `NOTHING`."""
+
+NOTHING = 2e-9
+
+ORDERS = {"second_derivative": 2, "third_derivative": 3}
+
+INTEGRATED = 40
+SAMPLED = 7
+COMPARED = 3
+"""Every how manieth case is integrated step by step, brought to samples, compared with bounds."""
+
+FEWEST_STARTS = 1024
+"""Starts of a search that says that it found nothing."""
+
+MOST_INTEGRATED = 9
+"""Impulses of a command that is integrated, at most."""
+
+
+def wrong_in_design(case: Case, made: Design) -> Iterator[str]:
+    """Yield what is wrong with a design."""
+    yield from _wrong_impulses(made.impulses)
+    if not made.certificate.verified:
+        yield "not verified"
+    kept = {(claim.quantity, claim.mode) for claim in made.certificate.claims}
+    for number in range(len(case.plant.modes)):
+        for quantity in _promised(case):
+            if (quantity, number) not in kept:
+                yield f"claims no {quantity} of mode {number}"
+    designed_for = _designed_for(case)
+    for claim in made.certificate.claims:
+        mode = case.plant.modes[claim.mode]
+        yield from _wrong_claim(claim, made.impulses, mode, designed_for)
+    for mode, residual in zip(case.plant.modes, made.residuals, strict=True):
+        if _has_formula(made.impulses, case.actuator):
+            told = claims_by_formula(made.impulses, mode, case.actuator)["residual"]
+            if abs(told - residual) > NOTHING + ROUNDING * told:
+                yield f"tells a residual of {residual:.6g}, the formula {told:.6g}"
+    yield from _wrong_range(case, made)
+    yield from _wrong_bound(made)
+    if len(case.plant.modes) == 1 and case.number % INTEGRATED == 0:
+        yield from _wrong_by_integration(case, made)
+    if case.number % SAMPLED == 0 and not isinstance(case.plant, Modes | Scheduled):
+        yield from _wrong_on_samples(case, made)
+    if case.number % COMPARED == 0:
+        yield from _beaten(case, made)
+
+
+def _wrong_impulses(impulses: Impulses) -> Iterator[str]:
+    if impulses.times_s[0] != 0 or (np.diff(impulses.times_s) <= 0).any():
+        yield f"times {impulses.times_s.tolist()}"
+    if abs(impulses.amplitudes.sum() - 1) > 1e-12:
+        yield f"amplitudes sum to {impulses.amplitudes.sum()!r}"
+
+
+def _promised(case: Case) -> tuple[str, ...]:
+    """Return what the kind says of itself; of convolved shapers, what their base does."""
+    if isinstance(case.options, ConvolvedOptions):
+        return SHAPERS[case.options.base].claims
+    return case.kind.claims
+
+
+def _designed_for(case: Case) -> Actuator:
+    modes, options = case.plant.modes, case.options
+    if isinstance(case.plant, Scheduled) and hasattr(options, "half_width"):
+        options = type(options)()
+    if case.kind.formulate_jointly is not None:
+        found = case.kind.formulate_jointly(modes, case.actuator, options).designed_for
+    else:
+        found = case.kind.formulate(modes[0], case.actuator, options).designed_for
+    assert found in {case.actuator, Ideal()}
+    return found
+
+
+def _has_formula(impulses: Impulses, actuator: Actuator) -> bool:
+    """Whether each step excites a response of its own, by a known set."""
+    rising = increases(impulses.amplitudes)
+    if actuator.model == "switched" and not all(rising):
+        return False
+    if not isinstance(actuator, RateLimited):
+        return True
+    speeds = [actuator.decel_limit_m_s2, actuator.accel_limit_m_s2]
+    ramps = [
+        abs(amplitude) * actuator.speed_m_s / speeds[up]
+        for amplitude, up in zip(impulses.amplitudes.tolist(), rising, strict=True)
+    ]
+    levels = np.cumsum(impulses.amplitudes)
+    return bool((np.diff(impulses.times_s) >= ramps[:-1]).all() and levels.min() >= -1e-12)
+
+
+def _wrong_claim(
+    claim: Claim, impulses: Impulses, mode: Mode, designed_for: Actuator
+) -> Iterator[str]:
+    if not math.isfinite(claim.value):
+        yield f"{claim.quantity} is {claim.value}"
+    if not _has_formula(impulses, designed_for):
+        return
+    if claim.quantity in ORDERS:
+        # G is a common factor of positive steps, and V is zero.
+        value = ideal_derivative_by_formula(impulses, mode, ORDERS[claim.quantity])
+    elif claim.band is not None:
+        turns = mode.natural_frequency_rad_s * impulses.duration_s * (claim.band[1] - claim.band[0])
+        points = min(64 + int(8 * turns), 3000)
+        curve = curve_by_formula(impulses, mode, designed_for, np.linspace(*claim.band, points))
+        value = float(curve.max())
+        if value > claim.value * (1 + 1e-6):
+            yield f"claims {claim.value!r} over {claim.band}, the formula finds {value!r}"
+    else:
+        value = claims_by_formula(impulses, mode, designed_for)[claim.quantity]
+    if value > claim.limit * (1 + 2 * ROUNDING):
+        yield f"{claim.quantity} of {claim.limit:g} claimed is {value!r} by formula"
+
+
+def _wrong_range(case: Case, made: Design) -> Iterator[str]:
+    if not isinstance(case.plant, Scheduled):
+        return
+    if made.worst_in_range is None:
+        yield "tells nothing of the range"
+        return
+    bands = [claim for claim in made.certificate.claims if claim.band == case.plant.band]
+    if "band" in _promised(case) and not bands:
+        yield "does not claim its tolerance over the range"
+    if _has_formula(made.impulses, case.actuator):
+        ratios = np.linspace(*case.plant.band, 400)
+        told = float(
+            curve_by_formula(made.impulses, case.plant.middle, case.actuator, ratios).max()
+        )
+        if told > made.worst_in_range * (1 + 1e-6) + NOTHING:
+            yield f"tells {made.worst_in_range!r} as the worst in range, the formula {told!r}"
+
+
+def _wrong_bound(made: Design) -> Iterator[str]:
+    bound, gap, duration = made.solver.lower_bound_s, made.solver.gap, made.impulses.duration_s
+    if (bound is None) != (gap is None):
+        yield f"bound {bound} and gap {gap}"
+    if bound is None or gap is None:
+        return
+    if not 0 <= bound <= duration * (1 + 1e-12):
+        yield f"a bound of {bound!r} for a duration of {duration!r}"
+    if abs(duration * (1 - gap) - bound) > 1e-9 * duration:
+        yield f"a gap of {gap!r} between {bound!r} and {duration!r}"
+
+
+def _wrong_by_integration(case: Case, made: Design) -> Iterator[str]:
+    if made.impulses.times_s.size > MOST_INTEGRATED:
+        return
+    told = residual_by_integration(made.impulses, case.plant.modes[0], case.actuator)
+    # The integrator keeps 1e-11 a step, over an unshaped step's swing that damping makes smaller.
+    if abs(told - made.residual) > 1e-6:
+        yield f"tells a residual of {made.residual!r}, integration {told!r}"
+
+
+def _wrong_on_samples(case: Case, made: Design) -> Iterator[str]:
+    rng = np.random.default_rng([case.number, 1])
+    shortest = float(np.diff(made.impulses.times_s).min())
+    sample_time_s = shortest * float(rng.uniform(0.02, 0.9))
+    mode = case.plant.mode
+    try:
+        found, _ = sampled_design(
+            made, mode, case.actuator, sample_time_s, made.certificate.zeros, tolerance=None
+        )
+    except InvalidInputError as error:
+        if not re.search(r"sample_time_s|samples|impulses", str(error)):
+            yield f"on samples: {error}"
+        return
+    (claim,) = found.certificate.claims
+    if claim.quantity != "residual" or not claim.holds:
+        yield f"on samples claims {claim}"
+    samples = found.impulses.times_s / sample_time_s
+    if np.abs(samples - np.rint(samples)).max() > 1e-6:
+        yield "on samples it is not"
+    if _has_formula(found.impulses, case.actuator):
+        told = claims_by_formula(found.impulses, mode, case.actuator)["residual"]
+        if abs(told - found.residual) > NOTHING + ROUNDING * told:
+            yield f"on samples tells {found.residual!r}, the formula {told!r}"
+
+
+def _beaten(case: Case, made: Design) -> Iterator[str]:
+    """Yield where a shaper of another kind is shorter than a bound of its class."""
+    modes, duration = case.plant.modes, made.impulses.duration_s
+    positive = bool((made.impulses.amplitudes > 0).all())
+    if len(modes) > 1:
+        if made.solver.lower_bound_s is None:
+            for other in ("multi_zv", "multi_umzv") if positive else ("multi_umzv",):
+                bound = _bound(design(case.plant, Ideal(), SHAPERS[other]))
+                if "residual" in made.certificate.zeros and bound > duration * (1 + ROUNDING):
+                    yield f"is {duration!r} long, the bound of {other} is {bound!r}"
+        return
+    if not positive or case.kind.name == "si":
+        return
+    rng = np.random.default_rng([case.number, 2])
+    tolerance = float(np.exp(rng.uniform(np.log(0.01), np.log(0.3))))
+    kept = insensitivity(made.impulses, modes[0], Ideal(), tolerance)
+    if kept is None or kept.lower_ratio is None or kept.upper_ratio is None:
+        return
+    try:
+        options = BandOptions(
+            lower_ratio=kept.lower_ratio,
+            upper_ratio=kept.upper_ratio,
+            tolerance=tolerance,
+            max_duration_periods=100.0,
+        )
+    except InvalidInputError:
+        return
+    fastest = design(modes[0], Ideal(), SHAPERS["si"], options)
+    # The band's ends are known to 1e-9; the bound is for what is within the tolerance there.
+    if _bound(fastest) > duration * (1 + 1e-6):
+        yield f"keeps {tolerance!r} as long as si, in {duration!r}, its bound {_bound(fastest)!r}"
+
+
+def _bound(made: Design) -> float:
+    assert made.solver.lower_bound_s is not None
+    return made.solver.lower_bound_s
+
+
+NUMBER = r"(-?[\d.]+(?:e[+-]?\d+)?)"
+
+
+def wrong_in_refusal(case: Case, refusal: str) -> Iterator[str]:
+    """Yield what is not true of a refusal, as far as its words are known here."""
+    if len(refusal) < 40 or not re.search(r"\d|'", refusal):
+        yield f"says little: {refusal}"
+    for pattern, judge in JUDGES:
+        match = re.search(pattern, refusal)
+        if match:
+            numbers = [float(part.rstrip(".")) for part in match.groups()]
+            if not judge(case, *numbers):
+                yield f"not true: {refusal}"
+
+
+def _leaves_that_in_range(case: Case, left: float, tolerance: float) -> bool:
+    assert isinstance(case.plant, Scheduled)
+    made = design(case.plant.middle, case.actuator, case.kind, case.options)
+    if not _has_formula(made.impulses, _designed_for(case)):
+        return left > tolerance
+    ratios = np.linspace(*case.plant.band, 2000)
+    curve = curve_by_formula(made.impulses, case.plant.middle, _designed_for(case), ratios)
+    return left > tolerance and abs(float(curve.max()) - left) <= 2e-3 * left
+
+
+def _can_be_met(case: Case, **changed: float) -> bool:
+    options = replace(case.options, **changed)
+    made = design(case.plant, case.actuator, case.kind, options)
+    longest = options.max_duration_periods * case.plant.modes[0].period_s
+    return made.certificate.verified and made.impulses.duration_s <= longest * (1 + ROUNDING)
+
+
+def _none_as_short(case: Case, horizon: float, starts: float) -> bool:
+    """Whether a search over a longer horizon finds nothing within the one that was searched."""
+    if starts < FEWEST_STARTS:
+        return False
+    if not hasattr(case.options, "max_duration_periods"):
+        return True
+    options = replace(case.options, max_duration_periods=min(max(3.0, 3 * horizon), 100.0))
+    try:
+        made = design(case.plant, case.actuator, case.kind, options)
+    except InfeasibleDesignError:
+        return True
+    return made.impulses.duration_s > horizon * case.plant.modes[0].period_s * (1 - 1e-6)
+
+
+def _alpha(case: Case) -> float:
+    """|G_decel / G_accel| at the plant's pole."""
+    mode = case.plant.modes[0]
+    gains = [gain_and_slope(case.actuator, mode.pole_rad_s, accel=one)[0] for one in (True, False)]
+    return abs(gains[1] / gains[0])
+
+
+JUDGES: tuple[tuple[str, Callable[..., bool]], ...] = (
+    (
+        rf"leaves {NUMBER} within the range of frequencies.* more than its tolerance {NUMBER}:",
+        _leaves_that_in_range,
+    ),
+    (
+        rf"a tolerance of {NUMBER} can be met$",
+        lambda case, tolerance: _can_be_met(case, tolerance=tolerance),
+    ),
+    (
+        rf"; max_duration_periods = {NUMBER}(?: or| can)",
+        lambda case, periods: _can_be_met(case, max_duration_periods=periods),
+    ),
+    (
+        rf"takes {NUMBER} periods in all, more than max_duration_periods = {NUMBER}",
+        lambda _, takes, horizon: takes > horizon,
+    ),
+    (
+        rf"duration <= {NUMBER} periods in {NUMBER} starts; nearest miss",
+        _none_as_short,
+    ),
+    (
+        rf"frequency is {NUMBER}, and the vector diagram",
+        lambda case, alpha: alpha > 2 and abs(_alpha(case) - alpha) < 1e-9,
+    ),
+    (
+        rf"of its sides {NUMBER}, {NUMBER} and {NUMBER} none may",
+        lambda _, a, b, c: 2 * max(a, b, c) > a + b + c,
+    ),
+    (
+        rf"acts as one of {NUMBER}, more than the other two together, {NUMBER}",
+        lambda _, acts, others: acts >= others,
+    ),
+    (
+        rf"command would go from {NUMBER} to {NUMBER} of full speed",
+        lambda _, low, high: low < 0 or high > 1,
+    ),
+    (
+        rf"damping ratio of {NUMBER} none was found:.*meet at a damping ratio of {NUMBER} with",
+        lambda _, asked, met: met <= asked * 1.01,
+    ),
+    (
+        rf"ordered solution takes {NUMBER} periods, more than max_duration_periods = {NUMBER}",
+        lambda _, takes, horizon: takes > horizon,
+    ),
+)
+"""Patterns of refusals and what must be true of their numbers."""
