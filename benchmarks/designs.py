@@ -19,6 +19,8 @@ from design.maps import Axis, MapCase, field_map
 from design.motions import motion
 from design.pipeline import design
 from design.plants import Pendulum
+from design.recommendations.recommendation import recommend
+from design.recommendations.requirements import Requirements
 from design.shapers.registry import SHAPERS
 from design.shapers.unity_magnitude import ZVD_POLYNOMIALS
 
@@ -147,7 +149,7 @@ def _curves(shaper: Impulses) -> Iterator[Figure]:
 
 
 def _moves_and_maps() -> Iterator[Figure]:
-    """Measure a move too short for start and stop, and a map."""
+    """Measure a move too short for start and stop, a map, and a recommendation."""
     kind = SHAPERS["numzvd"]
     shaper = design(CRANE, ACTUATOR, kind).impulses
     x = Axis(
@@ -159,6 +161,7 @@ def _moves_and_maps() -> Iterator[Figure]:
         {
             "move": lambda: maneuver(CRANE, ACTUATOR, kind, speed_m_s=0.2, distance_m=0.05),
             "map": lambda: field_map(case, x, y),
+            "recommendation": lambda: recommend(CRANE, ACTUATOR, Requirements()),
         },
         rounds=5,
         calls=2,
@@ -166,6 +169,7 @@ def _moves_and_maps() -> Iterator[Figure]:
     for name, what, limit_s in (
         ("move", "short move, start and stop solved as one", 0.1),
         ("map", "map of 100 x 100", 0.5),
+        ("recommendation", "recommendation for the crane, 5 % over 15 %, every kind", 0.3),
     ):
         took = median(seconds[name])
         yield Figure(

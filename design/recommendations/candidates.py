@@ -15,8 +15,14 @@ from design.recommendations.choices import Choice
 from design.recommendations.requirements import Question
 from design.sampled import SAMPLE_TOLERANCE, sampled_design
 
-TIGHTENED = 6
-"""How often a shaper that misses the tolerance is designed anew for a smaller one, at most."""
+TIGHTENED, TIGHTENED_ON_SAMPLES = 6, 2
+"""How often a shaper that misses the tolerance is designed anew for a smaller one, at most.
+
+On samples what is left does not follow the tolerance smoothly, and a search may take half a second.
+"""
+
+FOLLOWS = 0.5
+"""What is left must fall by this share of what the tolerance does, or it is no use to go on [-]."""
 
 NEARLY = 3.0
 """What a shaper may leave over the tolerance for that to be tried [-]."""
@@ -99,8 +105,9 @@ def _tightened(first: Designed, question: Question) -> Designed | None:
     The first step takes the excess off the tolerance, further ones are by false position.
     """
     asked = question.requirements.tolerance
+    sampled = question.requirements.sample_time_s is not None
     misses, keeps = first, None
-    for _ in range(TIGHTENED):
+    for _ in range(TIGHTENED_ON_SAMPLES if sampled else TIGHTENED):
         if keeps is None:
             excess = misses.worst_residual - AIM * asked
             smaller = max(_own(misses) - excess, _own(misses) / 4)
@@ -118,7 +125,7 @@ def _tightened(first: Designed, question: Question) -> Designed | None:
             slower = keeps.found.impulses.duration_s > SLOWER * first.found.impulses.duration_s
             if keeps.worst_residual >= ENOUGH * asked or not slower:
                 break
-        elif again.worst_residual >= misses.worst_residual:
+        elif misses.worst_residual - again.worst_residual < FOLLOWS * (_own(misses) - smaller):
             break
         else:
             misses = again
