@@ -57,7 +57,7 @@ def _digest(function: Callable[..., Any]) -> int:
         value: Any = function.__globals__.get(name)
         if isinstance(value, np.ndarray):
             digest = zlib.crc32(value.tobytes(), digest)
-        elif isinstance(value, int | float | tuple):
+        elif isinstance(value, int | float | tuple | np.generic):
             digest = zlib.crc32(repr(value).encode(), digest)
         elif hasattr(value, "py_func"):
             digest = zlib.crc32(value.py_func.__qualname__.encode(), digest)

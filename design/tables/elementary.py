@@ -49,8 +49,8 @@ E3, E4, E5, E6, E7, E8, E9, E10, E11, E12, E13, E14, E15, E16, E17 = (
 )
 """Coefficients of the series."""
 
-ARCTANGENT = (0.0208351, -0.0851330, 0.1801410, -0.3302995, 0.9998660)
-"""Of odd powers, highest first: within 2e-5 (Abramowitz and Stegun 1964, eq. 4.4.49)."""
+A1, A3, A5, A7, A9 = 0.9998660, 0.3302995, 0.1801410, 0.0851330, 0.0208351
+"""Of the arctangent up to 1, within 2e-5 (Abramowitz and Stegun 1964, eq. 4.4.49)."""
 
 
 @inlined
@@ -108,10 +108,7 @@ def near_angle(x: float, y: float) -> float:
     long, short = max(abs(x), abs(y)), min(abs(x), abs(y))
     slope = short / long
     square = slope * slope
-    angle = 0.0
-    for coefficient in ARCTANGENT:
-        angle = angle * square + coefficient
-    angle *= slope
+    angle = slope * (A1 - square * (A3 - square * (A5 - square * (A7 - square * A9))))
     angle = QUARTER_TURN - angle if abs(y) > abs(x) else angle
     angle = HALF_TURN - angle if x < 0.0 else angle
     return -angle if y < 0.0 else angle

@@ -1,7 +1,7 @@
-"""Newton's steps of unity-magnitude shapers, several designs side by side.
+"""Equations of unity-magnitude shapers and their Jacobian, several designs side by side.
 
-The equations are those of `design.shapers.unity_magnitude`, differentiated by hand. What the rows
-claim is recomputed in `design.tables.proofs`, apart from them.
+They are those of `design.shapers.unity_magnitude`, differentiated by hand. What the rows claim is
+recomputed in `design.tables.proofs`, apart from them.
 
 `LANES` designs lie in one array, which is cut into runs of that length, one for each quantity. All
 innermost loops go over the lanes, and nothing in them branches, so that they become vector
@@ -87,8 +87,8 @@ LENGTH = MOVED + LANES
 
 
 @compiled
-def _write(block: FloatArray, run: int, lane: int, value: complex) -> None:
-    block[run + lane], block[run + LANES + lane] = value.real, value.imag
+def _write(block: FloatArray, run: int, lane: int, real: float, imaginary: float) -> None:
+    block[run + lane], block[run + LANES + lane] = real, imaginary
 
 
 @compiled
@@ -97,21 +97,30 @@ def enter(block: FloatArray, lane: int, row: FloatArray) -> None:
     for k in range(5):
         block[PARAMETERS + k * LANES + lane] = row[k]
     z, first_a, second_a, first_d, second_d = row[0], row[1], row[2], row[3], row[4]
-    s = complex(-z, math.sqrt(1.0 - z * z))
-    below = 1.0 + s * (first_d + s * second_d)
-    size = below.real * below.real + below.imag * below.imag
-    inverse = complex(below.real / size, -below.imag / size)
-    ratio = (1.0 + s * (first_a + s * second_a)) * inverse
-    slope = first_a + 2.0 * second_a * s - ratio * (first_d + 2.0 * second_d * s)
-    slope *= s * inverse
-    by_rate = s * (ratio * second_d - second_a)
-    _write(block, POLE, lane, s)
-    _write(block, RATIO, lane, ratio)
-    _write(block, RATIO_SLOPE, lane, slope)
-    _write(block, BY_STATE, lane, ratio - 1.0)
-    _write(block, BY_STATE + 2 * LANES, lane, -by_rate)
-    _write(block, BY_STATE + 4 * LANES, lane, slope)
-    _write(block, BY_STATE + 6 * LANES, lane, -(s * slope * second_d + by_rate))
+    x, y = -z, math.sqrt(1.0 - z * z)
+    u, v = x * x - y * y, 2.0 * x * y
+    _write(block, POLE, lane, x, y)
+    # 1/G of either set, and its derivative by w at w = 1.
+    above, above_turned = 1.0 + first_a * x + second_a * u, first_a * y + second_a * v
+    below, below_turned = 1.0 + first_d * x + second_d * u, first_d * y + second_d * v
+    by_above, by_above_turned = above - 1.0 + second_a * u, above_turned + second_a * v
+    by_below, by_below_turned = below - 1.0 + second_d * u, below_turned + second_d * v
+    size = below * below + below_turned * below_turned
+    p = (above * below + above_turned * below_turned) / size
+    q = (above_turned * below - above * below_turned) / size
+    _write(block, RATIO, lane, p, q)
+    r = by_above - (p * by_below - q * by_below_turned)
+    s = by_above_turned - (p * by_below_turned + q * by_below)
+    r, s = (r * below + s * below_turned) / size, (s * below - r * below_turned) / size
+    _write(block, RATIO_SLOPE, lane, r, s)
+    # A rate adds second s rate over G.
+    c, d = second_a - second_d * p, -second_d * q
+    c, d = c * x - d * y, c * y + d * x
+    _write(block, BY_STATE, lane, p - 1.0, q)
+    _write(block, BY_STATE + 2 * LANES, lane, c, d)
+    _write(block, BY_STATE + 4 * LANES, lane, r, s)
+    c, d = c - second_d * (r * x - s * y), d - second_d * (r * y + s * x)
+    _write(block, BY_STATE + 6 * LANES, lane, c, d)
 
 
 @inlined
@@ -262,7 +271,7 @@ def _write_derivatives(block: FloatArray, i: int) -> None:
 
 
 @inlined
-def _evaluate(block: FloatArray, switched: Switched, unknowns: Unknowns) -> None:
+def evaluate(block: FloatArray, switched: Switched, unknowns: Unknowns) -> None:
     """Write equations and Jacobian into the system, and the largest equation.
 
     ``V = sum v_i g_i exp(s L_i)`` with L_i the time from step i to the last. Each gap lengthens the
@@ -287,69 +296,3 @@ def _evaluate(block: FloatArray, switched: Switched, unknowns: Unknowns) -> None
             value = block[SUM + k * LANES + lane]
             block[SYSTEM + (k * COLUMNS + VALUE) * LANES + lane] = value
             block[MISS + lane] = max(block[MISS + lane], abs(value))
-
-
-@inlined
-def _solve(block: FloatArray, unknowns: Unknowns) -> None:
-    """Replace the equations' values by the solution of the linear system.
-
-    Each element below the diagonal is eliminated by the row above or, if that has the smaller
-    pivot, by its own, the two then changing places: pairwise pivoting (Sorensen 1985), without
-    branches. What a singular matrix leaves is not finite.
-    """
-    size = len(unknowns)
-    for c in range(size):
-        for r in range(c + 1, size):
-            for lane in range(LANES):
-                upper = block[SYSTEM + (c * COLUMNS + c) * LANES + lane]
-                lower = block[SYSTEM + (r * COLUMNS + c) * LANES + lane]
-                exchanged = abs(lower) > abs(upper)
-                pivot = lower if exchanged else upper
-                other = upper if exchanged else lower
-                block[SYSTEM + (c * COLUMNS + c) * LANES + lane] = pivot
-                block[EXCHANGED + lane] = 1.0 if exchanged else 0.0
-                block[FACTOR + lane] = other / pivot
-            for k in range(c + 1, COLUMNS):
-                for lane in range(LANES):
-                    upper = block[SYSTEM + (c * COLUMNS + k) * LANES + lane]
-                    lower = block[SYSTEM + (r * COLUMNS + k) * LANES + lane]
-                    exchanged = block[EXCHANGED + lane] != 0.0
-                    kept = lower if exchanged else upper
-                    other = upper if exchanged else lower
-                    block[SYSTEM + (c * COLUMNS + k) * LANES + lane] = kept
-                    block[SYSTEM + (r * COLUMNS + k) * LANES + lane] = (
-                        other - block[FACTOR + lane] * kept
-                    )
-    for r in range(size - 1, -1, -1):
-        for k in range(r + 1, size):
-            for lane in range(LANES):
-                block[SYSTEM + (r * COLUMNS + VALUE) * LANES + lane] -= (
-                    block[SYSTEM + (r * COLUMNS + k) * LANES + lane]
-                    * block[SYSTEM + (k * COLUMNS + VALUE) * LANES + lane]
-                )
-        for lane in range(LANES):
-            block[SYSTEM + (r * COLUMNS + VALUE) * LANES + lane] /= block[
-                SYSTEM + (r * COLUMNS + r) * LANES + lane
-            ]
-
-
-@compiled
-def newton_step(
-    block: FloatArray, switched: Switched, unknowns: Unknowns, longest_rad: float
-) -> None:
-    """Take a step of Newton's method in every lane, shortened where an unknown's is longer."""
-    size = len(unknowns)
-    _evaluate(block, switched, unknowns)
-    _solve(block, unknowns)
-    for lane in range(LANES):
-        longest = moved = 0.0
-        for k in range(size):
-            length = abs(block[SYSTEM + (k * COLUMNS + VALUE) * LANES + lane])
-            longest = max(longest, length)
-            moved += length
-        block[MOVED + lane] = moved
-        block[FACTOR + lane] = longest_rad / longest if longest > longest_rad else 1.0
-    for k in range(size):
-        for lane in range(LANES):
-            step = block[SYSTEM + (k * COLUMNS + VALUE) * LANES + lane]
-            block[GAPS + k * LANES + lane] -= block[FACTOR + lane] * step

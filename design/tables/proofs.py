@@ -37,7 +37,14 @@ LANES = 32
 """Rows side by side: a few vectors of any machine, and all their runs in its nearest cache."""
 
 FREQUENCIES = 3
-"""The plant's own, and those on either side whose difference makes the slope."""
+OWN, BELOW, ABOVE = (np.intp(f) for f in range(FREQUENCIES))
+"""The plant's own, and those on either side whose difference makes the slope.
+
+NumPy's numbers: numba would compile a function that takes them anew for each of Python's.
+"""
+
+ACCEL, DECEL = (np.intp(k) for k in range(2))
+"""The two sets."""
 
 DAMPING = 0
 """z, then sqrt(1 - z^2)."""
@@ -135,7 +142,7 @@ def _little_turn(x: float, y: float) -> tuple[float, float]:
 
 
 @inlined
-def _write_forced(block: FloatArray, f: int, k: int) -> None:
+def _write_forced(block: FloatArray, f: np.intp, k: np.intp) -> None:
     """Write what a lag's e and e' force at a frequency: q by each, p by each."""
     out, lags = FORCED + (8 * f + 4 * k) * LANES, LAGS + 2 * k * LANES
     for lane in range(LANES):
@@ -159,7 +166,7 @@ def _begin(block: FloatArray) -> None:
         step = STEP_PHASE_RAD / max(1.0, block[DURATION + lane])
         block[RATIOS + lane] = 1.0
         block[RATIOS + LANES + lane], block[RATIOS + 2 * LANES + lane] = 1.0 - step, 1.0 + step
-    _write_forced(block, 0, 0)
+    _write_forced(block, OWN, ACCEL)
     for lane in range(LANES):
         # Through the acceleration set; an ideal one forces nothing.
         q, p = block[FORCED + lane] - 1.0, block[FORCED + 2 * LANES + lane]
@@ -177,7 +184,7 @@ def _begin_turn(block: FloatArray) -> None:
 
 
 @inlined
-def _relax(block: FloatArray, k: int) -> None:
+def _relax(block: FloatArray, k: np.intp) -> None:
     """Move a lag over the gap."""
     state, lags = STATES + 2 * k * LANES, LAGS + 2 * k * LANES
     for lane in range(LANES):
@@ -188,7 +195,7 @@ def _relax(block: FloatArray, k: int) -> None:
 
 
 @inlined
-def _swing(block: FloatArray, f: int) -> None:
+def _swing(block: FloatArray, f: np.intp) -> None:
     """Move the oscillator over the gap, the lags being over it already."""
     swing, forced = SWING + 2 * f * LANES, FORCED + 8 * f * LANES
     for lane in range(LANES):
@@ -216,7 +223,7 @@ def _swing(block: FloatArray, f: int) -> None:
 
 
 @inlined
-def _take_step(block: FloatArray, switched: Optional, into: int) -> None:
+def _take_step(block: FloatArray, switched: Optional, into: np.intp) -> None:
     """Move the command up through the acceleration set, or down through the deceleration set."""
     amplitude = 1.0 - 2.0 * into
     new, old = STATES + 2 * into * LANES, STATES + 2 * (1 - into) * LANES
@@ -239,7 +246,7 @@ def _take_step(block: FloatArray, switched: Optional, into: int) -> None:
 
 
 @inlined
-def _end(block: FloatArray, f: int) -> None:
+def _end(block: FloatArray, f: np.intp) -> None:
     """Replace the swing by its free part, turned back from the last step to the first."""
     swing, forced = SWING + 2 * f * LANES, FORCED + 8 * f * LANES
     for lane in range(LANES):
@@ -288,35 +295,35 @@ def _prove(
                 block[LAGS + k * LANES + lane] = lags[m, 1 + k]
             block[DURATION + lane] = w[m] * times[m, times.shape[1] - 1]
         _begin(block)
-        _write_forced(block, 0, 1)
+        _write_forced(block, OWN, DECEL)
         if slopes is not None:
-            _write_forced(block, 1, 0)
-            _write_forced(block, 1, 1)
-            _write_forced(block, 2, 0)
-            _write_forced(block, 2, 1)
-        _take_step(block, switched, 0)
+            _write_forced(block, BELOW, ACCEL)
+            _write_forced(block, BELOW, DECEL)
+            _write_forced(block, ABOVE, ACCEL)
+            _write_forced(block, ABOVE, DECEL)
+        _take_step(block, switched, ACCEL)
         for i in range(1, times.shape[1]):
             for lane in range(LANES):
                 m = min(start + lane, times.shape[0] - 1)
                 block[GAP + lane] = w[m] * (times[m, i] - times[m, i - 1])
             rising = i % 2 == 0
             if switched is None or not rising:
-                _relax(block, 0)
+                _relax(block, ACCEL)
             if switched is None or rising:
-                _relax(block, 1)
+                _relax(block, DECEL)
             _begin_turn(block)
-            _swing(block, 0)
+            _swing(block, OWN)
             if slopes is not None:
-                _swing(block, 1)
-                _swing(block, 2)
+                _swing(block, BELOW)
+                _swing(block, ABOVE)
             if rising:
-                _take_step(block, switched, 0)
+                _take_step(block, switched, ACCEL)
             else:
-                _take_step(block, switched, 1)
-        _end(block, 0)
+                _take_step(block, switched, DECEL)
+        _end(block, OWN)
         if slopes is not None:
-            _end(block, 1)
-            _end(block, 2)
+            _end(block, BELOW)
+            _end(block, ABOVE)
         _write_results(block)
         for lane in range(min(LANES, times.shape[0] - start)):
             out[start + lane, 0] = block[RESULTS + lane]

@@ -20,7 +20,7 @@ from design.shapers.kind import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS
 from design.solvers.newton import roots
 from design.solvers.search import spread_starts
-from design.tables import compute, kernel
+from design.tables import compute, kernel, starts
 from design.tables.compiled import compiled
 from design.tables.compute import compute_rows, counted_rows
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED
@@ -207,7 +207,7 @@ def test_a_wrong_branch_is_found_by_the_guard(monkeypatch: pytest.MonkeyPatch) -
     ends = roots(problem.model, spread_starts(problem), problem.parameters)
     usable = ends.unknowns[ends.converged & (ends.unknowns > 1e-2).all(axis=1)]
     slower = usable[usable.sum(axis=1) > 1.1 * right.results[0, 4] * plant.mode.pole_rad_s.imag][:1]
-    found = np.array([kernel.FOUND], dtype=np.int8)
+    found = np.array([starts.FOUND], dtype=np.int8)
     monkeypatch.setattr(kernel, "solved", lambda *_, **__: (slower, found))
     unguarded, counts = counted_rows(table, 0, 1)
     assert counts.compiled == 1
