@@ -47,6 +47,13 @@ class Settings(BaseModel):
     database_wait_s: Annotated[
         float, Field(ge=0, description="How long to wait for a database that is gone [s].")
     ] = 600.0
+    keep_tables_days: Annotated[
+        float,
+        Field(
+            ge=0,
+            description="Age at which an ended table is dropped with its files [d]; 0: kept.",
+        ),
+    ] = 0.0
     max_pending: Annotated[
         int, Field(ge=1, description="Tasks running and waiting beyond which requests get 503.")
     ] = 256

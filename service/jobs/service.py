@@ -24,7 +24,12 @@ RESTART_PAUSE_S = 5.0
 STOP_WAIT_S = 10.0
 """How long the runner may take to give its chunks back [s]."""
 
-PART_AGE_S = 86_400.0
+CLEAN_EVERY_S = 60.0
+"""Between two looks for tables that have been kept long enough [s]."""
+
+DAY_S = 86_400.0
+
+PART_AGE_S = DAY_S
 """A part of a file so old was left behind by a process that was killed [s]."""
 
 
@@ -43,6 +48,7 @@ class JobService:
         self._stop = threading.Event()
         self._runner: Runner | None = None
         self._thread = threading.Thread(target=self._work, name="table-jobs", daemon=True)
+        self._cleaner = threading.Thread(target=self._clean, name="old-tables", daemon=True)
         self._exporter: Started | None = None
         self._making: dict[Path, asyncio.Lock] = {}
 
@@ -57,6 +63,21 @@ class JobService:
                 part.unlink(missing_ok=True)
         if self._settings.job_workers > 0 or self._settings.scheduler:
             self._thread.start()
+        if self._settings.keep_tables_days > 0:
+            self._cleaner.start()
+
+    def _clean(self) -> None:
+        """Drop old tables, and files here of tables that are no more: another may have dropped."""
+        kept_s = self._settings.keep_tables_days * DAY_S
+        while not self._stop.is_set():
+            try:
+                self.store.drop_ended(kept_s)
+                for path in self._files.glob("[!.]*"):
+                    if self.store.job(path.stem) is None:
+                        path.unlink(missing_ok=True)
+            except (DBAPIError, OSError) as error:
+                LOG.error("old tables are dropped later: %s", error)
+            self._stop.wait(CLEAN_EVERY_S)
 
     def _work(self) -> None:
         settings = self._settings
@@ -79,8 +100,9 @@ class JobService:
         self._stop.set()
         if self._runner is not None:
             self._runner.stopping.set()
-        if self._thread.is_alive():
-            self._thread.join(STOP_WAIT_S)
+        for thread in (self._thread, self._cleaner):
+            if thread.is_alive():
+                thread.join(STOP_WAIT_S)
         if self._exporter is not None:
             self._exporter.end()
         self.store.close()

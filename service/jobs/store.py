@@ -304,6 +304,19 @@ class Store:
                 connection.execute(CHUNKS.delete().where(CHUNKS.c.job == job))
         return state == "cancelled"
 
+    def drop_ended(self, older_than_s: float) -> int:
+        """Drop ended jobs that were begun so long ago, with their rows; return how many."""
+        with self._engine.begin() as connection:
+            old = connection.scalars(
+                sa
+                .select(JOBS.c.id)
+                .where(JOBS.c.state.not_in(UNFINISHED), JOBS.c.created < self._now - older_than_s)
+                .with_for_update(skip_locked=True)
+            ).all()
+            for table, column in ((CHUNKS, CHUNKS.c.job), (JOBS, JOBS.c.id)):
+                connection.execute(table.delete().where(column.in_(old)))
+        return len(old)
+
     def job(self, job: str) -> Job | None:
         """Return a job, or None."""
         found = self._jobs(sa.select(JOBS).where(JOBS.c.id == job))

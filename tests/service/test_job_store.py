@@ -145,6 +145,31 @@ def test_a_job_that_is_done_is_not_cancelled(store: Store) -> None:
     assert list(store.blobs(new.id)) == [b"rows"]
 
 
+def test_only_ended_jobs_that_are_old_are_dropped(store: Store) -> None:
+    store.drop_ended(-1.0)  # what other tests left
+    ended, unfinished = job(), job()
+    store.add(ended)
+    store.add(unfinished)
+    assert store.cancel(ended.id)
+    assert store.claim("a", 1) == [Claim(unfinished.id, 0)]
+    assert store.drop_ended(60.0) == 0
+    time.sleep(0.01)
+    assert store.drop_ended(0.0) == 1
+    assert store.job(ended.id) is None
+    assert store.finish("a", Claim(unfinished.id, 0), done())
+
+
+def test_rows_of_a_dropped_job_are_gone(store: Store) -> None:
+    store.drop_ended(-1.0)
+    old = job(rows=4)
+    store.add(old)
+    [claim] = store.claim("a", 1)
+    assert store.finish("a", claim, done())
+    store.settle()
+    assert store.drop_ended(-1.0) == 1
+    assert list(store.blobs(old.id)) == []
+
+
 def test_many_claim_at_once_and_none_gets_what_another_has(store: Store, url: str) -> None:
     store.add(job(rows=120, chunk_rows=1))
     claimed: list[Claim] = []
