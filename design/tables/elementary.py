@@ -2,6 +2,7 @@
 
 Such are rounded alike on every machine, while the last digit of a library's functions depends on
 machine and version; and as nothing in them branches, loops over them become vector instructions.
+They are right to one unit in the last place, or two.
 
 An argument is a whole multiple of ln 2 or pi / 2 and a remainder, whose function is summed as its
 Taylor series. The multiple is rounded to a whole number by adding `WHOLE`, which leaves the number

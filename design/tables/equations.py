@@ -74,7 +74,7 @@ MOTION = RATES_BY_GAPS + MOST_UNKNOWNS * LANES
 """Matrix [a, b; c, d] that moves error and rate over a gap, by rows."""
 
 BY_STATE = MOTION + 4 * LANES
-"""What an error of 1, and what a rate of 1 takes from V of a step up, then from its dV/dw."""
+"""What an error of 1, and a rate of 1, add to the gain of a step up, then to its slope by w."""
 
 MISS = BY_STATE + 8 * LANES
 """The largest equation before the step [-]."""
@@ -173,7 +173,10 @@ def _turn(block: FloatArray, unknowns: Unknowns) -> None:
 
 @inlined
 def _relax(block: FloatArray, i: int) -> None:
-    """Move error and rate of a switched actuator, and their derivatives, over a gap."""
+    """Move error and rate of a switched actuator, and their derivatives, over a gap.
+
+    The first two loops as one would be too much for the compiler to make vectors of.
+    """
     lag = PARAMETERS + (1 + 2 * (i & 1)) * LANES
     for lane in range(LANES):
         first, second = block[lag + lane], block[lag + LANES + lane]

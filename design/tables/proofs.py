@@ -3,7 +3,7 @@
 Apart from the equations that the kernel solves: there the vibration is a sum of transfer functions
 at the plant's pole; here the states of real lags and a real oscillator pass from step to step and
 are taken apart at the end, as in `design.analysis.certificate`, whose limits and differencing in
-frequency these are.
+frequency these are. Only exponential, sine and cosine are common to both.
 
 Between steps, in units of the plant's frequency, with e the distance of a lag from the command::
 
