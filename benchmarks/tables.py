@@ -15,10 +15,11 @@ from design.plants import Mode
 from design.shapers.registry import SHAPERS
 from design.shapers.unity_magnitude import ZVD_POLYNOMIALS
 from design.tables.compute import compute_rows
-from design.tables.kernel import FOUND, rows_of_problems, solved
+from design.tables.kernel import rows_of_problems, solved
 from design.tables.parameters import row_parameters
 from design.tables.proofs import proven
 from design.tables.specification import TableSpecification
+from design.tables.starts import FOUND
 from design.types import FloatArray
 
 ROWS = 1_000_000

@@ -279,7 +279,7 @@ def _over_range(plant: Scheduled, options: Any) -> Any:  # noqa: ANN401
 
 def _promise_over_range(plant: Scheduled, promises: tuple[Promise, ...]) -> tuple[Promise, ...]:
     """Promise a kind's tolerance over the range; one without a band promises no more there."""
-    limits = [promise.limit for promise in promises if promise.band is not None]
+    limits = [promise.limit for promise in promises if promise.quantity == "band"]
     return tuple(within(limit, plant.band) for limit in sorted(limits)[-1:])
 
 

@@ -1,5 +1,6 @@
 """From a problem to candidates: seeds by IPOPT, then every branch within the horizon."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -114,10 +115,12 @@ def spread_starts(problem: Problem) -> FloatArray:
 
 def unit_starts(count: int) -> FloatArray:
     """Return the gaps of `spread_starts` over a horizon of 1, shape (m, count) [-]."""
-    golden = 2.0  # the root of g^(n+1) = g + 1
-    for _ in range(60):
-        golden = (1 + golden) ** (1 / (count + 1))
-    steps = golden ** -np.arange(1.0, count + 1)
+    golden = 2.0
+    for _ in range(60):  # Newton's steps to the root of g^(n+1) = g + 1
+        power = math.prod([golden] * count)
+        golden -= (golden * power - golden - 1) / ((count + 1) * power - 1)
+    # Products: powers of the library differ in their last digit from machine to machine.
+    steps = np.cumprod(np.full(count, 1 / golden))
     unit = np.sort((0.5 + np.arange(1, BRANCH_STARTS + 1)[:, None] * steps) % 1.0, axis=1)
     gaps: FloatArray = np.diff(unit, axis=1, prepend=0.0)
     return gaps

@@ -1,9 +1,11 @@
 """How the loops over rows are compiled: by numba, cached on disk where that can be written."""
 
+import zlib
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numba
+import numpy as np
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -13,12 +15,50 @@ def compiled(function: Function) -> Function:
 
     The machine code is kept beside the source or, where that is read-only, in the user's cache
     directory; NUMBA_CACHE_DIR names another. Without any it is compiled anew in every process.
-    Numba sees changes of the file only that a function stands in: compiled functions call none of
-    other files.
+
+    Numba sees changes of the file only that a function stands in. So that compiled functions may
+    call those of other files, the name of each, by which its machine code is filed, ends in a
+    digest of itself and of all that it calls.
+
+    Products and sums are rounded one by one as written, on every kind of machine: without
+    ``fastmath`` they are neither reordered nor contracted.
     """
-    options = {"nogil": True, "error_model": "numpy"}
+    return _compiled(function, forceinline=False)
+
+
+def inlined(function: Function) -> Function:
+    """Return a function as `compiled` does, that becomes part of those that call it.
+
+    Only so do loops over it become vector instructions.
+    """
+    return _compiled(function, forceinline=True)
+
+
+def _compiled(function: Function, *, forceinline: bool) -> Function:
+    options = {
+        "nogil": True,
+        "error_model": "numpy",
+        "forceinline": forceinline,
+        "no_cfunc_wrapper": True,
+    }
+    function.__qualname__ = f"{function.__qualname__}_{_digest(function):08x}"
     try:
         fast: Function = numba.njit(cache=True, **options)(function)
     except RuntimeError:  # numba's word for "no directory to cache in"
         fast = numba.njit(**options)(function)
     return fast
+
+
+def _digest(function: Callable[..., Any]) -> int:
+    """Return a checksum of a function's code, and of the compiled functions and constants in it."""
+    code: Any = function.__code__
+    digest = zlib.crc32(code.co_code + repr(code.co_consts).encode())
+    for name in code.co_names:
+        value: Any = function.__globals__.get(name)
+        if isinstance(value, np.ndarray):
+            digest = zlib.crc32(value.tobytes(), digest)
+        elif isinstance(value, int | float | tuple | np.generic):
+            digest = zlib.crc32(repr(value).encode(), digest)
+        elif hasattr(value, "py_func"):
+            digest = zlib.crc32(value.py_func.__qualname__.encode(), digest)
+    return digest

@@ -195,11 +195,11 @@ def _compile_rows(
     """Enter what the kernel solves and the compiled certificate verifies."""
     # Numba takes half a second to import, which nothing but tables should pay.
     from design.tables.kernel import (  # noqa: PLC0415
-        FOUND,
         closed_triangles,
         rows_of_problems,
         solved,
     )
+    from design.tables.starts import FOUND  # noqa: PLC0415
 
     kind, impulses = specification.kind, table.times_s.shape[1]
     given, w = parameters.lags, parameters.natural_frequencies_rad_s

@@ -1,4 +1,7 @@
-"""From the varied fields of many rows to the parameters of their dimensionless problems."""
+"""From the varied fields of many rows to the parameters of their dimensionless problems.
+
+By sums, products, quotients and roots alone, which every machine rounds alike.
+"""
 
 from dataclasses import dataclass, fields
 from typing import Any
@@ -95,11 +98,13 @@ def row_parameters(specification: TableSpecification, values: FloatArray) -> Row
             )
         else:
             longest = np.full(len(values), LONGEST_PERIODS)
-        pole = -z + 1j * np.sqrt(1 - z * z)
         workable = field.lawful & (w >= SMALLEST) & (w <= LARGEST)
         for first, second in ((lags[:, 1], lags[:, 2]), (lags[:, 3], lags[:, 4])):
-            workable &= np.maximum(first, np.sqrt(second)) <= SLOWEST
-            workable &= np.abs(1 + pole * (first + pole * second)) >= RESONANCE
+            workable &= (first <= SLOWEST) & (second <= SLOWEST**2)
+            # 1/G at the plant's pole -z + j sqrt(1 - z^2).
+            real = 1 - z * first + (2 * z * z - 1) * second
+            turned = first - 2 * z * second
+            workable &= real * real + (1 - z * z) * turned * turned >= RESONANCE**2
     return RowParameters(
         natural_frequencies_rad_s=w,
         lags=lags,
@@ -135,7 +140,8 @@ def _lags(specification: TableSpecification, field: _Fields, w: FloatArray) -> l
                 least=SMALLEST_LAG_DAMPING,
                 most=LARGEST_LAG_DAMPING,
             )
-            lags += [2 * damping / corner * w, corner**-2.0 * w * w]
+            slowness = w / corner
+            lags += [2 * damping * slowness, slowness * slowness]
     return lags
 
 

@@ -3,7 +3,7 @@
 Apart from the equations that the kernel solves: there the vibration is a sum of transfer functions
 at the plant's pole; here the states of real lags and a real oscillator pass from step to step and
 are taken apart at the end, as in `design.analysis.certificate`, whose limits and differencing in
-frequency these are.
+frequency these are. Only exponential, sine and cosine are common to both.
 
 Between steps, in units of the plant's frequency, with e the distance of a lag from the command::
 
@@ -11,158 +11,323 @@ Between steps, in units of the plant's frequency, with e the distance of a lag f
     q'' + 2 z r q' + r^2 q = r^2 sum e        q counted from the command, r near 1; p = q' / r
 
 q is a free swing and what the lags force, ``a e + b e'``, whose a and b follow by comparison.
+
+`LANES` rows lie in one array, which is cut into runs of that length, one for each quantity. All
+innermost loops go over the lanes, and nothing in them branches, so that they become vector
+instructions.
 """
 
 import math
+from typing import Literal
 
 import numpy as np
 
 from design.analysis.certificate import STEP_PHASE_RAD
-from design.tables.compiled import compiled
+from design.tables.compiled import compiled, inlined
+from design.tables.elementary import exponential, sine_and_cosine
 from design.types import FloatArray
+
+Optional = Literal[True] | None
+"""None for no, not False: by its type numba leaves out what is not wanted."""
 
 CRITICAL_ROOT = 1e-7
 """Distance of a lag's poles from critical damping below which the double-pole form is exact [-]."""
 
+LANES = 32
+"""Rows side by side: a few vectors of any machine, and all their runs in its nearest cache."""
 
-@compiled
-def _forced(z: float, r: float, first: float, second: float, out: FloatArray) -> None:
-    """Write what a lag's e and e' force: q by each, p by each."""
-    if second > 0.0:
-        alpha = second * r * r - 1.0
-        beta = 2.0 * z * r * second - first
-        below = alpha * alpha + beta * (beta - alpha * first) / second
-        a = r * r * second * (alpha - beta * first / second) / below
-        b = -r * r * second * beta / below
-        out[0], out[1] = a, b
-        out[2], out[3] = -b / second / r, (a - b * first / second) / r
-        return
-    a = 0.0
-    if first > 0.0:
-        turn = r * first
-        a = turn * turn / (1.0 - 2.0 * z * turn + turn * turn)
-        out[2] = -a / (first * r)
-    else:
-        out[2] = 0.0
-    out[0], out[1], out[3] = a, 0.0, 0.0
+FREQUENCIES = 3
+OWN, BELOW, ABOVE = (np.intp(f) for f in range(FREQUENCIES))
+"""The plant's own, and those on either side whose difference makes the slope.
+
+NumPy's numbers: numba would compile a function that takes them anew for each of Python's.
+"""
+
+ACCEL, DECEL = (np.intp(k) for k in range(2))
+"""The two sets."""
+
+DAMPING = 0
+"""z, then sqrt(1 - z^2)."""
+
+DURATION = DAMPING + 2 * LANES
+"""From the first step to the last."""
+
+GAP = DURATION + LANES
+"""From the step before to the present one."""
+
+TURN = GAP + LANES
+"""Of the free swing over that gap at the plant's own frequency, real and imaginary part."""
+
+LAGS = TURN + 2 * LANES
+"""first and second of the acceleration set, then of the deceleration set."""
+
+AT_STEP = LAGS + 4 * LANES
+"""e and e' of the acceleration set, then of the deceleration set, right after the step before."""
+
+STATES = AT_STEP + 4 * LANES
+"""The same at present."""
+
+RATIOS = STATES + 4 * LANES
+"""r of each frequency."""
+
+FORCED = RATIOS + FREQUENCIES * LANES
+"""At each frequency, what the acceleration set forces, q by e, q by e', p by e, p by e', and what
+the deceleration set forces."""
+
+SWING = FORCED + 8 * FREQUENCIES * LANES
+"""At each frequency q, p."""
+
+UNIT = SWING + 2 * FREQUENCIES * LANES
+"""What an unshaped step leaves."""
+
+RESULTS = UNIT + LANES
+"""Residual, then slope."""
+
+LENGTH = RESULTS + 2 * LANES
+"""Of the array."""
 
 
-@compiled
-def _relaxed(gap: float, first: float, second: float, state: FloatArray) -> None:
-    """Move a lag's e and e' over a gap, in place."""
-    e, d = state[0], state[1]
-    if second > 0.0:
-        corner = 1.0 / math.sqrt(second)
-        damping = first * corner / 2.0
-        phase = corner * gap
-        squared = damping * damping - 1.0
-        root = math.sqrt(abs(squared))
-        if root < CRITICAL_ROOT:
-            even = math.exp(-damping * phase)
-            odd = even * phase
-        elif squared < 0.0:
-            decay = math.exp(-damping * phase)
-            even, odd = decay * math.cos(root * phase), decay * math.sin(root * phase) / root
-        else:
-            fast = damping + root
-            slow_part, fast_part = math.exp(-phase / fast), math.exp(-phase * fast)
-            even, odd = (slow_part + fast_part) / 2.0, (slow_part - fast_part) / (2.0 * root)
-        state[0] = even * e + odd * (damping * e + d / corner)
-        state[1] = even * d - odd * (damping * d + corner * e)
-    elif first > 0.0:
-        state[0], state[1] = e * math.exp(-gap / first), 0.0
+@inlined
+def _forced(z: float, r: float, first: float, second: float) -> tuple[float, float, float, float]:
+    """Return what a lag's e and e' force: q by each, p by each."""
+    swings = second > 0.0
+    lag = second if swings else 1.0
+    alpha = lag * r * r - 1.0
+    beta = 2.0 * z * r * lag - first
+    below = alpha * alpha + beta * (beta - alpha * first) / lag
+    a = r * r * lag * (alpha - beta * first / lag) / below
+    b = -r * r * lag * beta / below
+    turn = r * first
+    alone = turn / (1.0 - 2.0 * z * turn + turn * turn)
+    return (
+        a if swings else turn * alone,
+        b if swings else 0.0,
+        -b / lag / r if swings else -alone,
+        (a - b * first / lag) / r if swings else 0.0,
+    )
 
 
-@compiled
-def _little_turn(exponent: complex) -> complex:
+@inlined
+def _relaxed(gap: float, first: float, second: float, e: float, d: float) -> tuple[float, float]:
+    """Return a lag's e and e' after a gap."""
+    has_rate, has_error = second > 0.0, first > 0.0
+    corner = 1.0 / math.sqrt(second if has_rate else 1.0)
+    damping = first * corner / 2.0
+    phase = corner * gap
+    squared = damping * damping - 1.0
+    root = math.sqrt(abs(squared))
+    critical, swings = root < CRITICAL_ROOT, squared < 0.0
+    apart = 1.0 if critical else root
+    slow = -phase / (damping + root)
+    slow = -damping * phase if critical or swings else slow
+    slow = slow if has_rate else -gap / (first if has_error else 1.0)
+    decay, fast = exponential(slow), exponential(-phase * (damping + root))
+    sine, cosine = sine_and_cosine(root * phase)
+    even = decay * cosine if swings else (decay + fast) / 2.0
+    odd = decay * sine / apart if swings else (decay - fast) / (2.0 * apart)
+    even = decay if critical else even
+    odd = decay * phase if critical else odd
+    moved = even * e + odd * (damping * e + d / corner)
+    rate = even * d - odd * (damping * d + corner * e)
+    at_once = e * decay if has_error else e
+    return moved if has_rate else at_once, rate if has_rate else (0.0 if has_error else d)
+
+
+@inlined
+def _little_turn(x: float, y: float) -> tuple[float, float]:
     """Return the exponential of at most `STEP_PHASE_RAD`: the next term is below rounding."""
-    return 1.0 + exponent * (1.0 + exponent / 2.0 * (1.0 + exponent / 3.0))
+    u, v = 1.0 + x / 3.0, y / 3.0
+    u, v = 1.0 + (x * u - y * v) / 2.0, (x * v + y * u) / 2.0
+    return 1.0 + x * u - y * v, x * v + y * u
+
+
+@inlined
+def _write_forced(block: FloatArray, f: np.intp, k: np.intp) -> None:
+    """Write what a lag's e and e' force at a frequency: q by each, p by each."""
+    out, lags = FORCED + (8 * f + 4 * k) * LANES, LAGS + 2 * k * LANES
+    for lane in range(LANES):
+        z, r = block[DAMPING + lane], block[RATIOS + f * LANES + lane]
+        first, second = block[lags + lane], block[lags + LANES + lane]
+        a, b, c, d = _forced(z, r, first, second)
+        block[out + lane], block[out + LANES + lane] = a, b
+        block[out + 2 * LANES + lane], block[out + 3 * LANES + lane] = c, d
+
+
+@inlined
+def _begin(block: FloatArray) -> None:
+    """Put all at rest; write the frequencies, and what an unshaped step leaves."""
+    for k in range(8):
+        for lane in range(LANES):
+            block[AT_STEP + k * LANES + lane] = 0.0
+    for k in range(2 * FREQUENCIES):
+        for lane in range(LANES):
+            block[SWING + k * LANES + lane] = 0.0
+    for lane in range(LANES):
+        step = STEP_PHASE_RAD / max(1.0, block[DURATION + lane])
+        block[RATIOS + lane] = 1.0
+        block[RATIOS + LANES + lane], block[RATIOS + 2 * LANES + lane] = 1.0 - step, 1.0 + step
+    _write_forced(block, OWN, ACCEL)
+    for lane in range(LANES):
+        # Through the acceleration set; an ideal one forces nothing.
+        q, p = block[FORCED + lane] - 1.0, block[FORCED + 2 * LANES + lane]
+        x, y = -q - block[DAMPING + lane] * p, block[DAMPING + LANES + lane] * p
+        block[UNIT + lane] = math.sqrt(x * x + y * y)
+
+
+@inlined
+def _begin_turn(block: FloatArray) -> None:
+    for lane in range(LANES):
+        gap = block[GAP + lane]
+        decay = exponential(-block[DAMPING + lane] * gap)
+        sine, cosine = sine_and_cosine(block[DAMPING + LANES + lane] * gap)
+        block[TURN + lane], block[TURN + LANES + lane] = decay * cosine, decay * sine
+
+
+@inlined
+def _relax(block: FloatArray, k: np.intp) -> None:
+    """Move a lag over the gap."""
+    state, lags = STATES + 2 * k * LANES, LAGS + 2 * k * LANES
+    for lane in range(LANES):
+        first, second = block[lags + lane], block[lags + LANES + lane]
+        e, d = block[state + lane], block[state + LANES + lane]
+        e, d = _relaxed(block[GAP + lane], first, second, e, d)
+        block[state + lane], block[state + LANES + lane] = e, d
+
+
+@inlined
+def _swing(block: FloatArray, f: np.intp) -> None:
+    """Move the oscillator over the gap, the lags being over it already."""
+    swing, forced = SWING + 2 * f * LANES, FORCED + 8 * f * LANES
+    for lane in range(LANES):
+        # The free part of the swing turns by itself.
+        e, d = block[AT_STEP + lane], block[AT_STEP + LANES + lane]
+        q, p = block[swing + lane], block[swing + LANES + lane]
+        q -= block[forced + lane] * e + block[forced + LANES + lane] * d
+        p -= block[forced + 2 * LANES + lane] * e + block[forced + 3 * LANES + lane] * d
+        e, d = block[AT_STEP + 2 * LANES + lane], block[AT_STEP + 3 * LANES + lane]
+        q -= block[forced + 4 * LANES + lane] * e + block[forced + 5 * LANES + lane] * d
+        p -= block[forced + 6 * LANES + lane] * e + block[forced + 7 * LANES + lane] * d
+        z, root = block[DAMPING + lane], block[DAMPING + LANES + lane]
+        more = (block[RATIOS + f * LANES + lane] - 1.0) * block[GAP + lane]
+        u, v = _little_turn(-z * more, root * more)
+        x, y = block[TURN + lane], block[TURN + LANES + lane]
+        c, s = x * u - y * v, (x * v + y * u) / root
+        q, p = c * q + s * (z * q + p), c * p - s * (q + z * p)
+        e, d = block[STATES + lane], block[STATES + LANES + lane]
+        q += block[forced + lane] * e + block[forced + LANES + lane] * d
+        p += block[forced + 2 * LANES + lane] * e + block[forced + 3 * LANES + lane] * d
+        e, d = block[STATES + 2 * LANES + lane], block[STATES + 3 * LANES + lane]
+        q += block[forced + 4 * LANES + lane] * e + block[forced + 5 * LANES + lane] * d
+        p += block[forced + 6 * LANES + lane] * e + block[forced + 7 * LANES + lane] * d
+        block[swing + lane], block[swing + LANES + lane] = q, p
+
+
+@inlined
+def _take_step(block: FloatArray, switched: Optional, into: np.intp) -> None:
+    """Move the command up through the acceleration set, or down through the deceleration set."""
+    amplitude = 1.0 - 2.0 * into
+    new, old = STATES + 2 * into * LANES, STATES + 2 * (1 - into) * LANES
+    lags = LAGS + 2 * into * LANES
+    for lane in range(LANES):
+        e, d = block[new + lane], block[new + LANES + lane]
+        if switched is not None:
+            # One actuator: its state passes to the other set.
+            e, d = e + block[old + lane], d + block[old + LANES + lane]
+            block[old + lane] = block[old + LANES + lane] = 0.0
+        ideal = block[lags + lane] + block[lags + LANES + lane] == 0.0
+        block[new + lane] = 0.0 if ideal else e - amplitude
+        block[new + LANES + lane] = 0.0 if ideal else d
+    for k in range(4):
+        for lane in range(LANES):
+            block[AT_STEP + k * LANES + lane] = block[STATES + k * LANES + lane]
+    for f in range(FREQUENCIES):
+        for lane in range(LANES):
+            block[SWING + 2 * f * LANES + lane] -= amplitude
+
+
+@inlined
+def _end(block: FloatArray, f: np.intp) -> None:
+    """Replace the swing by its free part, turned back from the last step to the first."""
+    swing, forced = SWING + 2 * f * LANES, FORCED + 8 * f * LANES
+    for lane in range(LANES):
+        e, d = block[STATES + lane], block[STATES + LANES + lane]
+        q, p = block[swing + lane], block[swing + LANES + lane]
+        q -= block[forced + lane] * e + block[forced + LANES + lane] * d
+        p -= block[forced + 2 * LANES + lane] * e + block[forced + 3 * LANES + lane] * d
+        e, d = block[STATES + 2 * LANES + lane], block[STATES + 3 * LANES + lane]
+        q -= block[forced + 4 * LANES + lane] * e + block[forced + 5 * LANES + lane] * d
+        p -= block[forced + 6 * LANES + lane] * e + block[forced + 7 * LANES + lane] * d
+        z, root = block[DAMPING + lane], block[DAMPING + LANES + lane]
+        off = (1.0 - block[RATIOS + f * LANES + lane]) * block[DURATION + lane]
+        # The first step is the origin of V(w).
+        u, v = _little_turn(-z * off, root * off)
+        x, y = -q - z * p, root * p
+        block[swing + lane], block[swing + LANES + lane] = x * u - y * v, x * v + y * u
+
+
+@inlined
+def _write_results(block: FloatArray) -> None:
+    for lane in range(LANES):
+        x, y = block[SWING + lane], block[SWING + LANES + lane]
+        block[RESULTS + lane] = math.sqrt(x * x + y * y) / block[UNIT + lane]
+        x = block[SWING + 4 * LANES + lane] - block[SWING + 2 * LANES + lane]
+        y = block[SWING + 5 * LANES + lane] - block[SWING + 3 * LANES + lane]
+        apart = block[RATIOS + 2 * LANES + lane] - block[RATIOS + LANES + lane]
+        block[RESULTS + LANES + lane] = math.sqrt(x * x + y * y) / apart / block[UNIT + lane]
 
 
 @compiled
 def _prove(
-    switched: bool,
+    switched: Optional,
+    slopes: Optional,
     lags: FloatArray,
     w: FloatArray,
     times: FloatArray,
-    slopes: bool,
     out: FloatArray,
 ) -> None:
-    steps = times.shape[1]
-    count = 3 if slopes else 1
-    ratios, left = np.ones(3), np.empty(3, dtype=np.complex128)
-    forced = np.empty((3, 2, 4))
-    lag, swing = np.zeros((2, 2)), np.zeros((3, 2))
-    for m in range(times.shape[0]):
-        z = lags[m, 0]
-        root = math.sqrt(1.0 - z * z)
-        duration = w[m] * times[m, steps - 1]
-        step = STEP_PHASE_RAD / max(1.0, duration)
-        ratios[1], ratios[2] = 1.0 - step, 1.0 + step
-        for f in range(count):
-            for k in range(2):
-                _forced(z, ratios[f], lags[m, 1 + 2 * k], lags[m, 2 + 2 * k], forced[f, k])
-        # An unshaped step through the acceleration set.
-        q, p = -1.0, 0.0
-        if lags[m, 1] > 0.0 or lags[m, 2] > 0.0:
-            q, p = q + forced[0, 0, 0], p + forced[0, 0, 2]
-        unit = abs(complex(-q - z * p, root * p))
-        lag[:] = 0.0
-        swing[:] = 0.0
-        force = 0
-        for i in range(steps):
-            amplitude = 1.0 if i % 2 == 0 else -1.0
-            if i > 0:
-                gap = w[m] * (times[m, i] - times[m, i - 1])
-                decay = math.exp(-z * gap)
-                turn = complex(decay * math.cos(root * gap), decay * math.sin(root * gap))
-                for f in range(count):
-                    x = forced[f]
-                    # The free part of the swing turns by itself.
-                    q, p = swing[f, 0], swing[f, 1]
-                    for k in range(2):
-                        q -= x[k, 0] * lag[k, 0] + x[k, 1] * lag[k, 1]
-                        p -= x[k, 2] * lag[k, 0] + x[k, 3] * lag[k, 1]
-                    turned = turn
-                    if f > 0:
-                        turned *= _little_turn(complex(-z, root) * ((ratios[f] - 1.0) * gap))
-                    c, s = turned.real, turned.imag / root
-                    swing[f, 0], swing[f, 1] = c * q + s * (z * q + p), c * p - s * (q + z * p)
-                for k in range(2):
-                    if not switched or k == force:
-                        _relaxed(gap, lags[m, 1 + 2 * k], lags[m, 2 + 2 * k], lag[k])
-                for f in range(count):
-                    x = forced[f]
-                    for k in range(2):
-                        swing[f, 0] += x[k, 0] * lag[k, 0] + x[k, 1] * lag[k, 1]
-                        swing[f, 1] += x[k, 2] * lag[k, 0] + x[k, 3] * lag[k, 1]
-            into = i % 2
-            if switched and into != force:
-                # One actuator: its state passes to the other set.
-                lag[into, 0], lag[into, 1] = lag[force, 0], lag[force, 1]
-                lag[force, 0] = lag[force, 1] = 0.0
-            force = into
-            if lags[m, 1 + 2 * into] > 0.0 or lags[m, 2 + 2 * into] > 0.0:
-                lag[into, 0] -= amplitude
+    block = np.ones(LENGTH)
+    for start in range(0, times.shape[0], LANES):
+        for lane in range(LANES):
+            m = min(start + lane, times.shape[0] - 1)
+            z = lags[m, 0]
+            block[DAMPING + lane], block[DAMPING + LANES + lane] = z, math.sqrt(1.0 - z * z)
+            for k in range(4):
+                block[LAGS + k * LANES + lane] = lags[m, 1 + k]
+            block[DURATION + lane] = w[m] * times[m, times.shape[1] - 1]
+        _begin(block)
+        _write_forced(block, OWN, DECEL)
+        if slopes is not None:
+            _write_forced(block, BELOW, ACCEL)
+            _write_forced(block, BELOW, DECEL)
+            _write_forced(block, ABOVE, ACCEL)
+            _write_forced(block, ABOVE, DECEL)
+        _take_step(block, switched, ACCEL)
+        for i in range(1, times.shape[1]):
+            for lane in range(LANES):
+                m = min(start + lane, times.shape[0] - 1)
+                block[GAP + lane] = w[m] * (times[m, i] - times[m, i - 1])
+            rising = i % 2 == 0
+            if switched is None or not rising:
+                _relax(block, ACCEL)
+            if switched is None or rising:
+                _relax(block, DECEL)
+            _begin_turn(block)
+            _swing(block, OWN)
+            if slopes is not None:
+                _swing(block, BELOW)
+                _swing(block, ABOVE)
+            if rising:
+                _take_step(block, switched, ACCEL)
             else:
-                lag[into, 0] = lag[into, 1] = 0.0
-            for f in range(count):
-                swing[f, 0] -= amplitude
-        for f in range(count):
-            x = forced[f]
-            q, p = swing[f, 0], swing[f, 1]
-            for k in range(2):
-                q -= x[k, 0] * lag[k, 0] + x[k, 1] * lag[k, 1]
-                p -= x[k, 2] * lag[k, 0] + x[k, 3] * lag[k, 1]
-            left[f] = complex(-q - z * p, root * p)
-        out[m, 0] = abs(left[0]) / unit
-        out[m, 1] = np.nan
-        if slopes:
-            for f in range(1, 3):
-                # From the last step back to the first, the origin of V(w).
-                off = (1.0 - ratios[f]) * duration
-                left[f] *= _little_turn(complex(-z, root) * off)
-            out[m, 1] = abs(left[2] - left[1]) / (2.0 * step) / unit
+                _take_step(block, switched, DECEL)
+        _end(block, OWN)
+        if slopes is not None:
+            _end(block, BELOW)
+            _end(block, ABOVE)
+        _write_results(block)
+        for lane in range(min(LANES, times.shape[0] - start)):
+            out[start + lane, 0] = block[RESULTS + lane]
+            out[start + lane, 1] = np.nan if slopes is None else block[RESULTS + LANES + lane]
 
 
 def proven(
@@ -195,5 +360,12 @@ def proven(
         Residual and slope, shape (m, 2) [-]; slopes are not numbers if not asked for.
     """
     out = np.empty((len(times_s), 2))
-    _prove(switched, lags, natural_frequencies_rad_s, times_s, slopes, out)
+    _prove(
+        True if switched else None,
+        True if slopes else None,
+        lags,
+        natural_frequencies_rad_s,
+        times_s,
+        out,
+    )
     return out

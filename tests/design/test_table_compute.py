@@ -1,6 +1,12 @@
 """Rows of tables against single designs."""
 
+import importlib
+import os
+import platform
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +20,7 @@ from design.shapers.kind import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS
 from design.solvers.newton import roots
 from design.solvers.search import spread_starts
-from design.tables import compute, kernel
+from design.tables import compute, kernel, starts
 from design.tables.compiled import compiled
 from design.tables.compute import compute_rows, counted_rows
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED
@@ -23,6 +29,8 @@ from tests.shaper_table import CRANE, THESIS
 from tests.table_cases import random_table
 
 MODELS: tuple[Model, ...] = ("superposed", "switched")
+
+ROOT = Path(__file__).parents[2]
 
 SAME = 1e-10
 """Times agree to this share of the duration: IPOPT's tolerance is 1e-12."""
@@ -101,6 +109,47 @@ def test_rows_do_not_depend_on_where_a_run_begins() -> None:
     assert [part.first for part in parts] == list(range(0, 56, 7))
 
 
+PRINT_CHECKSUM = """
+import zlib
+from dataclasses import replace
+from design.tables.compute import counted_rows
+from tests.table_cases import random_table
+
+table = random_table(300, 3, order=2)
+table = replace(table, listed=table.listed.round(6))  # made by the library's exponential
+rows, counts = counted_rows(table, 0, 300)
+print(counts.compiled, zlib.crc32(rows.results.tobytes()))
+"""
+
+
+def test_compiled_rows_are_the_same_to_the_bit_on_any_kind_of_machine(tmp_path: Path) -> None:
+    """Here, and on an older machine: narrow vectors, no fused multiply-adds.
+
+    Some of the rows come from the search of all branches.
+    """
+    umath: Any = importlib.import_module("numpy._core._multiarray_umath")
+    newer = [name for name in umath.__cpu_dispatch__ if umath.__cpu_features__[name]]
+    plain = {
+        "NPY_DISABLE_CPU_FEATURES": ",".join(newer),
+        "NUMBA_CPU_NAME": "generic",
+        "NUMBA_CPU_FEATURES": "-avx" if platform.machine() == "x86_64" else "",
+        "NUMBA_CACHE_DIR": str(tmp_path),
+    }
+    printed = [
+        subprocess.run(
+            [sys.executable, "-c", PRINT_CHECKSUM],
+            env=os.environ | {"PYTHONPATH": str(ROOT)} | changes,
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=300,
+        ).stdout
+        for changes in ({}, plain)
+    ]
+    assert printed[0].startswith("300 ")
+    assert printed[1] == printed[0]
+
+
 def test_almost_all_rows_are_compiled_and_some_are_guarded() -> None:
     rows, counts = counted_rows(random_table(4000, 9, order=1), 0, 4000)
     assert (rows.status == VERIFIED).all()
@@ -158,7 +207,7 @@ def test_a_wrong_branch_is_found_by_the_guard(monkeypatch: pytest.MonkeyPatch) -
     ends = roots(problem.model, spread_starts(problem), problem.parameters)
     usable = ends.unknowns[ends.converged & (ends.unknowns > 1e-2).all(axis=1)]
     slower = usable[usable.sum(axis=1) > 1.1 * right.results[0, 4] * plant.mode.pole_rad_s.imag][:1]
-    found = np.array([kernel.FOUND], dtype=np.int8)
+    found = np.array([starts.FOUND], dtype=np.int8)
     monkeypatch.setattr(kernel, "solved", lambda *_, **__: (slower, found))
     unguarded, counts = counted_rows(table, 0, 1)
     assert counts.compiled == 1
@@ -184,6 +233,30 @@ def test_a_function_that_cannot_be_cached_is_compiled_all_the_same() -> None:
     names: dict[str, Any] = {}
     exec("def twice(x):\n    return 2 * x\n", names)
     assert compiled(names["twice"])(21) == 42
+
+
+HELPER = """
+from design.tables.compiled import compiled
+FACTOR = {factor}
+@compiled
+def helper(x):
+    return FACTOR * x
+"""
+
+
+def test_the_machine_code_of_a_function_is_not_found_again_when_one_that_it_calls_has_changed() -> (
+    None
+):
+    """Numba looks at the caller's file alone: the name under which it files must tell."""
+
+    def filed(factor: float) -> str:
+        names: dict[str, Any] = {}
+        exec(HELPER.format(factor=factor), names)
+        exec("def caller(x):\n    return helper(x)\n", names)
+        return str(compiled(names["caller"]).py_func.__qualname__)
+
+    assert filed(2.0) == filed(2.0)
+    assert filed(2.0) != filed(3.0)
 
 
 def test_what_the_kernel_does_not_know_runs_through_the_pipeline() -> None:
