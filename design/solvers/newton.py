@@ -162,7 +162,19 @@ def _run(
         lanes = np.nan_to_num(jacobians[going], nan=0.0, posinf=0.0, neginf=0.0)
         largest = np.abs(lanes).max(axis=(1, 2), keepdims=True)
         regular = lanes + np.maximum(1e-14 * largest, 1e-300) * np.eye(unknowns.shape[1])
-        steps = np.linalg.solve(regular, values[going][..., None])[..., 0]
+        steps = _solved(regular, values[going])
         longest = np.abs(steps).max(axis=1, keepdims=True)
         unknowns[active] -= steps * np.minimum(1.0, LARGEST_STEP_RAD / np.maximum(longest, 1e-300))
     return unknowns, misses
+
+
+def _solved(matrices: FloatArray, values: FloatArray) -> FloatArray:
+    """Return the solution of each system, shape (m, n); by least squares if one is singular still.
+
+    Where all impulses are nearly at one time the hair may be what a lane was short of singular by.
+    """
+    try:
+        found: FloatArray = np.linalg.solve(matrices, values[..., None])[..., 0]
+    except np.linalg.LinAlgError:
+        found = (np.linalg.pinv(matrices) @ values[..., None])[..., 0]
+    return found
