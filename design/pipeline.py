@@ -232,6 +232,8 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
             ) from None
         if unverified is None:
             raise
+    if unverified is None:
+        raise SolverFailedError(f"no solution of {kind.name} was found, and none was excluded")
     raise SolverFailedError(
         f"no solution of {kind.name} was verified; of the last one {shortfall_of(unverified)}"
     )

@@ -1,7 +1,7 @@
 """Random plants, actuators and options, the latter for any kind of shaper by its own record.
 
-Case ``n`` is the same in every run. A kind that is added to the registry is drawn too: nothing here
-names one but to draw the slow ones less often.
+Case ``n`` is the same in every run with the same registry. A kind that is added to that is drawn
+too: nothing here names one but to draw the slow ones less often.
 """
 
 import dataclasses

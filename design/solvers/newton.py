@@ -150,8 +150,8 @@ def _steps(jacobians: FloatArray, values: FloatArray) -> FloatArray:
     try:
         steps: FloatArray = np.linalg.solve(jacobians, values[..., None])[..., 0]
     except np.linalg.LinAlgError:
-        # Two unknowns that have become one leave a pair of rows and columns alike, which no hair
-        # tells apart: the shortest step keeps such a lane from stopping the others.
+        # Two unknowns that have become one, or all impulses nearly at one time, which a hair on
+        # the diagonal may be short of singular by: the shortest step stops no other lane.
         steps = (np.linalg.pinv(jacobians) @ values[..., None])[..., 0]
     return steps
 

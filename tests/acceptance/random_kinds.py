@@ -3,7 +3,7 @@
     python -m tests.acceptance.random_kinds 20000 --workers 1
 
 designs as many cases of `tests.random_cases`, prints counts, refusals by reason and the slowest,
-and exits 1 if anything is wrong. Case ``n`` is the same in every run; ``--first n`` begins there.
+and exits 1 if anything is wrong. ``--first n`` begins at another case, ``--longest-s`` ends early.
 The suite runs the first of them.
 """
 

@@ -234,3 +234,10 @@ def test_equations_of_any_size_stop_no_lane(size: float) -> None:
     )
     with suppress(InfeasibleDesignError):
         next(candidates(problem))
+
+
+def test_starts_at_nearly_one_time_stop_no_lane_with_a_singular_matrix() -> None:
+    # Of one in 7,000 random designs: what keeps a lane from being singular made it so.
+    mode = Mode(natural_frequency_rad_s=2.867163710933035, damping_ratio=0.045023914989145354)
+    with pytest.raises(InfeasibleDesignError, match=r"duration <= 0\.1 periods in 1026 starts"):
+        next(candidates(formulated(IDEAL, mode=mode, periods=0.1)))
