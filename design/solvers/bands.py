@@ -397,6 +397,8 @@ def _newton(problem: BandProblem, point: _Point, tolerance: float) -> _Point | N
             change = np.linalg.solve(jacobian, -value)
         except np.linalg.LinAlgError:
             return None
+        if not np.isfinite(change).all():
+            return None
         lag_change = np.concatenate(([0.0], change[: n - 1]))
         # Impulses keep their order: no gap more than halves.
         shrink = -np.diff(lag_change) / np.diff(lags)
@@ -410,7 +412,7 @@ def _newton(problem: BandProblem, point: _Point, tolerance: float) -> _Point | N
             amplitudes += change[at_amplitudes:at_ratios]
         ratios[inner] += change[at_ratios:at_weights]
         weights += change[at_weights:]
-        if not np.isfinite(change).all() or lags[-1] > 2 * point.lags[-1]:
+        if lags[-1] > 2 * point.lags[-1]:
             return None
         if scale == 1 and np.abs(change[:at_weights]).max() < CONVERGED * max(1.0, lags[-1]):
             return _Point(
