@@ -314,6 +314,8 @@ def _switches(
 # ---------------------------------------------------------------- Newton's method
 
 
+# Where it diverges, numbers overflow: what is not finite then ends it.
+@np.errstate(over="ignore", invalid="ignore")
 def _newton(problem: BandProblem, point: _Point, tolerance: float) -> _Point | None:
     """Solve the conditions of optimality from a point near by; None where that fails.
 
