@@ -16,11 +16,12 @@ BAND_STEP_RAD = 0.1
 FEWEST_IN_BAND = 33
 """Points at which a band is looked at, at least."""
 
-MISSED = 2e-3
+MISSED = 5e-3
 """How far a peak may be above the points beside it, over the sum of the steps' sizes [-].
 
 ``|V''|`` is at most that sum times the phase squared, which over half of `BAND_STEP_RAD` makes
-1.3e-3; an actuator's own slopes add to the phase. A peak further below the largest is not it.
+1.3e-3; one set of an actuator may pass on a few times what the other does, and its own slopes add
+to the phase. A peak further below the largest is not it.
 """
 
 BLOCK = 100_000

@@ -33,8 +33,11 @@ Steps of shapers for asymmetric actuators would change their sets.
 IMPULSES_OVER_A_BAND = {EI.name: 3, TWO_HUMP_EI.name: 4, THREE_HUMP_EI.name: 5}
 """Impulses of the bases that promise a band."""
 
-MOST_OVER_A_BAND = 1024
-"""Impulses of which a band is proven: their simulation over it takes seconds for each mode."""
+FREQUENCIES_A_RADIAN = 10.0
+"""Frequencies at which a band as wide as its middle is simulated, a radian of the duration."""
+
+MOST_OVER_A_BAND = 5e6
+"""Impulses times frequencies over which bands are proven: a dozen seconds of simulation."""
 
 
 def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> JointProblem:
@@ -106,14 +109,18 @@ class ConvolvedOptions:
             ToleranceOptions(tolerance=self.tolerance)
 
 
-def _require_provable(base: ShaperKind, modes: int) -> None:
-    impulses = IMPULSES_OVER_A_BAND.get(base.name, 0) ** modes
-    if impulses > MOST_OVER_A_BAND:
+def _require_provable(base: ShaperKind, modes: tuple[Mode, ...]) -> None:
+    each = IMPULSES_OVER_A_BAND.get(base.name, 0)
+    duration = sum((each - 1) / 2 * mode.period_s for mode in modes)
+    radians = sum(duration * mode.natural_frequency_rad_s for mode in modes)
+    impulses, frequencies = each ** len(modes), FREQUENCIES_A_RADIAN * radians
+    if impulses * frequencies > MOST_OVER_A_BAND:
         raise InvalidInputError(
             "shaper.base",
             base.name,
-            f"of fewer impulses for {modes} modes: convolved they are {impulses}, and a band is "
-            f"proven of at most {MOST_OVER_A_BAND}",
+            f"of fewer impulses for these {len(modes)} modes: convolved they are {impulses}, to be "
+            f"simulated at some {frequencies:.0f} frequencies to prove their bands, and at most "
+            f"{MOST_OVER_A_BAND:.0e} in all are",
         )
 
 
@@ -122,7 +129,7 @@ def convolved(
 ) -> Convolution:
     """Formulate a shaper for each mode, each shaping the steps of the one before."""
     base = BASES[options.base]
-    _require_provable(base, len(modes))
+    _require_provable(base, modes)
     own = base.options()
     if options.tolerance is not None:
         own = ToleranceOptions(tolerance=options.tolerance)

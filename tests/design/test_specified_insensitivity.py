@@ -395,3 +395,15 @@ def test_no_random_start_of_slsqp_finds_a_shorter_one_than_the_bound(seed: int) 
         # It keeps 60 frequencies only: between them it may be above by (h w t / 60)^2 / 8.
         assert solved.x[0] >= made.solver.lower_bound_s * (1 - 2e-3)
     assert found > 0
+
+
+def test_no_tolerance_is_offered_instead_where_no_optimum_is_found() -> None:
+    with pytest.raises(InfeasibleDesignError, match=r"no shorter one was found") as caught:
+        si(
+            amplitudes="negative",
+            tolerance=0.00452592590809295,
+            lowest_command=-5.733654696229451,
+            highest_command=11.0,
+            max_duration_periods=0.907673225109539,
+        )
+    assert "or a tolerance" not in str(caught.value)

@@ -87,7 +87,7 @@ class _Places:
         return self.peaks + self.inner.size + (n - 2) + (n + 1 if self.free else 1)
 
 
-# A start that runs away overflows before the change is seen not to be finite.
+# Where it diverges, numbers overflow: what is not finite then ends it.
 @np.errstate(over="ignore", invalid="ignore")
 def solved(problem: BandProblem, point: Point, tolerance: float) -> Point | None:
     """Solve the conditions of optimality from a point near by; None where that fails.
@@ -113,12 +113,14 @@ def solved(problem: BandProblem, point: Point, tolerance: float) -> Point | None
             change = np.linalg.solve(jacobian, -value)
         except np.linalg.LinAlgError:
             return None
+        if not np.isfinite(change).all():
+            return None
         lag_change = np.concatenate(([0.0], change[: places.impulses - 1]))
         scale = _shortened(problem, now, lag_change, change[places.ratios])
         change *= scale
         now = _moved(now, places, scale * lag_change, change)
         longest = float(now.lags[-1])
-        if not np.isfinite(change).all() or longest > 2 * point.lags[-1]:
+        if longest > 2 * point.lags[-1]:
             return None
         farthest = float(np.abs(change[: places.ratios.stop]).max())
         if scale == 1 and farthest < CONVERGED * max(1.0, longest):
