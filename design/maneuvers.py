@@ -17,12 +17,13 @@ from design.analysis.certificate import Certificate, certify, zeros
 from design.analysis.residual import residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
-from design.pipeline import DesignWarning, design, shortfall_of, solutions, warnings_of
+from design.pipeline import DesignWarning, design, shortfall_of, warnings_of
 from design.plants import Mode, Plant
 from design.responses import travel
 from design.rest_to_rest import Parts, faster_as_one, over_distance, over_pulse, with_swing
 from design.shapers.kind import PeakOptions, SettleOptions, ShaperKind
 from design.shapers.unity_magnitude import PERIOD_RAD
+from design.solutions import solutions
 from design.swings import InitialSwing, free_swing
 from design.types import LARGEST, SMALLEST, require_scale
 
