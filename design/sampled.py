@@ -12,16 +12,23 @@ from typing import Literal
 import numpy as np
 
 from design.actuators import Actuator
-from design.analysis.certificate import LIMITS, Certificate, Claim, certify, zeros
-from design.analysis.residual import require_workable, residual_vibration
+from design.analysis.certificate import LIMITS, Certificate, certify, zeros
+from design.analysis.residual import require_workable, residual_curve, residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
-from design.pipeline import Design, warnings_of
+from design.pipeline import Design, DesignWarning, shortfall_of, warnings_of
 from design.plants import Mode
 from design.sample_grid import carried, nearest, on_samples, shared, split
 from design.shapers.kind import Quantity
+from design.shapers.problem import within
 from design.types import FloatArray, require_between
-from design.unity_grid import is_unity, left_of_many, more_impulses_on_grid, unity_on_grid
+from design.unity_grid import (
+    Band,
+    is_unity,
+    left_of_many,
+    more_impulses_on_grid,
+    unity_on_grid,
+)
 
 __all__ = [
     "Sampled",
@@ -56,6 +63,17 @@ AGREEMENT = 1e-9
 """Relative difference of two routes to one residual that is rounding [-]."""
 
 
+CHECKED_IN_BAND = 2001
+"""Frequencies at which a formula looks at a band, ends included."""
+
+BAND_AGREEMENT = 1e-3
+"""What a peak may be above the highest of those, over it [-].
+
+From one to the next a shaper of three periods turns by .01 rad, and between them is a peak higher
+by the square of that: the rest is room for longer ones.
+"""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tried:
     """The best command of unity magnitude with one number of impulses.
@@ -70,7 +88,8 @@ class Tried:
         What it leaves with the actuator given [-].
     compared
         By what it was chosen: the residual, and where zero slope is claimed ``0.05 |dV/d ln w|``
-        more, to first order the most that 5 % of error in frequency leaves [-].
+        more, to first order the most that 5 % of error in frequency leaves; where a tolerance is
+        claimed over a band, the largest residual over that [-].
     """
 
     impulses: int
@@ -131,13 +150,15 @@ def sample(
     claims: Collection[Quantity],
     *,
     tolerance: float | None = None,
+    band: Band | None = None,
 ) -> Sampled:
     """Bring a shaper to a sample grid by the method that suits it.
 
     Amplitudes of one sign that claim a zero are solved for (`exact_positive`), or where no
     amplitudes do it, or nothing is claimed, shared (`split`). Others are kept (`unity_on_grid`);
     where unity magnitude then leaves more than the tolerance, two, four, six impulses are added
-    (`more_impulses_on_grid`) until it does not, and where none does not the least is taken.
+    (`more_impulses_on_grid`) until it does not, and where none does not the least is taken. For a
+    band the samples are chosen by what is left over it, and no impulses are added.
 
     Parameters
     ----------
@@ -153,6 +174,8 @@ def sample(
     tolerance
         What unity magnitude may leave at most before impulses are added, 0 to 1: the residual, and
         with ``slope`` in the claims ``0.05 |dV/d ln w|`` more [-]. None adds none.
+    band
+        The band of frequencies over which the shaper keeps a tolerance; None where it keeps none.
 
     Returns
     -------
@@ -179,7 +202,13 @@ def sample(
     tried: tuple[Tried, ...] = ()
     if not _of_one_sign(impulses):
         found, tried = _of_unity(
-            impulses, mode, actuator, sample_time_s, slope="slope" in claims, tolerance=tolerance
+            impulses,
+            mode,
+            actuator,
+            sample_time_s,
+            slope="slope" in claims,
+            tolerance=tolerance,
+            band=band,
         )
         more = found.times_s.size > impulses.times_s.size
         method = "more_impulses_on_grid" if more else "unity_on_grid"
@@ -221,18 +250,19 @@ def _of_unity(
     *,
     slope: bool,
     tolerance: float | None,
+    band: Band | None,
 ) -> tuple[Impulses, tuple[Tried, ...]]:
     """Return the fewest impulses within the tolerance, or those that leave least, and all tried."""
-    commands = [unity_on_grid(impulses, mode, actuator, sample_time_s, slope=slope)]
-    left = [_compared(commands[0], mode, actuator, slope=slope)]
+    commands = [unity_on_grid(impulses, mode, actuator, sample_time_s, slope=slope, band=band)]
+    left = [_compared(commands[0], mode, actuator, slope=slope, band=band)]
     if tolerance is not None:
         require_between("sample_tolerance", tolerance, 0.0, 1.0)
-        if left[0] > tolerance and is_unity(impulses):
+        if band is None and left[0] > tolerance and is_unity(impulses):
             for command in more_impulses_on_grid(
                 impulses, mode, actuator, sample_time_s, slope=slope, tolerance=tolerance
             ):
                 commands.append(command)
-                left.append(_compared(command, mode, actuator, slope=slope))
+                left.append(_compared(command, mode, actuator, slope=slope, band=None))
                 if left[-1] <= tolerance:
                     break
     tried = tuple(
@@ -248,9 +278,11 @@ def _of_unity(
     return commands[int(np.argmin(left))], tried
 
 
-def _compared(impulses: Impulses, mode: Mode, actuator: Actuator, *, slope: bool) -> float:
-    times = impulses.times_s[None]
-    return float(left_of_many(times, impulses.amplitudes, mode, actuator, slope=slope)[0])
+def _compared(
+    impulses: Impulses, mode: Mode, actuator: Actuator, *, slope: bool, band: Band | None
+) -> float:
+    times, amplitudes = impulses.times_s[None], impulses.amplitudes
+    return float(left_of_many(times, amplitudes, mode, actuator, slope=slope, band=band)[0])
 
 
 def sampled_design(
@@ -258,32 +290,56 @@ def sampled_design(
     mode: Mode,
     actuator: Actuator,
     sample_time_s: float,
-    claims: Collection[Quantity],
     *,
     tolerance: float | None = None,
 ) -> tuple[Design, Sampled]:
-    """Return a design brought to a sample grid, its certificate proving the residual it tells.
+    """Return a design brought to a sample grid, its certificate proving what it tells.
 
-    What a sampled shaper leaves is told by formula; the certificate recomputes it by simulation,
-    with the actuator given. The parameters are those of `sample`.
+    What a sampled shaper leaves, at the nominal frequency and over the band of the shaper's own
+    claim if it has one, is told by formula; the certificate recomputes it by simulation, with the
+    actuator given. The parameters are those of `sample`.
     """
+    kept = continuous.certificate.over_band
     sampled = sample(
-        continuous.impulses, mode, actuator, sample_time_s, claims, tolerance=tolerance
+        continuous.impulses,
+        mode,
+        actuator,
+        sample_time_s,
+        continuous.certificate.zeros,
+        tolerance=tolerance,
+        band=None if kept is None else kept.band,
     )
-    (simulated,) = certify(sampled.impulses, mode, actuator, zeros(["residual"])).claims
-    limit = sampled.residual * (1 + AGREEMENT) + LIMITS["residual"]
-    claim = Claim(quantity="residual", value=simulated.value, limit=limit)
+    limits = [sampled.residual * (1 + AGREEMENT) + LIMITS["residual"]]
+    asked = zeros(["residual"])
+    if kept is not None and kept.band is not None:
+        ratios = np.linspace(*kept.band, CHECKED_IN_BAND)
+        largest = float(residual_curve(sampled.impulses, mode, actuator, ratios).max())
+        limits.append(largest * (1 + BAND_AGREEMENT))
+        asked = (*asked, within(limits[-1], kept.band))
+    simulated = certify(sampled.impulses, mode, actuator, asked).claims
+    claims = tuple(
+        replace(claim, limit=limit) for claim, limit in zip(simulated, limits, strict=True)
+    )
+    warnings = list(warnings_of(sampled.impulses, mode, actuator))
+    if kept is not None and claims[-1].value > kept.limit * (1 + BAND_AGREEMENT):
+        warnings.append(
+            DesignWarning(
+                code="tolerance_not_kept",
+                detail=f"on samples the residual over the band is up to {claims[-1].value:.4g}, "
+                f"more than the tolerance of {kept.limit:g}: take a shorter sample time, or design "
+                "for a smaller tolerance",
+            )
+        )
     proven = replace(
         continuous,
         impulses=sampled.impulses,
         residuals=(sampled.residual,),
-        certificate=Certificate(claims=(claim,)),
-        warnings=tuple(warnings_of(sampled.impulses, mode, actuator)),
+        certificate=Certificate(claims=claims),
+        warnings=tuple(warnings),
     )
     if not proven.certificate.verified:
         raise SolverFailedError(
-            f"the residual of the sampled shaper, {sampled.residual:.3g}, is {claim.value:.3g} "
-            "when simulated"
+            f"the sampled shaper is not what a formula says: {shortfall_of(proven.certificate)}"
         )
     return proven, sampled
 

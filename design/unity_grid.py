@@ -20,6 +20,9 @@ from design.plants import Mode
 from design.sample_grid import IntArray, require_gaps, rounded
 from design.types import ComplexArray, FloatArray
 
+Band = tuple[float, float]
+"""Ends of a band of frequencies, over the nominal one [-]."""
+
 WIDEST_REACH = 4
 """Samples on each side of an impulse that are looked at [-]."""
 
@@ -31,6 +34,9 @@ FREQUENCY_ERROR = 0.05
 
 DIFFERENCE = 1e-5
 """Relative step of the central difference in frequency: its error and rounding are 1e-10 [-]."""
+
+BAND_POINTS = 17
+"""Frequencies at which what is left over a band is compared [-]."""
 
 TIE = 1e-12
 """Shapers this near in what they leave are equally good: it is rounding [-]."""
@@ -72,14 +78,21 @@ SHORT_REACH = 2
 
 
 def unity_on_grid(
-    impulses: Impulses, mode: Mode, actuator: Actuator, sample_time_s: float, *, slope: bool
+    impulses: Impulses,
+    mode: Mode,
+    actuator: Actuator,
+    sample_time_s: float,
+    *,
+    slope: bool,
+    band: Band | None = None,
 ) -> Impulses:
     """Return the impulses with amplitudes unchanged, at the best whole samples around them.
 
     Compared is every choice of samples, up to four on each side of the nearest (fewer for more
     than five impulses), in order. The first impulse stays at its nearest sample: all of them later
     by a sample leave the same. What is minimised is the residual |V|, and with ``slope``
-    ``|V| + 0.05 |dV/d ln w|``: to first order the most that 5 % of error in frequency leaves.
+    ``|V| + 0.05 |dV/d ln w|``: to first order the most that 5 % of error in frequency leaves. With
+    a band it is the largest residual over that.
 
     Parameters
     ----------
@@ -91,6 +104,8 @@ def unity_on_grid(
         Sample time, > 0, at most the shortest gap between two impulses [s].
     slope
         Whether the slope in frequency counts too.
+    band
+        Lowest and highest ratio of true and nominal frequency that count; None for 1 alone [-].
 
     Returns
     -------
@@ -107,7 +122,11 @@ def unity_on_grid(
     require_workable(mode, actuator)
     require_gaps(impulses, sample_time_s)
     samples = _choices(rounded(impulses.times_s / sample_time_s))
-    left = left_of_many(samples * sample_time_s, impulses.amplitudes, mode, actuator, slope=slope)
+    times = samples * sample_time_s
+    if band is None:
+        left = left_of_many(times, impulses.amplitudes, mode, actuator, slope=slope)
+    else:
+        left = _left_over_band(times, impulses.amplitudes, mode, actuator, band)
     chosen = samples[_shortest(samples, np.flatnonzero(left <= left.min() + TIE))]
     return Impulses(times_s=chosen * sample_time_s, amplitudes=impulses.amplitudes)
 
@@ -178,7 +197,13 @@ def more_impulses_on_grid(
 
 
 def left_of_many(
-    times_s: FloatArray, amplitudes: FloatArray, mode: Mode, actuator: Actuator, *, slope: bool
+    times_s: FloatArray,
+    amplitudes: FloatArray,
+    mode: Mode,
+    actuator: Actuator,
+    *,
+    slope: bool,
+    band: Band | None = None,
 ) -> FloatArray:
     """Return what `unity_on_grid` minimises of many shapers, times of shape (m, n): shape (m,)."""
     lag = actuator.accel_lag
@@ -192,11 +217,53 @@ def left_of_many(
         vectors: ComplexArray = vectors_of_many(times_s, amplitudes, poles, actuator) * turn * unit
         return vectors
 
+    if band is not None:
+        ratios = np.linspace(*band, BAND_POINTS)
+        return _largest_at(times_s, amplitudes, mode, actuator, ratios)
     left: FloatArray = np.abs(vibration(1.0))
     if slope:
         change = vibration(1 + DIFFERENCE) - vibration(1 - DIFFERENCE)
         left = left + FREQUENCY_ERROR * np.abs(change) / (2 * DIFFERENCE)
     return left
+
+
+def _largest_at(
+    times_s: FloatArray,
+    amplitudes: FloatArray,
+    mode: Mode,
+    actuator: Actuator,
+    ratios: FloatArray,
+) -> FloatArray:
+    """Return the largest residual of each of many shapers at some ratios of frequency."""
+    largest: FloatArray = np.zeros(len(times_s))
+    for ratio in ratios.tolist():
+        poles = np.full(len(times_s), mode.pole_rad_s * ratio)
+        left = np.abs(vectors_of_many(times_s, amplitudes, poles, actuator))
+        largest = np.maximum(largest, left)
+    return largest
+
+
+def _left_over_band(
+    times_s: FloatArray, amplitudes: FloatArray, mode: Mode, actuator: Actuator, band: Band
+) -> FloatArray:
+    """Return the largest residual over a band of those shapers that may leave least, inf of others.
+
+    What one leaves at three frequencies it leaves at all of them, at least.
+    """
+    least = _largest_at(times_s, amplitudes, mode, actuator, np.linspace(*band, 3))
+    order = np.argsort(least, kind="stable")
+    largest: FloatArray = np.full(len(times_s), np.inf)
+
+    def look_at(ones: IntArray) -> None:
+        if ones.size:
+            largest[ones] = left_of_many(
+                times_s[ones], amplitudes, mode, actuator, slope=False, band=band
+            )
+
+    look_at(order[:WANTED])
+    others = order[WANTED:]
+    look_at(others[least[others] <= largest.min()])
+    return largest
 
 
 def _left_at(

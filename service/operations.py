@@ -26,7 +26,7 @@ from design.motions import motion
 from design.pipeline import Design, design
 from design.plants import MOST_MODES, Mode, Modes, Plant, Scheduled
 from design.recommendations.recommendation import recommend
-from design.sampled import sample, sampled_design
+from design.sampled import sampled_design
 from design.shapers.registry import SHAPERS
 from design.types import SMALLEST
 from schemas.actuators import ActuatorIn
@@ -184,7 +184,6 @@ def _designed(
                 plant.mode,
                 actuator,
                 sample_time_s,
-                found.certificate.zeros,
                 tolerance=request.shaper.grid_tolerance(),
             )
         told = SampledOut.from_design(sampled, continuous)
@@ -272,14 +271,14 @@ def _impulses(
     if shaper.sample_time_s is None:
         return found.impulses
     with named("shaper"):
-        return sample(
-            found.impulses,
+        sampled, _ = sampled_design(
+            found,
             plant.mode,
             actuator,
             shaper.sample_time_s,
-            found.certificate.zeros,
             tolerance=shaper.grid_tolerance(),
-        ).impulses
+        )
+    return sampled.impulses
 
 
 def whole_move(request: ManeuverRequest) -> ManeuverResponse:

@@ -106,6 +106,11 @@ class Certificate:
         """What is claimed to be nothing."""
         return tuple(claim.quantity for claim in self.claims if claim.is_zero)
 
+    @property
+    def over_band(self) -> Claim | None:
+        """What is claimed over a band of frequencies, if anything is."""
+        return next((claim for claim in self.claims if claim.band is not None), None)
+
 
 def zeros(quantities: Iterable[Quantity]) -> tuple[Promise, ...]:
     """Return the promises that each of the quantities is zero."""

@@ -169,7 +169,6 @@ def made(choice: Choice, question: Question) -> Designed:
             modes[0],
             actuator,
             asked.sample_time_s,
-            found.certificate.zeros,
             tolerance=SAMPLE_TOLERANCE,
         )
     return Designed(

@@ -20,13 +20,14 @@ from design.sampled import (
     exact_positive,
     nearest,
     sample,
+    sampled_design,
     split,
     unity_on_grid,
 )
 from design.shapers.kind import Quantity
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
-from tests.routes import claims_by_formula
+from tests.routes import claims_by_formula, largest_in_band_by_formula
 from tests.shaper_table import CRANE, FIRST_ORDER, THESIS
 
 PRINTER = Mode(natural_frequency_rad_s=2 * math.pi * 7.3, damping_ratio=0.05)
@@ -475,3 +476,45 @@ def test_amplitudes_of_both_signs_are_not_solved_for() -> None:
     umzv = designed("umzv", PRINTER, Ideal())
     with pytest.raises(InvalidInputError, match=r"amplitudes must be of one sign"):
         exact_positive(umzv, PRINTER, Ideal(), SAMPLE_S)
+
+
+@pytest.mark.parametrize("actuator", [Ideal(), THESIS], ids=["ideal", "thesis"])
+@pytest.mark.parametrize("sample_time_s", [0.01, 0.04])
+@pytest.mark.parametrize("kind", ["num_si", "num_ei"])
+def test_of_all_samples_around_it_a_shaper_over_a_band_takes_those_that_leave_least_in_it(
+    kind: str, sample_time_s: float, actuator: Actuator
+) -> None:
+    mode = CRANE.mode
+    made = design(mode, actuator, SHAPERS[kind])
+    band = made.certificate.claims[-1].band
+    assert band is not None
+    found, told = sampled_design(made, mode, actuator, sample_time_s, tolerance=0.01)
+    assert found.certificate.verified
+    over_band = found.certificate.claims[-1]
+    assert over_band.band == band
+    left = largest_in_band_by_formula(found.impulses, mode, actuator, band, 401)
+    assert left == pytest.approx(over_band.value, rel=1e-4)
+    # Any impulse but the first a sample or two earlier or later leaves more.
+    for moves in itertools.product(range(-2, 3), repeat=2):
+        for pair in itertools.combinations(range(1, found.impulses.times_s.size), 2):
+            samples = np.array(told.samples)
+            samples[list(pair)] += moves
+            if (np.diff(samples) > 0).all():
+                other = Impulses(
+                    times_s=samples * sample_time_s, amplitudes=found.impulses.amplitudes
+                )
+                more = largest_in_band_by_formula(other, mode, actuator, band, 17)
+                assert more >= told.tried[0].compared * (1 - 1e-9)
+
+
+def test_a_tolerance_that_samples_do_not_keep_is_told() -> None:
+    made = design(PRINTER, Ideal(), SHAPERS["num_si"])
+    kept, _ = sampled_design(made, PRINTER, Ideal(), 0.001, tolerance=0.01)
+    assert kept.certificate.claims[-1].value <= 0.05
+    assert not [warning for warning in kept.warnings if warning.code == "tolerance_not_kept"]
+    lost, _ = sampled_design(made, PRINTER, Ideal(), 0.005, tolerance=0.01)
+    [told] = [warning for warning in lost.warnings if warning.code == "tolerance_not_kept"]
+    assert lost.certificate.verified
+    assert (
+        f"{lost.certificate.claims[-1].value:.4g}, more than the tolerance of 0.05" in told.detail
+    )
