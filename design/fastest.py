@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 from design.analysis.exclusion import excludes
 from design.errors import InfeasibleDesignError
 from design.shapers.problem import BandProblem, Obstacle
-from design.solvers.convex_band.duration import first_duration_rad, require_solvable
+from design.shapers.unity_magnitude import PERIOD_RAD
+from design.solvers.convex_band.duration import EASIER, first_duration_rad, require_solvable
 from design.solvers.convex_band.search import (
-    BandCandidate,
+    BandOptimum,
     candidates,
     obstacle_at,
     obstacles,
@@ -19,9 +20,6 @@ from design.types import FloatArray
 SMALL_GAP = 1e-4
 """Gap at which the search ends: far below what a controller's clock can tell [-]."""
 
-EASIER = 1.01
-"""Margin of a tolerance that is offered instead, over what a grid reaches [-]."""
-
 NO_FASTER = 0.01
 """Share of a wait by which nothing must be shorter [-]."""
 
@@ -30,8 +28,6 @@ LARGEST_OFFERED = 0.5
 
 FAR_BEYOND = 1.5
 """Estimated duration over the horizon from which on it is not looked for [-]."""
-
-PERIOD_RAD = 6.283185307179586
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -108,7 +104,7 @@ def fastest(problem: BandProblem) -> Iterator[Fastest]:
         _require_more_than_waiting(problem)
 
 
-def _lower_bound(problem: BandProblem, candidate: BandCandidate) -> float:
+def _lower_bound(problem: BandProblem, candidate: BandOptimum) -> float:
     for obstacle in obstacles(problem, candidate):
         if _stands(problem, obstacle):
             return obstacle.duration_rad

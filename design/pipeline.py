@@ -52,6 +52,8 @@ class Design:
         What it leaves in each mode with the actuator given, whatever it was designed for [-].
     certificate
         Its claims, recomputed for the actuator that it was designed for.
+    for_ideal
+        Whether that is an ideal one in place of the one given.
     solver
         How it was found.
     warnings
@@ -64,6 +66,7 @@ class Design:
     impulses: Impulses
     residuals: tuple[float, ...]
     certificate: Certificate
+    for_ideal: bool
     solver: SolverReport
     warnings: tuple[DesignWarning, ...]
     worst_in_range: float | None = None
@@ -140,14 +143,17 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
             certificate = certify_modes(impulses, modes, designed_for, asked)
             if certificate.verified:
                 fastest = max(modes, key=lambda mode: mode.natural_frequency_rad_s)
-                return Design(
+                found = Design(
                     impulses=impulses,
                     residuals=tuple(residual_vibration(impulses, mode, actuator) for mode in modes),
                     certificate=certificate,
+                    for_ideal=designed_for != actuator,
                     solver=solution.solver,
                     warnings=tuple(warnings_of(impulses, fastest, actuator)),
                     worst_in_range=_worst_in_range(impulses, plant, actuator),
                 )
+                ignored = tuple(_actuator_ignored(kind, found))
+                return replace(found, warnings=(*ignored, *found.warnings))
             if isinstance(plant, Scheduled):
                 _require_over_range(kind, certificate)
             unverified = certificate
@@ -273,6 +279,20 @@ def shortfall_of(certificate: Certificate | None) -> str:
         for claim in claims
         if not claim.holds
     )
+
+
+def _actuator_ignored(kind: ShaperKind, found: Design) -> Iterator[DesignWarning]:
+    """Yield what a shaper for an ideal actuator costs behind the one given."""
+    most = max(
+        (claim.limit for claim in found.certificate.claims if claim.quantity == "residual"),
+        default=math.inf,
+    )
+    if found.for_ideal and found.residual > most:
+        yield DesignWarning(
+            code="actuator_ignored",
+            detail=f"{kind.name} is made, and its claims are proven, for an actuator that follows "
+            f"its command; with the one given it leaves {100 * found.residual:.4g} %",
+        )
 
 
 def warnings_of(impulses: Impulses, mode: Mode, actuator: Actuator) -> Iterator[DesignWarning]:

@@ -157,7 +157,7 @@ class Scheduled:
         if not WIDEST_RANGE >= self.band[1] / self.band[0] > 1:
             raise InvalidInputError(
                 "to",
-                self.band[1] / self.band[0],
+                f"frequencies 1 to {self.band[1] / self.band[0]:.4g}",
                 "such that the highest frequency is more than the lowest, and at most "
                 f"{WIDEST_RANGE:g} times as high",
             )
@@ -225,8 +225,9 @@ class Modes:
                     raise InvalidInputError(
                         f"modes.{number}",
                         (one.natural_frequency_rad_s, one.damping_ratio),
-                        f"another mode than modes.{earlier}: equal modes are one, for which zvd or "
-                        "umzvd add robustness",
+                        f"another mode than modes.{earlier}, its pole apart by {NEAREST_POLES:g} "
+                        "of itself at least: modes so near are one, for which zvd or umzvd add "
+                        "robustness",
                     )
                 ratio = one.natural_frequency_rad_s / other.natural_frequency_rad_s
                 if max(ratio, 1 / ratio) > WIDEST_SPREAD:

@@ -66,6 +66,9 @@ AGREEMENT = 1e-9
 CHECKED_IN_BAND = 2001
 """Frequencies at which a formula looks at a band, ends included."""
 
+LONGER = 1.1
+"""Duration on samples over that between them from which on it is told [-]."""
+
 BAND_AGREEMENT = 1e-3
 """What a peak may be above the highest of those, over it [-].
 
@@ -330,11 +333,24 @@ def sampled_design(
                 "for a smaller tolerance",
             )
         )
+    before_s = continuous.impulses.duration_s
+    if len(sampled.tried) > 1 and sampled.impulses.duration_s > LONGER * before_s:
+        own = sampled.tried[0]
+        warnings.append(
+            DesignWarning(
+                code="longer_on_samples",
+                detail=f"{sampled.impulses.times_s.size} impulses take "
+                f"{sampled.impulses.duration_s:.4g} s on samples, in place of "
+                f"{before_s:.4g} s between them; {own.impulses} leave "
+                f"{own.compared:.4g} there: a sample_tolerance of that keeps the shaper short",
+            )
+        )
     proven = replace(
         continuous,
         impulses=sampled.impulses,
         residuals=(sampled.residual,),
         certificate=Certificate(claims=claims),
+        for_ideal=False,
         warnings=tuple(warnings),
     )
     if not proven.certificate.verified:

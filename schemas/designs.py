@@ -1,6 +1,6 @@
 """Wire form of a design, in and out."""
 
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
@@ -138,14 +138,22 @@ class CertificateOut(Wire):
 
     verified: bool
     method: str
+    actuator: Annotated[
+        Literal["given", "ideal"],
+        Field(
+            description="What the claims are for: the actuator given, or one that follows its "
+            "command at once."
+        ),
+    ]
     claims: list[ClaimOut]
 
     @classmethod
-    def from_design(cls, certificate: Certificate) -> Self:
+    def from_design(cls, certificate: Certificate, *, given: bool = True) -> Self:
         """Wrap the design record."""
         return cls.model_construct(
             verified=certificate.verified,
             method=certificate.method,
+            actuator="given" if given else "ideal",
             claims=[ClaimOut.from_design(claim) for claim in certificate.claims],
         )
 
@@ -250,7 +258,7 @@ class DesignResponse(Wire):
             ),
             sampled=sampled,
             residual=design.residual,
-            certificate=CertificateOut.from_design(design.certificate),
+            certificate=CertificateOut.from_design(design.certificate, given=not design.for_ideal),
             sensitivity=sensitivity,
             modes=modes,
             scheduled=scheduled,

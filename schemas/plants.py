@@ -105,7 +105,8 @@ class ScheduledIn(Wire):
     def to_design(self) -> Scheduled:
         """Build the design record."""
         if self.over not in type(self.plant).model_fields or self.over == "kind":
-            fields = [name for name in type(self.plant).model_fields if name != "kind"]
+            names = type(self.plant).model_fields
+            fields = [name for name in names if name not in {"kind", "damping_ratio"}]
             raise InvalidInputError(
                 "over", self.over, f"a field of {self.plant.kind}: {', '.join(fields)}"
             )

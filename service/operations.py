@@ -122,13 +122,13 @@ def design_picture(request: DesignRequest, image_format: Literal["png", "svg"]) 
         figure_bytes,
     )
 
-    mode = _subject(request)[0].mode  # a picture is of one
-    _, found, curves, _ = _designed(request)
-    actuator = request.actuator.to_design()
-    curve = curves[0] if curves else sensitivity(found.impulses, mode, actuator, SensitivityRange())
-    return figure_bytes(
-        design_sheet(request.shaper.kind, mode, actuator, found, curve), image_format
-    )
+    plant, found, curves, _ = _designed(request)
+    modes, actuator = plant.modes, request.actuator.to_design()
+    if not curves:
+        usual = SensitivityRange()
+        curves = [sensitivity(found.impulses, mode, actuator, usual) for mode in modes]
+    sheet = design_sheet(request.shaper.kind, modes, actuator, found, worst_of(curves))
+    return figure_bytes(sheet, image_format)
 
 
 class Subject(Protocol):

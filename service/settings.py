@@ -51,7 +51,7 @@ class Settings(BaseModel):
         float,
         Field(
             ge=0,
-            description="Age at which an ended table is dropped with its files [d]; 0: kept.",
+            description="How long after its end a table is dropped with its files [d]; 0: kept.",
         ),
     ] = 0.0
     max_pending: Annotated[

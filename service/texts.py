@@ -172,7 +172,8 @@ def _findings(response: Response) -> list[str]:
         return [
             "",
             f"shaper      {response.shaper.kind}, {response.shaper.duration_s:.9g} s",
-            f"certificate {'verified' if certificate.verified else 'NOT VERIFIED'}: {claims}",
+            f"certificate {'verified' if certificate.verified else 'NOT VERIFIED'}"
+            f"{'' if certificate.actuator == 'given' else ', for an ideal actuator'}: {claims}",
             *_shortest(response.solver),
             f"residual    {100 * response.residual:.4g} % with the actuator given",
             *([] if response.sensitivity is None else _band(response.sensitivity)),

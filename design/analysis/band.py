@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from design.actuators import Actuator
+from design.analysis.peaks import largest_between
 from design.impulses import Impulses
 from design.plants import Mode
 from design.simulation import ringing_after
@@ -16,22 +17,8 @@ BAND_STEP_RAD = 0.1
 FEWEST_IN_BAND = 33
 """Points at which a band is looked at, at least."""
 
-MISSED = 5e-3
-"""How far a peak may be above the points beside it, over the sum of the steps' sizes [-].
-
-``|V''|`` is at most that sum times the phase squared, which over half of `BAND_STEP_RAD` makes
-1.3e-3; one set of an actuator may pass on a few times what the other does, and its own slopes add
-to the phase. A peak further below the largest is not it.
-"""
-
 BLOCK = 100_000
 """Impulses times frequencies that are simulated at once: their matrices take 40 MB."""
-
-ZOOMS = 7
-"""How often a peak within a band is looked at four times closer: 0.1 rad / 4^7 = 6e-6 rad.
-
-The peak is then known to the square of that: far below the margin of a tolerance.
-"""
 
 Pair = tuple[float, float]
 """Frequency ratio and damping ratio [-]."""
@@ -96,20 +83,7 @@ def _largest_between(
     # Damping moves the pole by as much as frequency does, up to its ratio of frequency.
     reach = abs(along[0]) + max(start[0], end[0]) * abs(along[1])
     turns = mode.natural_frequency_rad_s * impulses.duration_s * reach
-    shares = np.linspace(0.0, 1.0, max(FEWEST_IN_BAND, int(turns / BAND_STEP_RAD) + 2))
-    values = residuals(shares)
-    largest = float(values.max())
-    # The ends too: a peak may lie between one of them and its neighbour.
-    around = np.pad(values, 1, constant_values=-np.inf)
-    high = values >= largest - MISSED * float(np.abs(impulses.amplitudes).sum())
-    peaks = np.flatnonzero((values >= around[:-2]) & (values >= around[2:]) & high)
-    middles, step = shares[peaks], shares[1]
-    for _ in range(ZOOMS):
-        closer = np.clip(middles[:, None] + step * np.linspace(-1, 1, 9), 0.0, 1.0)
-        values = residuals(closer)
-        largest = max(largest, float(values.max()))
-        middles, step = closer[np.arange(middles.size), values.argmax(axis=1)], step / 4
-    return largest
+    return largest_between(residuals, 0.0, 1.0, max(FEWEST_IN_BAND, int(turns / BAND_STEP_RAD) + 2))
 
 
 def _rings_within(

@@ -1,8 +1,7 @@
 """How much a shaper excites modes above the one that it was designed for."""
 
-import numpy as np
-
 from design.actuators import Actuator
+from design.analysis.peaks import largest_between
 from design.analysis.residual import residual_curve
 from design.impulses import Impulses
 from design.plants import Mode
@@ -10,8 +9,8 @@ from design.plants import Mode
 HIGH_MODES = (1.5, 10.0)
 """Ratios of frequency that count as high modes [-].
 
-Below, a mode is the band's; a decade on nothing new comes: V of an undamped mode is almost
-periodic in frequency, and a drive passes little there.
+Below, a mode is the band's, if that is no wider; a decade on nothing new comes: V of an undamped
+mode is almost periodic in frequency, and a drive passes little there.
 """
 
 STEP_RAD = 0.1
@@ -19,9 +18,6 @@ STEP_RAD = 0.1
 
 LARGEST_STEP = 0.02
 """The same as a step of the ratio: far less than the peak of an actuator's set is wide [-]."""
-
-ZOOMS = 7
-"""How often a peak is looked at four times closer: it is then known to 1e-10."""
 
 
 def high_mode_gain(impulses: Impulses, mode: Mode, actuator: Actuator) -> float:
@@ -42,15 +38,6 @@ def high_mode_gain(impulses: Impulses, mode: Mode, actuator: Actuator) -> float:
     low, high = HIGH_MODES
     turn = mode.natural_frequency_rad_s * impulses.duration_s
     points = int((high - low) * max(turn / STEP_RAD, 1 / LARGEST_STEP)) + 2
-    ratios = np.linspace(low, high, points)
-    values = residual_curve(impulses, mode, actuator, ratios)
-    largest = float(values.max())
-    around = np.pad(values, 1, constant_values=-np.inf)
-    peaks = np.flatnonzero((values >= around[:-2]) & (values >= around[2:]))
-    middles, reach = ratios[peaks], float(ratios[1] - ratios[0])
-    for _ in range(ZOOMS):
-        closer = np.clip(middles[:, None] + reach * np.linspace(-1, 1, 9), low, high)
-        curves = residual_curve(impulses, mode, actuator, closer.ravel()).reshape(closer.shape)
-        largest = max(largest, float(curves.max()))
-        middles, reach = closer[np.arange(middles.size), curves.argmax(axis=1)], reach / 4
-    return largest
+    return largest_between(
+        lambda ratios: residual_curve(impulses, mode, actuator, ratios), low, high, points
+    )

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from design.actuators import Actuator, Ideal, Model, RateLimited, unit_ramps_s
+from design.actuators import Actuator, FirstOrder, Ideal, Model, RateLimited, unit_ramps_s
 from design.errors import InvalidInputError
 from design.impulses import Impulses
 from design.plants import Mode
@@ -37,7 +37,8 @@ def require_workable(mode: Mode, actuator: Actuator) -> None:
     A set with its own pole at the plant's rings with it, and a residual in units of the unshaped
     step means nothing; one a hundred times slower passes so little on that it drowns in rounding.
     """
-    for name, lag in (("accel", actuator.accel_lag), ("decel", actuator.decel_lag)):
+    end = "_time_constant_s" if isinstance(actuator, FirstOrder) else ""
+    for name, lag in ((f"accel{end}", actuator.accel_lag), (f"decel{end}", actuator.decel_lag)):
         slowness = mode.natural_frequency_rad_s * max(lag.first_s, lag.second_s2**0.5)
         if slowness > SLOWEST:
             raise InvalidInputError(

@@ -17,8 +17,7 @@ class Smoothing:
     smoothing_s2
         Half the weighted mean square of their times about that one: under a constant acceleration a
         the shaped motion is ``a smoothing_s2`` ahead of the unshaped one, begun ``delay_s`` later
-        [s^2]. Corners and ends are rounded by about as much. Below zero, which negative impulses
-        can make it, the shaped motion is behind.
+        [s^2]. Below zero, which negative impulses can make it, it is behind.
     """
 
     delay_s: float
@@ -26,7 +25,7 @@ class Smoothing:
 
 
 def smoothing(impulses: Impulses) -> Smoothing:
-    """Return by how much a shaper delays and rounds what it shapes.
+    """Return by how much a shaper, whose amplitudes do not cancel, delays and rounds a path.
 
     A shaped path is ``sum A_i x(t - t_i)`` over ``sum A_i``. For ``x = a t^2 / 2`` and once all
     impulses are in, that is ``x`` at ``t - delay`` plus ``a sum A_i (t_i - delay)^2 / 2``.

@@ -14,6 +14,8 @@ from design.plants import Modes, Plant
 from design.recommendations.choices import Choice
 from design.recommendations.requirements import Question
 from design.sampled import SAMPLE_TOLERANCE, sampled_design
+from design.shapers.problem import ClosedForm, Problem
+from design.shapers.several_modes import BASES
 
 TIGHTENED, TIGHTENED_ON_SAMPLES = 6, 2
 """How often a shaper that misses the tolerance is designed anew for a smaller one, at most.
@@ -33,9 +35,12 @@ AIM, ENOUGH = 1 - 1e-3, 0.99
 SLOWER = 1.01
 """Duration over the first one's for which it goes on: that of most kinds is one for all [-]."""
 
-LONGEST_PERIODS = {"positive": 6.0, "negative": 3.5}
+LONGEST_PERIODS = {"positive": 12.0, "negative": 4.0}
 """Shapers over a band that are searched, in periods as of `_periods`, by their amplitudes: longer
-ones cost seconds to tens of seconds each, as measured for bands to 0.9 and tolerances to 0.001."""
+ones cost ten seconds and more each, as measured for bands to 0.9 and tolerances to 0.001."""
+
+MOST_CONVOLVED = 130
+"""Impulses of a convolved shaper that is asked, at most: three modes with five each [-]."""
 
 WITHIN = 1 + 1e-9
 """Margin of a tolerance, as of the certificate: an EI shaper lies on its own but for rounding."""
@@ -66,10 +71,11 @@ class Designed:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Refused:
-    """A kind of shaper of which there is none here."""
+    """A kind of shaper of which there is none here, or that was not searched for one."""
 
     choice: Choice
     reason: str
+    searched: bool = True
 
 
 def designed(choice: Choice, question: Question) -> Designed | Refused:
@@ -81,14 +87,25 @@ def designed(choice: Choice, question: Question) -> Designed | Refused:
             reason=f"serves no actuator of kind {question.actuator.kind}, only "
             f"{', '.join(kind.actuators)}",
         )
-    if "half_width" in choice.options:
+    if "half_width" in choice.options and hasattr(kind.options, "amplitudes"):
         periods = _periods(choice.options["half_width"], asked.tolerance)
         if periods > LONGEST_PERIODS[choice.options.get("amplitudes", "positive")]:
             return Refused(
                 choice=choice,
-                reason=f"is not searched: over this band a shaper within {asked.tolerance:g} takes "
-                f"about {periods:.2g} periods, and finding the fastest takes too long",
+                reason="is not searched: over this band an undamped positive shaper within "
+                f"{asked.tolerance:g} takes about {periods:.2g} periods, and to find the fastest "
+                "of so many impulses takes too long",
+                searched=False,
             )
+    impulses = _convolved_impulses(choice, question)
+    if impulses > MOST_CONVOLVED:
+        return Refused(
+            choice=choice,
+            reason=f"is not designed: convolved for {len(question.nominal)} modes it has "
+            f"{impulses} impulses, and to prove what more than {MOST_CONVOLVED} leave over a band "
+            "takes too long",
+            searched=False,
+        )
     try:
         first = made(choice, question)
     except DesignError as error:
@@ -147,11 +164,26 @@ def with_tolerance(choice: Choice, tolerance: float) -> Choice:
     )
 
 
+def _convolved_impulses(choice: Choice, question: Question) -> int:
+    """Return how many impulses a convolved shaper has, 0 for another."""
+    if "base" not in choice.options:
+        return 0
+    base = BASES[choice.options["base"]]
+    part = base.formulate(question.nominal[0], question.actuator, base.options())
+    each = 0
+    if isinstance(part, ClosedForm):
+        each = part.impulses.times_s.size
+    elif isinstance(part, Problem):
+        each = part.amplitudes.size
+    return math.prod([each] * len(question.nominal))
+
+
 def _periods(half_width: float, tolerance: float) -> float:
-    """Return about how many periods a positive shaper over a band takes [-].
+    """Return about how many periods an undamped positive shaper over a band takes [-].
 
     That of an equal-ripple window (C. L. Dolph, Proc. IRE 34 (1946)) whose main lobe ends where the
-    band begins: from half widths of 0.3 on at most a third more than `si` takes.
+    band begins: from half widths of 0.3 on at most a third more than `si` takes, which by damping
+    or negative impulses takes less.
     """
     return math.acosh(1 / tolerance) / (math.pi * (1 - half_width))
 

@@ -79,6 +79,8 @@ def choices(kind: ShaperKind, question: Question) -> Iterator[Choice]:
     for variant in variants:
         changed = {**common, **variant}
         told = {name: value for name, value in changed.items() if value != names[name].default}
+        if question.scheduled:
+            told.pop("half_width", None)  # a design for such a plant takes it from the plant
         yield Choice(kind=kind, options=changed, asked=told, bound_holds=exact)
 
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from design.errors import InfeasibleDesignError
+from design.errors import DesignError, InfeasibleDesignError
 from design.recommendations.candidates import Designed, Refused, made, with_tolerance
 from design.recommendations.choices import Choice
 from design.recommendations.judging import Candidate, judged, percent, ranges
@@ -64,6 +64,7 @@ def unmet(
         ]
     if question.requirements.max_duration_s is not None:
         told += shortest_possible(question, ranked)
+    told += [f"{one.choice.name} {one.reason}" for one in refused if not one.searched]
     return InfeasibleDesignError(
         f"no shaper of {len(ranked)} designed meets all of {_asked(question)}: {'; '.join(told)}",
         tuple(faults),
@@ -145,17 +146,17 @@ def _limits(question: Question) -> Iterator[_Limit]:
 def shortest_possible(question: Question, ranked: Sequence[Candidate]) -> Iterator[str]:
     """Yield what is proven of the duration of any shaper of a class, shortest first."""
     asked = question.requirements
-    bounds = {}
+    bounds: dict[str, float] = {}
     for candidate in ranked:
         bound = candidate.designed.lower_bound_s
         if bound is not None:
-            positive = bool((candidate.impulses.amplitudes > 0).all())
-            what = (
-                "positive shaper"
-                if positive
-                else f"command between {asked.lowest_command:.4g} and {asked.highest_command:.4g}"
-            )
-            bounds[what] = bound
+            what = "positive shaper"
+            if candidate.designed.choice.options.get("amplitudes") == "negative":
+                limits = f"{asked.lowest_command:.4g} and {asked.highest_command:.4g}"
+                what = f"command between {limits}"
+            bounds[what] = max(bound, bounds.get(what, 0.0))
+    if asked.sign == "unity":
+        bounds.pop("positive shaper", None)
     for what, bound in sorted(bounds.items(), key=lambda item: item[1]):
         yield (
             f"no {what} that keeps {percent(asked.tolerance)} over the band takes less than "
@@ -168,12 +169,18 @@ def _eased(question: Question, ranked: Sequence[Candidate]) -> Iterator[Candidat
     longest = question.requirements.max_duration_s
     if longest is None:
         return
-    short = [one.designed.worst_residual for one in ranked if one.duration_s <= longest]
+    short = [
+        one.designed.worst_residual
+        for one in ranked
+        if one.duration_s <= longest and set(one.missed) <= {"tolerance"}
+    ]
     for candidate in ranked:
         choice = candidate.designed.choice
         if candidate.duration_s <= longest or "half_width" not in choice.options:
             continue
         low, high = question.requirements.tolerance, min([*short, LARGEST_TOLERANCE])
+        if high <= low:
+            continue
         for _ in range(HALVINGS):
             middle = math.sqrt(low * high)
             found = _eased_to(choice, middle, question)
@@ -191,5 +198,5 @@ LARGEST_TOLERANCE = 0.5
 def _eased_to(choice: Choice, tolerance: float, question: Question) -> Designed | None:
     try:
         return made(with_tolerance(choice, tolerance), question)
-    except InfeasibleDesignError:
-        return None
+    except DesignError:
+        return None  # what is offered instead must not fail the answer

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.actuators import Actuator
+from design.analysis.high_modes import HIGH_MODES
 from design.impulses import Impulses
 from design.plants import Plant
 from design.recommendations.candidates import Refused, designed
@@ -147,9 +148,10 @@ def _reasons(
     calm = [one for one in meeting if one.high_mode_gain <= NO_GAIN]
     if best.high_mode_gain > NO_GAIN and calm:
         yield (
-            f"it leaves up to {best.high_mode_gain:.3g} times as much in a mode at 1.5 to 10 times "
-            f"the frequency as an unshaped step does; where such modes matter, {calm[0].name}, "
-            f"{calm[0].duration_s:.4g} s, leaves no more than that step"
+            f"it leaves up to {best.high_mode_gain:.3g} times as much in a mode at "
+            f"{HIGH_MODES[0]:g} to {HIGH_MODES[1]:g} times the frequency as an unshaped step does; "
+            f"where such modes matter, {calm[0].name}, {calm[0].duration_s:.4g} s, leaves no more "
+            "than that step"
         )
     faster = [one for one in ranked if one.missed and one.duration_s < best.duration_s]
     if faster:

@@ -1,9 +1,10 @@
 """What a shaper is asked to do, before any is chosen."""
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
-from design.actuators import Actuator
+from design.actuators import Actuator, unit_ramps_s
 from design.analysis.residual import require_workable
 from design.errors import InvalidInputError
 from design.plants import LARGEST_DAMPING_RATIO, Mode, Modes, Plant, Scheduled
@@ -156,6 +157,8 @@ class Question:
         The modes in the middle of all that they may be.
     band
         Ends of the band, ratios of the nominal frequencies [-].
+    scheduled
+        Whether that is the range of the plant itself.
     """
 
     actuator: Actuator
@@ -163,6 +166,7 @@ class Question:
     nominal: tuple[Mode, ...]
     designed_for: tuple[Mode, ...]
     band: tuple[float, float]
+    scheduled: bool
 
     @property
     def own_band(self) -> tuple[float, float]:
@@ -211,13 +215,34 @@ def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) ->
     for mode in designed_for:
         for ratio in (1.0, band[0] / middle, band[1] / middle):
             require_workable(_scaled(mode, ratio), actuator)
+        _require_a_unit(mode, actuator, (band[0] / middle, band[1] / middle), requirements.damping)
     return Question(
         actuator=actuator,
         requirements=requirements,
         nominal=modes,
         designed_for=designed_for,
         band=band,
+        scheduled=isinstance(plant, Scheduled),
     )
+
+
+def _require_a_unit(
+    mode: Mode,
+    actuator: Actuator,
+    band: tuple[float, float],
+    damping: tuple[float, float] | None,
+) -> None:
+    """Refuse a band with a frequency at which the unshaped step leaves nothing to measure in."""
+    ramp_s, _ = unit_ramps_s(actuator)
+    least = mode.damping_ratio if damping is None else damping[0]
+    periods = mode.natural_frequency_rad_s * ramp_s / (2 * math.pi)
+    if least == 0 and math.floor(band[1] * periods) >= max(1, math.ceil(band[0] * periods)):
+        raise InvalidInputError(
+            "actuator.accel_limit_m_s2",
+            f"a ramp of {band[0] * periods:.4g} to {band[1] * periods:.4g} periods over the band",
+            "such that at no frequency of the band it lasts whole periods: undamped, a ramp alone "
+            "leaves no vibration there",
+        )
 
 
 def _in_the_middle(mode: Mode, damping: tuple[float, float]) -> Mode:

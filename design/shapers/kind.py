@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from design.actuators import Actuator
@@ -117,7 +118,7 @@ class NoOptions:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShaperKind:
-    """One kind of shaper.
+    """One kind of shaper, which worker processes are sent: no function of it is made in another.
 
     Attributes
     ----------
@@ -157,8 +158,13 @@ def for_one_of(
     formulate_jointly: Callable[[tuple[Mode, ...], Actuator, Any], Formulation],
 ) -> Callable[[Mode, Actuator, Any], Formulation]:
     """Return how a shaper of several modes is formulated for a plant that has one."""
+    return partial(_for_one, formulate_jointly)
 
-    def formulate(mode: Mode, actuator: Actuator, options: Any) -> Formulation:  # noqa: ANN401
-        return formulate_jointly((mode,), actuator, options)
 
-    return formulate
+def _for_one(
+    formulate_jointly: Callable[[tuple[Mode, ...], Actuator, Any], Formulation],
+    mode: Mode,
+    actuator: Actuator,
+    options: Any,  # noqa: ANN401
+) -> Formulation:
+    return formulate_jointly((mode,), actuator, options)

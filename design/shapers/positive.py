@@ -6,11 +6,9 @@ limits a lower step has a shorter ramp, G is no common factor: there they are fo
 """
 
 import cmath
-import functools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -68,13 +66,13 @@ def evenly(
     )
 
 
-def _zero_vibration(order: int) -> Callable[[Mode, Actuator, Any], Formulation]:
-    weights = BINOMIALS[order]
-
-    def formulate(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
-        return evenly(mode, actuator, weights, math.pi)
-
-    return formulate
+def _zero_vibration(
+    order: int,
+    mode: Mode,
+    actuator: Actuator,
+    options: NoOptions,  # noqa: ARG001
+) -> Formulation:
+    return evenly(mode, actuator, BINOMIALS[order], math.pi)
 
 
 def _zv_kind(name: str, order: int, summary: str, source: str) -> ShaperKind:
@@ -85,7 +83,7 @@ def _zv_kind(name: str, order: int, summary: str, source: str) -> ShaperKind:
         claims=DERIVATIVES[: order + 1],
         options=NoOptions,
         actuators=EVERY_ACTUATOR,
-        formulate=_zero_vibration(order),
+        formulate=partial(_zero_vibration, order),
     )
 
 
@@ -187,7 +185,7 @@ def mzv(mode: Mode, actuator: Actuator, options: MzvOptions) -> Formulation:
     return evenly(mode, actuator, weights, phase)
 
 
-@functools.lru_cache(maxsize=256)
+@lru_cache(maxsize=256)
 def mzv_weights(n: int, phase: float) -> tuple[float, ...]:
     """Return the coefficients of the polynomial whose roots are those of `mzv`, shape (n,)."""
     step = 2 * (math.pi - phase) / (n - 2)

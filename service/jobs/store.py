@@ -305,12 +305,17 @@ class Store:
         return state == "cancelled"
 
     def drop_ended(self, older_than_s: float) -> int:
-        """Drop ended jobs that were begun so long ago, with their rows; return how many."""
+        """Drop jobs that ended so long ago, with their rows; return how many.
+
+        A job has ended with the last chunk that was recorded; one without any when it was begun.
+        """
         with self._engine.begin() as connection:
+            last = sa.select(sa.func.max(CHUNKS.c.finished)).where(CHUNKS.c.job == JOBS.c.id)
+            ended = sa.func.coalesce(last.scalar_subquery(), JOBS.c.created)
             old = connection.scalars(
                 sa
                 .select(JOBS.c.id)
-                .where(JOBS.c.state.not_in(UNFINISHED), JOBS.c.created < self._now - older_than_s)
+                .where(JOBS.c.state.not_in(UNFINISHED), ended < self._now - older_than_s)
                 .with_for_update(skip_locked=True)
             ).all()
             for table, column in ((CHUNKS, CHUNKS.c.job), (JOBS, JOBS.c.id)):

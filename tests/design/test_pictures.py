@@ -65,7 +65,7 @@ def _sheet(
 ) -> tuple[Figure, Design, Sensitivity]:
     made = design(mode, actuator, SHAPERS[name])
     curve = sensitivity(made.impulses, mode, actuator, wanted)
-    return design_sheet(name, mode, actuator, made, curve), made, curve
+    return design_sheet(name, (mode,), actuator, made, curve), made, curve
 
 
 def _panel(figure: Figure, name: str) -> Axes:
@@ -147,7 +147,7 @@ def test_the_first_warning_is_on_the_sheet_and_the_others_are_counted() -> None:
 @pytest.mark.parametrize("image_format", ["png", "svg"])
 def test_two_drawings_have_equal_bytes(image_format: Literal["png", "svg"]) -> None:
     _, made, curve = _sheet("numzvd", CRANE, CRANE_DRIVE)
-    first, second = (design_sheet("numzvd", CRANE, CRANE_DRIVE, made, curve) for _ in range(2))
+    first, second = (design_sheet("numzvd", (CRANE,), CRANE_DRIVE, made, curve) for _ in range(2))
     image = figure_bytes(first, image_format)
     assert figure_bytes(second, image_format) == image
     assert figure_bytes(first, image_format) == image
@@ -159,7 +159,7 @@ def test_threads_and_the_users_settings_change_no_byte_and_find_their_settings_a
     _, made, curve = crane_sheet
 
     def svg() -> bytes:
-        return figure_bytes(design_sheet("numzvd", CRANE, CRANE_DRIVE, made, curve), "svg")
+        return figure_bytes(design_sheet("numzvd", (CRANE,), CRANE_DRIVE, made, curve), "svg")
 
     alone = svg()
     with mpl.rc_context({"lines.linewidth": 9.0, "svg.hashsalt": "another"}):

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from design.actuators import Actuator, SecondOrder, SecondOrderSet
+from design.actuators import Actuator, RateLimited, SecondOrder, SecondOrderSet
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.plants import Mode, Modes, Pendulum, Plant, Scheduled
 from design.recommendations import candidates, recommendation
@@ -372,7 +372,7 @@ def test_nonsense_is_refused_by_name(wanted: dict[str, Any], rule: str) -> None:
 
 def test_equal_modes_and_what_several_modes_do_not_take_are_refused() -> None:
     one = Mode(natural_frequency_rad_s=3.5)
-    with pytest.raises(InvalidInputError, match="equal modes are one"):
+    with pytest.raises(InvalidInputError, match="modes so near are one"):
         asked(Modes(modes=(one, one)))
     with pytest.raises(InvalidInputError, match=r"sample_time_s must be left out .* several modes"):
         asked(TWO_MODES, sample_time_s=0.01)
@@ -390,12 +390,22 @@ def test_a_drive_a_hundred_times_slower_anywhere_in_the_band_is_refused() -> Non
 
 
 def test_what_takes_too_long_to_find_is_said_to_be_left_out() -> None:
-    found = asked(half_width=0.7, sign="positive")
+    found = asked(half_width=0.75, sign="positive")
     reasons = {one.choice.name: one.reason for one in found.refused}
     assert "is not searched: over this band" in reasons["si (amplitudes negative)"]
     assert found.recommended.name == "si"
-    with pytest.raises(InfeasibleDesignError, match="least found to be left is"):
+    left_out = r"least found to be left is .*; si is not searched: over this band"
+    with pytest.raises(InfeasibleDesignError, match=left_out):
         asked(half_width=0.9, tolerance=0.001)
+
+
+def test_of_six_modes_no_more_impulses_are_convolved_than_can_be_proven() -> None:
+    modes = [Mode(natural_frequency_rad_s=w, damping_ratio=0.02) for w in (5, 8, 11, 14, 19, 23)]
+    wanted = Requirements(half_width=0.0, tolerance=0.05)
+    found = recommend(Modes(modes=tuple(modes)), IDEAL, wanted)
+    assert found.recommended.name == "multi_umzv"
+    reasons = {one.choice.name: one.reason for one in found.refused}
+    assert "convolved for 6 modes it has 729 impulses" in reasons["convolved (base zvd)"]
 
 
 @pytest.mark.parametrize(("half_width", "tolerance"), [(0.3, 0.05), (0.6, 0.05), (0.3, 0.005)])
@@ -411,3 +421,27 @@ def test_the_expected_duration_over_a_band_is_near_that_found(
 def test_samples_longer_than_any_shaper_leave_nothing_to_recommend() -> None:
     with pytest.raises(InfeasibleDesignError, match="no shaper could be designed; zv: sample_time"):
         asked(sample_time_s=30.0)
+
+
+def test_what_is_offered_instead_is_of_shapers_that_miss_nothing_else() -> None:
+    # A shaper of the other sign that leaves 1e-16 in the time is no bound of what can be left.
+    told = r"by \w+, 0\.3\d* s; the shortest found that meets the other limits takes"
+    for half_width in (0.0, 0.001):
+        asked = Requirements(half_width=half_width, sign="positive", max_duration_s=0.4)
+        with pytest.raises(
+            InfeasibleDesignError,
+            match=r"by \w+, 0\.3\d* s; the shortest found that meets the other limits takes",
+        ):
+            recommend(Mode(natural_frequency_rad_s=2 * math.pi), IDEAL, asked)
+
+
+@pytest.mark.parametrize("ramp_s", [5.5, 6.2, 12.0])
+def test_a_band_in_which_the_unshaped_ramp_leaves_nothing_is_refused(ramp_s: float) -> None:
+    drive = RateLimited(accel_limit_m_s2=1 / ramp_s, decel_limit_m_s2=1.0, speed_m_s=1.0)
+    mode = Mode(natural_frequency_rad_s=1.0)
+    with pytest.raises(InvalidInputError, match="whole periods") as caught:
+        recommend(mode, drive, Requirements(half_width=0.2))
+    assert caught.value.name == "actuator.accel_limit_m_s2"
+    damped = Requirements(half_width=0.2, damping=(0.0, 0.1))
+    with pytest.raises(InvalidInputError, match="whole periods"):
+        recommend(mode, drive, damped)

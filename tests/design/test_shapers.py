@@ -1,6 +1,7 @@
 """Every kind of shaper: closed forms, limits, and its claims by another route."""
 
 import math
+import pickle
 from itertools import product
 from typing import Any
 
@@ -242,3 +243,11 @@ def test_every_option_has_a_description_and_a_default() -> None:
         for field in kind.options.__dataclass_fields__.values():
             assert field.metadata["description"].endswith("."), field.name
             assert kind.options() == kind.options()
+
+
+@pytest.mark.parametrize("name", SHAPERS)
+def test_a_kind_can_be_sent_to_a_worker_process(name: str) -> None:
+    kind = SHAPERS[name]
+    sent = pickle.loads(pickle.dumps(kind))
+    assert (sent.name, sent.claims, sent.options) == (kind.name, kind.claims, kind.options)
+    assert sent.actuators == kind.actuators

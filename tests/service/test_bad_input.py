@@ -106,7 +106,7 @@ def test_several_modes_are_refused_by_a_shaper_of_one(client: httpx.Client) -> N
     [
         ([{"natural_frequency_rad_s": 1.0 + number} for number in range(7)], "/plant/modes", "6"),
         ([], "/plant/modes", "1"),
-        ([{"natural_frequency_rad_s": 3.5}] * 2, "/plant/modes/1", "equal modes are one"),
+        ([{"natural_frequency_rad_s": 3.5}] * 2, "/plant/modes/1", "modes so near are one"),
         (
             [{"natural_frequency_rad_s": 1.0}, {"natural_frequency_rad_s": 100.0}],
             "/plant/modes/1/natural_frequency_rad_s",

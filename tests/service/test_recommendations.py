@@ -94,7 +94,7 @@ def test_each_candidate_is_what_a_design_of_it_is(client: httpx.Client) -> None:
         (
             {"plant": {"kind": "modes", "modes": [{"natural_frequency_rad_s": 3.5}] * 2}},
             "/plant/modes/1",
-            "equal modes are one",
+            "modes so near are one",
         ),
     ],
 )

@@ -9,7 +9,7 @@ MOST_HALF_PERIODS = 26.0
 """Half periods of a shaper, and so about its impulses, up to which cone programs are solved [-]."""
 
 EASIER = 1.01
-"""Margin of a tolerance that is offered instead [-]."""
+"""Margin of a tolerance that is offered instead, over what an estimate or a grid reaches [-]."""
 
 
 def ripples_of(residual: float) -> float:

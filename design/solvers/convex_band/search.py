@@ -61,7 +61,7 @@ EASED = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BandCandidate:
+class BandOptimum:
     """An optimum by the solver's word, not yet verified.
 
     Attributes
@@ -85,7 +85,7 @@ class BandCandidate:
     point: Point | None
 
 
-def candidates(problem: BandProblem) -> Iterator[BandCandidate | Obstacle]:
+def candidates(problem: BandProblem) -> Iterator[BandOptimum | Obstacle]:
     """Yield optima, the likeliest first, and proofs met on the way; those further on take longer.
 
     Where impulses or peaks merge at the optimum itself, what comes from longer durations ends
@@ -112,7 +112,7 @@ def candidates(problem: BandProblem) -> Iterator[BandCandidate | Obstacle]:
         least, best = _nearest(problem, duration, refine=refine, follow=refine)
         if best is not None:
             told = _told(problem, *best, programs)
-            met = met or isinstance(told, BandCandidate)
+            met = met or isinstance(told, BandOptimum)
             yield told
         if least > tolerance:
             low = max(low, duration)
@@ -134,7 +134,7 @@ def candidates(problem: BandProblem) -> Iterator[BandCandidate | Obstacle]:
         _, best = _nearest(problem, duration * (1 + share), refine=True, follow=True)
         if best is not None:
             told = _told(problem, *best, programs)
-            met = met or isinstance(told, BandCandidate)
+            met = met or isinstance(told, BandOptimum)
             yield told
     if not met:
         yield from _of_the_grid(problem, duration, programs)
@@ -145,9 +145,7 @@ def _work(problem: BandProblem, duration_rad: float, *, refine: bool) -> float:
     return grid.lags.size * grid.ratios.size * (1 + 4 * refine * len(REFINED_PITCHES))
 
 
-def _of_the_grid(
-    problem: BandProblem, duration_rad: float, programs: int
-) -> Iterator[BandCandidate]:
+def _of_the_grid(problem: BandProblem, duration_rad: float, programs: int) -> Iterator[BandOptimum]:
     """Yield the command of a grid's own cells or points at the first duration that allows one."""
     for tried, longer in enumerate(ROUGH, start=1):
         for point in commands_of(
@@ -179,14 +177,14 @@ def _nearest(
 
 def _told(
     problem: BandProblem, point: Point, tolerance: float, programs: int
-) -> BandCandidate | Obstacle:
+) -> BandOptimum | Obstacle:
     if tolerance > problem.tolerance:
         return _obstacle(problem, point)
     return _candidate(point, programs)
 
 
-def _candidate(point: Point, programs: int) -> BandCandidate:
-    return BandCandidate(
+def _candidate(point: Point, programs: int) -> BandOptimum:
+    return BandOptimum(
         times_rad=point.lags[-1] - point.lags[::-1],
         amplitudes=point.amplitudes[::-1],
         iterations=point.steps,
@@ -214,7 +212,7 @@ def _next_duration(
     return min(max(guess, low + inside), high - inside) if guess > 0 else (low + high) / 2
 
 
-def obstacles(problem: BandProblem, candidate: BandCandidate) -> Iterator[Obstacle]:
+def obstacles(problem: BandProblem, candidate: BandOptimum) -> Iterator[Obstacle]:
     """Yield what may prove that no shaper is as short as durations ever further below."""
     longest = float(candidate.times_rad[-1])
     start = candidate.point
