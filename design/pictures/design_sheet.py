@@ -168,7 +168,7 @@ def _note(design: Design) -> str:
 
 
 def _certificate_lines(design: Design) -> tuple[str, str]:
-    claims = " and ".join(claim.quantity for claim in design.certificate.claims)
+    claims = " and ".join(dict.fromkeys(claim.quantity for claim in design.certificate.claims))
     if not design.certificate.verified:
         return "✗ not verified", claims
     if design.for_ideal:

@@ -150,3 +150,40 @@ def test_a_folder_for_a_picture_and_a_full_disk_are_one_line(tmp_path: Path) -> 
     assert full.returncode == 1
     assert full.stderr.count("\n") == 1
     assert "No space left" in full.stderr
+
+
+@pytest.mark.parametrize(
+    ("plant", "kind"),
+    [
+        pytest.param(
+            {
+                "kind": "modes",
+                "modes": [
+                    {"natural_frequency_rad_s": 9.4, "damping_ratio": 0.02},
+                    {"natural_frequency_rad_s": 3.5, "damping_ratio": 0.0},
+                ],
+            },
+            "multi_zv",
+            id="two-modes",
+        ),
+        pytest.param(
+            {
+                "kind": "scheduled",
+                "plant": {"kind": "pendulum", "cable_length_m": 0.8},
+                "over": "cable_length_m",
+                "from": 0.7,
+                "to": 0.9,
+            },
+            "ei",
+            id="range",
+        ),
+    ],
+)
+def test_plants_of_more_than_one_frequency_are_drawn(
+    plant: dict[str, object], kind: str, tmp_path: Path
+) -> None:
+    picture = tmp_path / "design.svg"
+    request = {"plant": plant, "actuator": {"kind": "ideal"}, "shaper": {"kind": kind}}
+    drawn = shapersmith("design", "-", "--plot", str(picture), given=request)
+    assert (drawn.returncode, drawn.stderr) == (0, "")
+    assert picture.read_text().startswith("<?xml")

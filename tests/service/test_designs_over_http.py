@@ -129,3 +129,17 @@ def test_the_docs_need_no_other_server(client: httpx.Client) -> None:
     body = schema["paths"]["/v1/designs"]["post"]["requestBody"]["content"]["application/json"]
     assert body["schema"]["$ref"].endswith("/DesignRequest")
     assert "NumzvdIn" in schema["components"]["schemas"]
+
+
+@pytest.mark.parametrize(("kind", "ignored"), [("umzv", True), ("numzv", False), ("ei", False)])
+def test_a_shaper_that_ignores_the_actuator_says_so(
+    client: httpx.Client, kind: str, ignored: bool
+) -> None:
+    answer = client.post("/v1/designs", json={**CRANE, "shaper": {"kind": kind}}).json()
+    assert answer["certificate"]["actuator"] == ("ideal" if ignored else "given")
+    told = [one["detail"] for one in answer["warnings"] if one["code"] == "actuator_ignored"]
+    assert len(told) == ignored
+    assert all(f"leaves {100 * answer['residual']:.4g} %" in detail for detail in told)
+    ideal = {**CRANE, "actuator": {"kind": "ideal"}, "shaper": {"kind": kind}}
+    answer = client.post("/v1/designs", json=ideal).json()
+    assert answer["certificate"]["actuator"] == "given"
