@@ -14,8 +14,8 @@ from design.plants import Modes, Plant
 from design.recommendations.choices import Choice
 from design.recommendations.requirements import Question
 from design.sampled import SAMPLE_TOLERANCE, sampled_design
-from design.shapers.problem import ClosedForm, Problem
-from design.shapers.several_modes import BASES
+from design.shapers.problem import Convolution
+from design.shapers.several_modes import impulses_of
 
 TIGHTENED, TIGHTENED_ON_SAMPLES = 6, 2
 """How often a shaper that misses the tolerance is designed anew for a smaller one, at most.
@@ -97,16 +97,16 @@ def designed(choice: Choice, question: Question) -> Designed | Refused:
                 "of so many impulses takes too long",
                 searched=False,
             )
-    impulses = _convolved_impulses(choice, question)
-    if impulses > MOST_CONVOLVED:
-        return Refused(
-            choice=choice,
-            reason=f"is not designed: convolved for {len(question.nominal)} modes it has "
-            f"{impulses} impulses, and to prove what more than {MOST_CONVOLVED} leave over a band "
-            "takes too long",
-            searched=False,
-        )
     try:
+        impulses = _convolved_impulses(choice, question)
+        if impulses > MOST_CONVOLVED:
+            return Refused(
+                choice=choice,
+                reason=f"is not designed: convolved for {len(question.nominal)} modes it has "
+                f"{impulses} impulses, and to prove what more than {MOST_CONVOLVED} leave over a "
+                "band takes too long",
+                searched=False,
+            )
         first = made(choice, question)
     except DesignError as error:
         return Refused(choice=choice, reason=str(error))
@@ -166,16 +166,12 @@ def with_tolerance(choice: Choice, tolerance: float) -> Choice:
 
 def _convolved_impulses(choice: Choice, question: Question) -> int:
     """Return how many impulses a convolved shaper has, 0 for another."""
-    if "base" not in choice.options:
+    formulate = choice.kind.formulate_jointly
+    if "base" not in choice.options or formulate is None:
         return 0
-    base = BASES[choice.options["base"]]
-    part = base.formulate(question.nominal[0], question.actuator, base.options())
-    each = 0
-    if isinstance(part, ClosedForm):
-        each = part.impulses.times_s.size
-    elif isinstance(part, Problem):
-        each = part.amplitudes.size
-    return math.prod([each] * len(question.nominal))
+    options = choice.kind.options(**choice.options)
+    found = formulate(question.designed_for, question.actuator, options)
+    return impulses_of(found.parts) if isinstance(found, Convolution) else 0
 
 
 def _periods(half_width: float, tolerance: float) -> float:

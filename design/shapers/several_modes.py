@@ -1,5 +1,6 @@
 """Shapers for several modes at once: jointly in minimum time, or one shaper after another."""
 
+import math
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -17,7 +18,7 @@ from design.shapers.kind import (
     for_one_of,
 )
 from design.shapers.positive import EVERY_ACTUATOR, MZV, ZV, ZVD, ZVDD, ZVDDD, served
-from design.shapers.problem import Convolution, Formulation, JointProblem
+from design.shapers.problem import ClosedForm, Convolution, Formulation, JointProblem, Problem
 from design.shapers.umzv import UMZV, UMZVD
 
 BASES = {
@@ -29,9 +30,6 @@ BASES = {
 Steps of shapers for asymmetric actuators would change their sets.
 """
 
-
-IMPULSES_OVER_A_BAND = {EI.name: 3, TWO_HUMP_EI.name: 4, THREE_HUMP_EI.name: 5}
-"""Impulses of the bases that promise a band."""
 
 FREQUENCIES_A_RADIAN = 10.0
 """Frequencies at which a band as wide as its middle is simulated, a radian of the duration."""
@@ -109,12 +107,24 @@ class ConvolvedOptions:
             ToleranceOptions(tolerance=self.tolerance)
 
 
-def _require_provable(base: ShaperKind, modes: tuple[Mode, ...]) -> None:
-    each = IMPULSES_OVER_A_BAND.get(base.name, 0)
-    duration = sum((each - 1) / 2 * mode.period_s for mode in modes)
+def impulses_of(parts: tuple[Formulation, ...]) -> int:
+    """Return how many impulses shapers have when they are convolved, before any is solved for."""
+    counts = [
+        part.impulses.times_s.size if isinstance(part, ClosedForm) else part.amplitudes.size
+        for part in parts
+        if isinstance(part, ClosedForm | Problem)  # as all bases are
+    ]
+    return math.prod(counts)
+
+
+def _require_provable(
+    base: ShaperKind, parts: tuple[Formulation, ...], modes: tuple[Mode, ...]
+) -> None:
+    """Refuse so many impulses over so many frequencies that their bands take too long to prove."""
+    duration = sum(part.impulses.duration_s for part in parts if isinstance(part, ClosedForm))
     radians = sum(duration * mode.natural_frequency_rad_s for mode in modes)
-    impulses, frequencies = each ** len(modes), FREQUENCIES_A_RADIAN * radians
-    if impulses * frequencies > MOST_OVER_A_BAND:
+    impulses, frequencies = impulses_of(parts), FREQUENCIES_A_RADIAN * radians
+    if "band" in base.claims and impulses * frequencies > MOST_OVER_A_BAND:
         raise InvalidInputError(
             "shaper.base",
             base.name,
@@ -129,11 +139,11 @@ def convolved(
 ) -> Convolution:
     """Formulate a shaper for each mode, each shaping the steps of the one before."""
     base = BASES[options.base]
-    _require_provable(base, modes)
     own = base.options()
     if options.tolerance is not None:
         own = ToleranceOptions(tolerance=options.tolerance)
     parts = tuple(base.formulate(mode, actuator, own) for mode in modes)
+    _require_provable(base, parts, modes)
     return Convolution(parts=parts, zeros_of_parts=base.claims, designed_for=parts[0].designed_for)
 
 
