@@ -15,8 +15,8 @@ from tests.acceptance.judges import wrong_in_design, wrong_in_refusal
 from tests.acceptance.random_kinds import report, verdicts
 from tests.random_cases import ROUND, Case, case
 
-CASES = 800
-PARTS = 8
+CASES = 240
+PARTS = 4
 
 
 @pytest.mark.parametrize("part", range(PARTS))
@@ -30,7 +30,7 @@ def test_random_designs_of_every_kind_are_proven_or_refused_for_a_true_reason(pa
 
 def test_every_kind_of_the_registry_comes_up_in_a_round() -> None:
     assert set(ROUND) == set(SHAPERS)
-    assert 8 * len(ROUND) <= CASES
+    assert 2 * len(ROUND) <= CASES
 
 
 def test_a_last_impulse_that_comes_late_and_a_residual_that_is_off_are_told() -> None:
