@@ -44,6 +44,9 @@ MILLION = (1000, 1000)
 TEN_MILLION = (1000, 10_000)
 IPOPT_ROWS = (1000, 100)
 
+LOOK_EVERY_S = 0.02
+"""Between two looks at the memory of a job [s]."""
+
 
 def specification(design: dict[str, Any], points: tuple[int, int], chunk_rows: int) -> str:
     """Return a table over cable length and damping."""
@@ -67,12 +70,27 @@ def run(spec: str, *options: str) -> tuple[float, int]:
         arguments = [*COMMAND, str(folder / "spec.json"), "-o", str(folder / "t.parquet"), *options]
         started = time.perf_counter()
         process = subprocess.Popen(arguments, stderr=subprocess.DEVNULL)
-        _, status, usage = os.wait4(process.pid, 0)
+        memory = 0
+        while process.poll() is None:
+            memory = max(memory, peak_memory(process.pid))
+            time.sleep(LOOK_EVERY_S)
         seconds = time.perf_counter() - started
-        process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode != 0 or not (folder / "t.parquet").is_file():
             raise RuntimeError(f"the job ended with status {process.returncode}")
-        return seconds, usage.ru_maxrss
+        return seconds, memory
+
+
+def peak_memory(process: int) -> int:
+    """Return the largest memory of a process so far, 0 where it has ended [kB].
+
+    Not by what it is told to have used at its end: that counts the memory of the process which
+    started it too.
+    """
+    try:
+        told = Path(f"/proc/{process}/status").read_text()
+    except OSError:
+        return 0
+    return next((int(line.split()[1]) for line in told.splitlines() if "VmHWM" in line), 0)
 
 
 def on_dask(spec: str, workers: int) -> float:
