@@ -29,7 +29,14 @@ from design.shapers.registry import SHAPERS
 SEED = 20_000
 
 USUAL_SHARE = 4
-SHARES = {"si": 2, "multi_zv": 2, "multi_umzv": 2, "num_si": 1}
+SHARES = {
+    "si": 2,
+    "multi_zv": 2,
+    "multi_umzv": 2,
+    "convolved": 1,
+    "num_si": 1,
+    "num_2ei": 1,
+}
 """How often a kind comes up in a round; the slow ones less often than others."""
 
 ROUND: tuple[str, ...] = tuple(
