@@ -41,6 +41,7 @@ def guaranteed(shaper: Impulses) -> float:
 
 figure, panel = plt.subplots(figsize=(9.0, 6.0), layout="constrained")
 sys.stdout.write("shaper         impulses  duration [s]  guaranteed band\n")
+points: dict[tuple[float, float], list[str]] = {}
 for name, kind in SHAPERS.items():
     if name == "num_si" or ACTUATOR.kind not in kind.actuators:
         continue
@@ -49,10 +50,10 @@ for name, kind in SHAPERS.items():
     sys.stdout.write(
         f"{name:<16} {shaper.times_s.size:>6} {shaper.duration_s:>13.4f}   +- {100 * band:5.2f} %\n"
     )
-    panel.plot(shaper.duration_s, 100 * band, "o", color="tab:gray")
-    panel.annotate(
-        name, (shaper.duration_s, 100 * band), (4, 4), textcoords="offset points", rotation=40
-    )
+    points.setdefault((round(shaper.duration_s, 2), round(100 * band, 1)), []).append(name)
+for at, names in points.items():
+    panel.plot(*at, "o", color="tab:gray")
+    panel.annotate(", ".join(names), at, (4, 4), textcoords="offset points", rotation=40)
 curves: dict[int, list[tuple[float, float]]] = {}
 for half_width in HALF_WIDTHS:
     options = UnityBandOptions(half_width=half_width, tolerance=TOLERANCE)
@@ -63,12 +64,12 @@ for half_width in HALF_WIDTHS:
     sys.stdout.write(
         f"{'num_si':<16} {count:>6} {shaper.duration_s:>13.4f}   +- {100 * band:5.2f} %\n"
     )
-for count, points in curves.items():
-    panel.plot(*zip(*points, strict=True), ".-", label=f"num_si, {count} impulses")
+for count, curve in curves.items():
+    panel.plot(*zip(*curve, strict=True), ".-", label=f"num_si, {count} impulses")
 panel.set_xlabel("duration [s]")
 panel.set_ylabel("guaranteed band [± % of the frequency]")
 panel.set_title("residual of at most 5 % over the band: crane and actuator of Kim (2011)")
-panel.set_ylim(bottom=-1)
+panel.set_ylim(-1, 56)
 panel.margins(x=0.1)
 panel.grid(alpha=0.3)
 panel.legend(loc="upper left")
