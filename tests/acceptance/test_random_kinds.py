@@ -15,8 +15,8 @@ from tests.acceptance.judges import wrong_in_design, wrong_in_refusal
 from tests.acceptance.random_kinds import report, verdicts
 from tests.random_cases import ROUND, Case, case
 
-CASES = 240
-PARTS = 4
+CASES = 180
+PARTS = 3
 
 
 @pytest.mark.parametrize("part", range(PARTS))
