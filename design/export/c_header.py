@@ -23,7 +23,7 @@ from design.export.program import (
     unit_of_frequency,
 )
 from design.fits import Fit
-from design.tables.description import names_of
+from design.tables.columns import names_of
 from design.tables.rows import Rows, TableHead
 from design.types import FloatArray
 

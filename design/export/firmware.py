@@ -6,7 +6,8 @@ import numpy as np
 
 from design.errors import InvalidInputError
 from design.export.header import comment_lines
-from design.tables.description import amplitudes_of, names_of
+from design.impulses import Impulses
+from design.tables.columns import amplitudes_of, names_of, times_of
 from design.tables.rows import STATUSES, Rows, TableHead
 
 UNIT_SUM = 1e-12
@@ -60,13 +61,13 @@ def firmware_lines(
         yield "".join(f"{line}\n" for line in lines).encode()
 
 
-def positive_amplitudes(head: TableHead, rows: Rows, index: int, firmware: str) -> list[float]:
-    """Return the amplitudes of one row.
+def require_positive_row(head: TableHead, rows: Rows, index: int, firmware: str) -> Impulses:
+    """Return the impulses of one row.
 
     Raises
     ------
     InvalidInputError
-        If they are not above 0, or do not add up to 1.
+        If an amplitude is not above 0, or they do not add up to 1.
     """
     amplitudes = amplitudes_of(head, rows)[index]
     if not ((amplitudes > 0).all() and abs(float(np.sum(amplitudes)) - 1) < UNIT_SUM):
@@ -75,5 +76,4 @@ def positive_amplitudes(head: TableHead, rows: Rows, index: int, firmware: str) 
             amplitudes.tolist(),
             f"above 0 and add up to 1 for {firmware}",
         )
-    listed: list[float] = amplitudes.tolist()
-    return listed
+    return Impulses(times_s=times_of(head, rows)[index], amplitudes=amplitudes)

@@ -14,7 +14,7 @@ import numpy as np
 from design.errors import InvalidInputError
 from design.export.header import FACTS, facts, head_of
 from design.export.kind import Export
-from design.tables.description import names_of
+from design.tables.columns import names_of
 from design.tables.rows import STATUSES, Rows, TableHead
 
 LARGEST_MATRIX_BYTES = 2**31 - 1

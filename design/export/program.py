@@ -11,8 +11,8 @@ from design.actuators import FirstOrder, SecondOrder
 from design.errors import InvalidInputError
 from design.export.header import comment_lines
 from design.fits import Fit
-from design.tables.description import amplitudes_of, described, require_times, times_of
-from design.tables.rows import STATUSES, Rows, TableHead
+from design.tables.columns import amplitudes_of, require_times, times_of
+from design.tables.rows import STATUSES, Rows, TableHead, subject_of
 from design.types import FloatArray
 
 MOST_NUMBERS = 200_000
@@ -109,7 +109,7 @@ def unit_of_frequency(head: TableHead, fit: Fit) -> float | None:
         return 1.0
     if fit.variable.meaning == "damping_ratio":
         return None
-    actuator = described(head).actuator
+    actuator = subject_of(head).actuator
     if isinstance(actuator, SecondOrder):
         return actuator.accel.natural_frequency_rad_s
     if isinstance(actuator, FirstOrder) and actuator.accel_time_constant_s > 0:

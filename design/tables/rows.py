@@ -1,12 +1,18 @@
 """A table in pieces: its head, and runs of its rows by column."""
 
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from design.actuators import Actuator
+from design.errors import InvalidInputError
 from design.fits import Fit
+from design.maps import varied
+from design.plants import Plant
+from design.shapers.kind import ShaperKind
 from design.types import FloatArray
 
 STATUSES = ("verified", "infeasible", "failed")
@@ -59,6 +65,41 @@ class Rows:
     reasons: dict[int, str]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Subject:
+    """What the rows of a table are designs of, before a field is varied.
+
+    Attributes
+    ----------
+    plant, actuator, kind, options
+        As for `design.pipeline.design`.
+    """
+
+    plant: Plant
+    actuator: Actuator
+    kind: ShaperKind
+    options: Any
+
+    def at(
+        self, paths: Iterable[Sequence[str]], values: Iterable[float]
+    ) -> tuple[Plant, Actuator, Any]:
+        """Return plant, actuator and options with numbers, named by their paths, replaced.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is no such number, or it breaks its rule.
+        """
+        parts: dict[str, Any] = {
+            "plant": self.plant,
+            "actuator": self.actuator,
+            "shaper": self.options,
+        }
+        for (part, *rest), value in zip(paths, values, strict=True):
+            parts[part] = varied(parts[part], rest, value)
+        return parts["plant"], parts["actuator"], parts["shaper"]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableHead:
     """What a file of a table says of it besides its rows.
@@ -83,6 +124,9 @@ class TableHead:
         Their amplitudes, all rows alike [-].
     fit
         Polynomials for the times, where the specification asks for them.
+    subject
+        What the rows are designs of; None in a head that was read back from a file, of which
+        `schemas.tables.with_subject` makes it anew.
     """
 
     version: str
@@ -94,3 +138,19 @@ class TableHead:
     impulses: int
     amplitudes: tuple[float, ...]
     fit: Fit | None = None
+    subject: Subject | None = field(default=None, compare=False)
+
+
+def subject_of(head: TableHead) -> Subject:
+    """Return what the rows of a table are designs of.
+
+    Raises
+    ------
+    InvalidInputError
+        If the head was read back from a file and nobody has made it anew.
+    """
+    if head.subject is None:
+        raise InvalidInputError(
+            "subject", None, "made from the specification first, by schemas.tables.with_subject"
+        )
+    return head.subject

@@ -61,6 +61,9 @@ def run_table(options: argparse.Namespace, content: bytes) -> int | Problem:
         if check is not None:
             return _check(options, plan, path, name)
         return _write(options, plan, path, name)
+    except DesignError as error:
+        # What a format finds in the rows, as a damping ratio that a firmware does not take.
+        return problem_of_design(error)
     except KeyboardInterrupt:
         raise CommandError("stopped; the same command goes on where it was") from None
     except (StoreError, SchedulerError) as error:

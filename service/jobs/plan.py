@@ -94,6 +94,7 @@ def head_of(job: Job | NewJob, *, fitted: bool) -> TableHead:
         impulses=len(amplitudes),
         amplitudes=amplitudes,
         fit=polynomials,
+        subject=specification.subject,
     )
 
 
