@@ -268,7 +268,8 @@ class TableJob(Wire):
     created: Annotated[float, Field(description="Seconds since 1970.")]
     size: TableSize
     rows_done: int
-    verified: int
+    verified: Annotated[int, Field(description="Rows proven for the actuator given.")]
+    verified_ideal: Annotated[int, Field(description="Rows proven for an ideal actuator only.")]
     infeasible: int
     failed: int
     rows_per_s: float

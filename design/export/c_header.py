@@ -187,7 +187,7 @@ def _columns(head: TableHead, upper: str) -> str:
 def _table(name: str, rows: Listing) -> Iterator[bytes]:
     """Yield the table, a row a line, then status, times and amplitudes of each row."""
     upper = name.upper()
-    yield b"/* A row without a design holds NAN. */\n"
+    yield b"/* A row without a design, of status 1 or 2, holds NAN. */\n"
     yield _matrix(f"{name}_table[{upper}_ROWS][{upper}_COLUMNS]", rows.numbers).encode()
     codes = ", ".join(map(str, rows.status))
     yield f"\nstatic const unsigned char {name}_status[{upper}_ROWS] = {{{codes}}};\n\n".encode()

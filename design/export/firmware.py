@@ -8,7 +8,7 @@ from design.errors import InvalidInputError
 from design.export.header import comment_lines
 from design.impulses import Impulses
 from design.tables.columns import amplitudes_of, names_of, times_of
-from design.tables.rows import STATUSES, Rows, TableHead
+from design.tables.rows import STATUSES, VERIFIED_IDEAL, WITH_DESIGN, Rows, TableHead
 
 UNIT_SUM = 1e-12
 """How far the sum of amplitudes may be from 1: roundings, far below what a firmware resolves."""
@@ -43,7 +43,7 @@ def firmware_lines(
     remarks
         Further lines of the head's comment.
     commands
-        From a run and the index of a verified row in it to its lines.
+        From a run and the index of a row with a design in it to its lines.
     """
     yield "".join(f"; {line}\n" for line in [*comment_lines(head), *remarks]).encode()
     fields = names_of(head, "field")
@@ -53,7 +53,9 @@ def firmware_lines(
             values = zip(fields, rows.fields[index].tolist(), strict=True)
             where = ", ".join(f"{name} {value!r}" for name, value in values)
             lines.append(f"; row {rows.first + index}: {where}")
-            if STATUSES[status] == "verified":
+            if status == VERIFIED_IDEAL:
+                lines.append("; verified for an ideal actuator only")
+            if status in WITH_DESIGN:
                 lines += commands(rows, index)
             else:
                 reason = " ".join(rows.reasons.get(index, "").split())

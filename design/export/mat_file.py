@@ -37,9 +37,9 @@ def write_mat(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     """Write a table as .mat, in one piece, with no date in it.
 
     Variables: ``fields`` and ``results``, matrices with a row for each row of the table and names
-    and units in ``field_names``, ``field_units``, ``result_names``, ``result_units``; ``status``, 0
-    for verified, by ``status_names``; ``reason_rows`` (from 1) and ``reasons``; the facts of the
-    head as texts of JSON.
+    and units in ``field_names``, ``field_units``, ``result_names``, ``result_units``; ``status``,
+    from 0, by ``status_names``; ``reason_rows`` (from 1) and ``reasons``; the facts of the head as
+    texts of JSON.
     """
     from scipy.io import savemat  # noqa: PLC0415
 

@@ -89,7 +89,9 @@ def remarks(head: TableHead, rows: Listing) -> list[str]:
         residuals = rows.numbers[:, names.index("residual")]
         known = residuals[~np.isnan(residuals)]
         worst = f"{float(known.max()):.3g}" if known.size else "none"
-        lines.append(f"worst residual of the rows: {worst} of one unshaped step")
+        lines.append(
+            f"worst residual of the rows: {worst} of one unshaped step, with the actuator given"
+        )
     else:
         lines.append("worst residual of the rows: not known, the table has no column residual")
     if head.fit is not None:
@@ -99,7 +101,10 @@ def remarks(head: TableHead, rows: Listing) -> list[str]:
             f"{head.fit.worst_timing_error_s:.3g} s, all but x as the specification's design says"
         )
     counts = [f"{rows.status.count(code)} {name}" for code, name in enumerate(STATUSES)]
-    lines.append(f"status: 0 verified, 1 infeasible, 2 failed; rows: {', '.join(counts)}")
+    lines.append(
+        "status: 0 verified, 1 infeasible, 2 failed, 3 verified for an ideal actuator only"
+    )
+    lines.append(f"rows: {', '.join(counts)}")
     return lines
 
 

@@ -131,7 +131,7 @@ def interpolant(head: TableHead, rows: Rows) -> Interpolant:
         raise InvalidInputError("fields", [], "one or more, to interpolate")
     if not isinstance(subject.plant, Mode | Pendulum | SpringMass):
         raise InvalidInputError("plant", subject.plant, "of one mode and frequency, to interpolate")
-    amplitudes = amplitudes_of(head, rows)[rows.status == 0]
+    amplitudes = amplitudes_of(head, rows)[rows.designed]
     if not len(amplitudes):
         raise InvalidInputError("rows", "none verified", "one or more verified, to interpolate")
     if np.any(amplitudes != amplitudes[:1]):

@@ -13,12 +13,17 @@ from design.fits import Fit
 from design.maps import varied
 from design.plants import Plant
 from design.shapers.kind import ShaperKind
-from design.types import FloatArray
+from design.types import BoolArray, FloatArray
 
-STATUSES = ("verified", "infeasible", "failed")
-"""What may become of a row: a design and its proof; none exists; the solver or the proof failed."""
+STATUSES = ("verified", "infeasible", "failed", "verified_ideal")
+"""What may become of a row: a design whose claims are proven for the actuator given; none exists;
+the solver or the proof failed; a design whose claims are proven for an ideal actuator alone. In the
+order in which they came: a code means the same in files of any age."""
 
-VERIFIED, INFEASIBLE, FAILED = range(len(STATUSES))
+VERIFIED, INFEASIBLE, FAILED, VERIFIED_IDEAL = range(len(STATUSES))
+
+WITH_DESIGN = (VERIFIED, VERIFIED_IDEAL)
+"""Codes of the rows that hold impulses."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,7 +37,7 @@ class Column:
     unit
         In words of SI, ``1`` for a ratio; empty where it has none.
     kind
-        A varied field, a result, the row's status, or why it is not verified.
+        A varied field, a result, the row's status, or why it has no design.
     """
 
     name: str
@@ -51,11 +56,12 @@ class Rows:
     fields
         Value of each varied field, shape (m, f), in the order of the specification.
     results
-        Shape (m, r); not a number where a row has no design.
+        Shape (m, r); not a number where a row has no design. The residual is with the actuator
+        given, whatever the claims are proven for.
     status
         Index in `STATUSES`, shape (m,).
     reasons
-        Why a row is not verified, by its number within this run; all rows that are not.
+        Why a row has no design, by its number within this run; all rows that have none.
     """
 
     first: int
@@ -63,6 +69,12 @@ class Rows:
     results: FloatArray
     status: NDArray[np.int8]
     reasons: dict[int, str]
+
+    @property
+    def designed(self) -> BoolArray:
+        """Which rows hold impulses, shape (m,)."""
+        held: BoolArray = np.isin(self.status, WITH_DESIGN)
+        return held
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

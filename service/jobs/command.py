@@ -120,8 +120,11 @@ def _write(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
 
 
 def _counts(job: Job) -> str:
-    failed = job.done - job.verified - job.infeasible
-    return f"{job.verified:,} verified, {job.infeasible:,} infeasible, {failed:,} failed"
+    ideal = f"{job.verified_ideal:,} verified for an ideal actuator only, "
+    return (
+        f"{job.verified:,} verified, {ideal if job.verified_ideal else ''}"
+        f"{job.infeasible:,} infeasible, {job.failed:,} failed"
+    )
 
 
 def _resumed(file: Path, plan: Plan) -> tuple[Store, str]:

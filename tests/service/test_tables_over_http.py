@@ -277,3 +277,14 @@ def test_what_a_format_finds_in_the_rows_is_refused_by_name(client: httpx.Client
         in (refused.json()["detail"])
     )
     assert client.get(f"{location}/result", params={"format": "rrf"}).status_code == 200
+
+
+def test_rows_that_are_verified_for_an_ideal_actuator_only_are_counted_apart(
+    client: httpx.Client,
+) -> None:
+    design = {**CRANE, "shaper": {"kind": "umzv"}}
+    location = client.post("/v1/tables", json={**TABLE, "design": design}).headers["location"]
+    job = ended(client, location)
+    assert (job["verified"], job["verified_ideal"], job["failed"]) == (0, 8, 0)
+    text = client.get(f"{location}/result").text
+    assert text.count(",verified_ideal,\n") == 8
