@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field, ValidationError
 
 from design.errors import InvalidInputError
+from design.export.program import DEFAULT_TITLE
 from design.fits import plants_at_ends
 from design.tables.rows import Subject, TableHead
 from design.tables.specification import (
@@ -126,9 +127,10 @@ class TableRequest(Wire):
             min_length=1,
             max_length=100,
             pattern="^[^\\x00-\\x1f\\x7f]*$",
-            description="Stands in every file; names in programs are made from it.",
+            description="Stands in every file; names in programs are made from it, or from the "
+            "name of the file where it is not given.",
         ),
-    ] = "shaper table"
+    ] = DEFAULT_TITLE
     design: TableDesign
     axes: Annotated[list[TableAxis] | None, Field(description="They multiply.")] = None
     designs: Annotated[

@@ -13,6 +13,7 @@ import numpy as np
 
 from design.export.kind import Export
 from design.export.program import (
+    HASH_DIGITS,
     Listing,
     check_program,
     decimal,
@@ -163,7 +164,9 @@ def write_c(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     # A title or a reason must not end the comment.
     top = "\n   ".join(line.replace("*/", "* /") for line in remarks(head, rows))
     yield f"/* {top}\n   float rounds each number by up to 6e-8 of itself. */\n".encode()
-    yield f"#ifndef {upper}_H\n#define {upper}_H\n\n".encode()
+    # By the specification too: a second file of the same names is an error, it does not vanish.
+    guard = f"{upper}_{head.specification_sha256[:HASH_DIGITS].upper()}_H"
+    yield f"#ifndef {guard}\n#define {guard}\n\n".encode()
     yield b"#include <math.h>\n#include <stddef.h>\n\n"
     yield f"{REAL}\n{_columns(head, upper)}\n".encode()
     yield from _table(name, rows)

@@ -134,6 +134,8 @@ class TableHead:
         Impulses of the shaper, all rows alike.
     amplitudes
         Their amplitudes, all rows alike [-].
+    name
+        What names in programs begin with; made from the title where empty.
     fit
         Polynomials for the times, where the specification asks for them.
     subject
@@ -149,6 +151,7 @@ class TableHead:
     rows: int
     impulses: int
     amplitudes: tuple[float, ...]
+    name: str = ""
     fit: Fit | None = None
     subject: Subject | None = field(default=None, compare=False)
 

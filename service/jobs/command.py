@@ -109,7 +109,7 @@ def _write(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
                 ended = _computed(options, store, job)
                 if ended.state == "failed":
                     return Problem(SOLVER_FAILED, ended.reason)
-                write_result(store, ended, name, path)
+                write_result(store, ended, name, path, named=True)
             finally:
                 store.close()
             _remove(file)
@@ -212,7 +212,7 @@ def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
                 head, rows = head_for(job, name), rows_of_job(store, job)
                 drifts = drifts_of_file(path, name, head, rows, tolerances)
             else:
-                drifts = drifts_of_text(path, pieces(store, job, name))
+                drifts = drifts_of_text(path, pieces(store, job, name, path))
         except InvalidInputError as error:
             raise CommandError(f"{path} cannot be checked: {error}") from None
     if not drifts.count:

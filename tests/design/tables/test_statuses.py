@@ -7,6 +7,7 @@ import pytest
 
 from design.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder, SecondOrderSet
 from design.analysis.certificate import certify_modes
+from design.export.program import name_of
 from design.export.registry import EXPORTS
 from design.pipeline import design
 from design.shapers.problem import Promise
@@ -108,7 +109,7 @@ def test_files_say_for_which_actuator_and_count_each_status() -> None:
         assert f"{worst} of one unshaped step, with the actuator given" in text
     assert b"verified_ideal" in b"".join(EXPORTS["csv"].write(head, [rows]))
     # The impulses are in the program all the same: its status tells.
-    block = Block(text, "shaper_table_table")
+    block = Block(text, f"{name_of(head)}_table")
     told = block(row=1)
     assert told["status"] == VERIFIED_IDEAL
     np.testing.assert_array_equal(told["times_s"].values, rows.results[1, :3])
