@@ -70,10 +70,11 @@ def head_of(texts: dict[str, str]) -> TableHead:
 
 def comment_lines(head: TableHead) -> list[str]:
     """Return the head as lines of a comment, for files that programs or machines read."""
+    count = "1 row" if head.rows == 1 else f"{head.rows} rows"
     units = ", ".join(f"{column.name} [{column.unit}]" for column in head.columns if column.unit)
     return [
         # On one line, whatever the title: what follows a comment is run by a machine.
-        f"{' '.join(head.title.split())}: {head.rows} rows, by {TOOL} {head.version}",
+        f"{' '.join(head.title.split())}: {count}, by {TOOL} {head.version}",
         f"specification sha256 {head.specification_sha256}",
         f"units: {units}",
     ]

@@ -115,7 +115,7 @@ def write_klipper(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
         shaped = require_positive_row(head, rows, index, "Klipper")
         if isinstance(options, ToleranceOptions):
             row = Subject(plant=plant, actuator=Ideal(), kind=subject.kind, options=options)
-            shaper, remarks = _fitted(row, name, where)
+            shaper, remarks = _fitted(row, name, shaped, where)
         else:
             shaper, remarks = _exact(name, mode, options, shaped, where), []
         frequency, damping = repr(_frequency_hz(mode)), repr(mode.damping_ratio)
@@ -147,11 +147,8 @@ def _exact(name: str, mode: Mode, options: object, shaped: Impulses, where: str)
     else:
         shaper = name
         played = klipper_impulses(name, hertz, damping)
-    if played.times_s.size == shaped.times_s.size:
-        late = float(np.abs(played.times_s - (shaped.times_s - shaped.times_s[0])).max())
-        high = float(np.abs(played.amplitudes - shaped.amplitudes).max())
-        if late <= SAME * shaped.duration_s and high <= SAME:
-            return shaper
+    if _same(shaped, played):
+        return shaper
     raise InvalidInputError(
         f"impulses of {where}",
         [shaped.times_s.tolist(), shaped.amplitudes.tolist()],
@@ -160,11 +157,26 @@ def _exact(name: str, mode: Mode, options: object, shaped: Impulses, where: str)
     )
 
 
-def _fitted(row: Subject, name: str, where: str) -> tuple[str, list[str]]:
+def _same(one: Impulses, other: Impulses) -> bool:
+    if one.times_s.size != other.times_s.size:
+        return False
+    late = (one.times_s - one.times_s[0]) - (other.times_s - other.times_s[0])
+    high = one.amplitudes - other.amplitudes
+    return bool(np.abs(late).max() <= SAME * one.duration_s and np.abs(high).max() <= SAME)
+
+
+def _fitted(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str, list[str]]:
     """Return the shaper as Klipper writes it, whose impulses keep what is claimed, and remarks."""
     mode, tolerance = row.plant.modes[0], row.options.tolerance
     hertz, damping = _frequency_hz(mode), mode.damping_ratio
-    claims = design(row.plant, row.actuator, row.kind, row.options).certificate.claims
+    made = design(row.plant, row.actuator, row.kind, row.options)
+    if not _same(shaped, made.impulses):
+        raise InvalidInputError(
+            f"impulses of {where}",
+            [shaped.times_s.tolist(), shaped.amplitudes.tolist()],
+            f"those of {row.kind.name} in continuous time, which Klipper fits",
+        )
+    claims = made.certificate.claims
     older = older_klipper_impulses(name, hertz, damping)
     told = tolerance
     for _ in range(LOWERINGS):
