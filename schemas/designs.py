@@ -148,7 +148,7 @@ class CertificateOut(Wire):
     claims: list[ClaimOut]
 
     @classmethod
-    def from_design(cls, certificate: Certificate, *, given: bool = True) -> Self:
+    def from_design(cls, certificate: Certificate, *, given: bool) -> Self:
         """Wrap the design record."""
         return cls.model_construct(
             verified=certificate.verified,

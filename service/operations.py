@@ -16,7 +16,7 @@ from design.analysis.sensitivity import (
     sensitivity,
     worst_of,
 )
-from design.commands import convolved, program
+from design.commands import convolved
 from design.errors import InvalidInputError
 from design.fits import fit, plants_at_ends
 from design.impulses import Impulses
@@ -25,6 +25,7 @@ from design.maps import Axis, Map, MapCase, field_map
 from design.motions import motion
 from design.pipeline import Design, design
 from design.plants import MOST_MODES, Mode, Modes, Plant, Scheduled
+from design.programs import program
 from design.recommendations.recommendation import recommend
 from design.sampled import sampled_design
 from design.shapers.registry import SHAPERS
@@ -34,7 +35,7 @@ from schemas.base import named
 from schemas.catalogue import Catalogue, CatalogueEntry
 from schemas.designs import DesignRequest, DesignResponse, RangeOut, SampledOut
 from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
-from schemas.maneuvers import ManeuverRequest, ManeuverResponse, ProgramOut
+from schemas.maneuvers import ManeuverRequest, ManeuverResponse
 from schemas.maps import MapRequest, MapResponse
 from schemas.plants import PlantIn
 from schemas.recommendations import RecommendationRequest, RecommendationResponse
@@ -301,11 +302,13 @@ def whole_move(request: ManeuverRequest) -> ManeuverResponse:
         joint=request.joint,
         options=options,
     )
-    told = None
+    played = None
     if request.sample_time_s is not None:
         signed = move.direction * move.speed_m_s
-        told = ProgramOut.from_design(program(move.command, signed, request.sample_time_s))
-    return ManeuverResponse.from_design(request.shaper.kind, move, told, version())
+        played = program(
+            move.command, plant.mode, actuator, signed, request.sample_time_s, move.swing
+        )
+    return ManeuverResponse.from_design(request.shaper.kind, move, played, version())
 
 
 def map_over_fields(request: MapRequest) -> MapResponse:
