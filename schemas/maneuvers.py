@@ -9,10 +9,11 @@ from design.programs import Program
 from design.swings import AngleSwing, DeflectionSwing
 from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Wire
-from schemas.designs import CertificateOut, WarningOut
+from schemas.designs import CertificateOut
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
+from schemas.warnings import WarningOut, Warnings
 
 
 class AngleSwingIn(Wire):
@@ -106,7 +107,7 @@ class ManeuverResponse(Wire):
     certificate: CertificateOut
     joint: Annotated[bool, Field(description="Whether start and stop were solved as one.")]
     program: ProgramOut | None
-    warnings: list[WarningOut]
+    warnings: Warnings
     version: str
 
     @classmethod
@@ -126,7 +127,7 @@ class ManeuverResponse(Wire):
             joint=move.joint,
             program=None if program is None else ProgramOut.from_design(program),
             warnings=[
-                WarningOut(code=one.code, detail=one.detail)
+                WarningOut.from_design(one)
                 for one in (*(() if program is None else program.warnings), *move.warnings)
             ],
             version=version,

@@ -5,13 +5,14 @@ import io
 from collections.abc import Iterable, Sequence
 
 from schemas.catalogue import Catalogue
-from schemas.designs import CertificateOut, DesignResponse, SolverOut, WarningOut
+from schemas.designs import CertificateOut, DesignResponse, SolverOut
 from schemas.fits import FitOut
 from schemas.maneuvers import ManeuverResponse, ProgramOut
 from schemas.maps import MapResponse
 from schemas.recommendations import CandidateOut, RecommendationResponse
 from schemas.sensitivity import SensitivityOut, SensitivityResponse
 from schemas.simulations import SimulationResponse
+from schemas.warnings import WarningOut
 
 Response = (
     DesignResponse
@@ -179,6 +180,7 @@ def _findings(response: Response) -> list[str]:
             "",
             f"residual    {100 * response.residual:.4g} % at the nominal",
             *_band(response.sensitivity),
+            *_warnings(response.warnings),
         ]
     if isinstance(response, FitOut):
         return ["", *_fit(response)]
@@ -193,10 +195,17 @@ def _findings(response: Response) -> list[str]:
             *_warnings(response.warnings),
         ]
     if isinstance(response, SimulationResponse):
-        return ["", *_swings(response)]
+        return ["", *_swings(response), *_warnings(response.warnings)]
     if isinstance(response, RecommendationResponse):
         told = [f"why         {reason}" for reason in response.why]
-        return ["", *told, *(f"refused     {one.name}: {one.reason}" for one in response.refused)]
+        return [
+            "",
+            *told,
+            *_warnings(response.recommended.warnings),
+            *(f"refused     {one.name}: {one.reason}" for one in response.refused),
+        ]
+    if isinstance(response, MapResponse):
+        return ["", *_warnings(response.warnings)] if response.warnings else []
     return []
 
 

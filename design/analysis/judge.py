@@ -8,6 +8,8 @@ actuator that the shaper was designed for, an ideal one, and a warning says what
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from design.actuators import SETTLED_SHARE, Actuator, unit_ramps_s
 from design.analysis.certificate import Certificate, Claim, certify_modes
 from design.analysis.residual import residual_vibration
@@ -21,6 +23,9 @@ SLOW_ACTUATOR = 2.0
 
 SETTLED_MARGIN = 1e-6
 """A gap at its bound has settled: IPOPT relaxes bounds by 1e-8, times are rounded [-]."""
+
+SUM_ROUNDING = 1e-9
+"""What a sum of amplitudes may be off by, over the sum of their sizes: printed digits [-]."""
 
 IN_WORDS = {
     "residual": "the residual is {value}",
@@ -142,6 +147,18 @@ def judge(
         residuals=tuple(residual_vibration(command, mode, actuator, swing) for mode in modes),
         warnings=warnings,
     )
+
+
+def sum_warnings(impulses: Impulses) -> Iterator[DesignWarning]:
+    """Yield that impulses are neither a shaper, of sum 1, nor a whole move, of sum 0."""
+    total = float(impulses.amplitudes.sum())
+    rounding = SUM_ROUNDING * max(1.0, float(np.abs(impulses.amplitudes).sum()))
+    if min(abs(abs(total) - 1), abs(total)) > rounding:
+        yield DesignWarning(
+            code="sum_not_one",
+            detail=f"the amplitudes add up to {total:.9g}: those of a shaper add up to 1, those of "
+            "a whole move to 0; the residual is a share of what an unshaped step of height 1 does",
+        )
 
 
 def claims_in_words(claims: list[Claim], modes: int) -> str:

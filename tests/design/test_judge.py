@@ -8,7 +8,7 @@ import pytest
 
 from design.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder, SecondOrderSet
 from design.analysis.certificate import TOLERANCE_MARGIN, zeros
-from design.analysis.judge import judge
+from design.analysis.judge import judge, sum_warnings
 from design.impulses import Impulses
 from design.maneuvers import maneuver
 from design.pipeline import design
@@ -154,3 +154,27 @@ def test_a_joint_move_that_costs_robustness_says_so() -> None:
 def _slope(command: Impulses) -> float:
     verdict = judge(command, (CRANE.mode,), Ideal(), zeros(["slope"]), name="it")
     return verdict.certificate.claims[0].value
+
+
+@pytest.mark.parametrize(
+    ("amplitudes", "warned"),
+    [
+        ([0.5, 0.5], False),
+        ([1.0, -1.0, 1.0], False),
+        ([1.0, -1.0], False),
+        ([-0.5, -0.5], False),
+        ([0.3333333333] * 3, False),  # printed digits
+        ([0.3, 0.3], True),
+        ([1.0, 1.0], True),
+    ],
+)
+def test_amplitudes_that_are_neither_a_shaper_nor_a_move_have_a_warning(
+    amplitudes: list[float], *, warned: bool
+) -> None:
+    command = Impulses(
+        times_s=np.arange(len(amplitudes), dtype=float), amplitudes=np.array(amplitudes)
+    )
+    told = list(sum_warnings(command))
+    assert [one.code for one in told] == (["sum_not_one"] if warned else [])
+    if warned:
+        assert f"{sum(amplitudes):.9g}" in told[0].detail
