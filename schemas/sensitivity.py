@@ -72,9 +72,21 @@ class InsensitivityOut(Wire):
     """The interval around 1 on which the residual is within the tolerance."""
 
     tolerance: float
-    lower_ratio: float
-    upper_ratio: float
-    width: float
+    lower_ratio: Annotated[
+        float | None, Field(description="Lower edge; null where the search found none [-].")
+    ]
+    upper_ratio: Annotated[float | None, Field(description="Upper edge; null likewise [-].")]
+    width: Annotated[
+        float | None, Field(description="Upper less lower edge; null without either [-].")
+    ]
+    searched_from_ratio: Annotated[
+        float,
+        Field(
+            description="Lower end of what is known to be within the tolerance: the edge, or "
+            "where the search for it ended [-]."
+        ),
+    ]
+    searched_to_ratio: Annotated[float, Field(description="Upper end, likewise [-].")]
 
     @classmethod
     def from_design(cls, insensitivity: Insensitivity) -> Self:
@@ -84,6 +96,8 @@ class InsensitivityOut(Wire):
             lower_ratio=insensitivity.lower_ratio,
             upper_ratio=insensitivity.upper_ratio,
             width=insensitivity.width,
+            searched_from_ratio=insensitivity.searched_from_ratio,
+            searched_to_ratio=insensitivity.searched_to_ratio,
         )
 
 

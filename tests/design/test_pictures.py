@@ -23,6 +23,7 @@ from design.analysis.residual import residual_vibration
 from design.analysis.sensitivity import Sensitivity, SensitivityRange, sensitivity
 from design.impulses import Impulses
 from design.pictures.design_sheet import design_sheet, figure_bytes
+from design.pictures.sensitivity_panel import draw_sensitivity
 from design.pictures.time_panels import draw_payload
 from design.pictures.vector_panel import vibration_vectors
 from design.pipeline import Design, design
@@ -212,6 +213,27 @@ def test_a_design_above_tolerance_has_no_band_and_the_sheet_says_so() -> None:
     assert not _has(figure, "sensitivity", "band")
     assert _has(figure, "sensitivity", "tolerance")
     assert "no insensitivity: nominal 7.34 % is above tolerance" in _words(figure)
+
+
+@pytest.mark.parametrize(
+    ("times", "amplitudes", "tolerance", "note", "edges"),
+    [
+        ([0.0, 1.0], [0.3, 0.3], 0.7, "insensitivity: no edge from 0.001 to 100 times", 0),
+        ([0.0, 0.3], [1.0, -0.55], 0.8, "no lower edge down to 0.001 times", 1),
+    ],
+)
+def test_an_edge_that_is_none_is_told_and_not_drawn(
+    times: list[float], amplitudes: list[float], tolerance: float, note: str, edges: int
+) -> None:
+    steps = Impulses(times_s=np.array(times), amplitudes=np.array(amplitudes))
+    mode = Mode(natural_frequency_rad_s=1.0)
+    curve = sensitivity(steps, mode, Ideal(), SensitivityRange(tolerance=tolerance))
+    figure = Figure()
+    draw_sensitivity(figure.add_subplot(), curve, residual_vibration(steps, mode, Ideal()))
+    (axes,) = figure.axes
+    assert note in _words(figure)
+    drawn = [line for line in axes.lines if line.get_linewidth() == pytest.approx(0.9)]
+    assert len(drawn) == edges
 
 
 def test_a_band_beyond_the_range_asked_for_does_not_widen_it() -> None:
