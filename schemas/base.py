@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -17,9 +17,16 @@ class Wire(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
-def says_nothing(value: object) -> bool:
-    """Whether a field is left out of an answer."""
+def _says_nothing(value: object) -> bool:
     return value is None
+
+
+def left_out_if_none(description: str) -> Any:  # noqa: ANN401 - as pydantic's own Field
+    """Return the rule of an answer's field that is not written where it is None.
+
+    Whoever reads the answer finds None in its place: an answer is read back as it was.
+    """
+    return Field(default=None, exclude_if=_says_nothing, description=description)
 
 
 Positive = Annotated[float, Field(gt=0, le=LARGEST)]

@@ -14,7 +14,7 @@ from design.analysis.sensitivity import (
 )
 from design.plants import Mode
 from schemas.actuators import ActuatorIn
-from schemas.base import PlantDamping, Wire, says_nothing
+from schemas.base import PlantDamping, Wire, left_out_if_none
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.warnings import Warnings
@@ -102,9 +102,8 @@ class SensitivityOut(Wire):
     residual: list[float]
     insensitivity: InsensitivityOut | None
     damping: Annotated[
-        DampingOut | None,
-        Field(exclude_if=says_nothing, description="Where a range of damping is asked for."),
-    ] = None
+        DampingOut | None, left_out_if_none("Where a range of damping is asked for.")
+    ]
 
     @classmethod
     def from_design(cls, sensitivity: Sensitivity) -> Self:
@@ -146,10 +145,9 @@ class ModeOut(Wire):
 
 OfModes = Annotated[
     list[ModeOut] | None,
-    Field(
-        exclude_if=says_nothing,
-        description="Of a plant of several modes, what each has; residual and sensitivity "
-        "beside it are then of the worst, all frequencies changing alike. Left out else.",
+    left_out_if_none(
+        "Of a plant of several modes, what each has; residual and sensitivity beside it are then "
+        "of the worst, all frequencies changing alike. Left out else."
     ),
 ]
 

@@ -142,7 +142,10 @@ class SimulationResponse(Wire):
             "actuator rings with the plant [-]."
         ),
     ]
-    remaining: Annotated[SwingOut | None, Field(description="The swing of that residual.")]
+    remaining: Annotated[
+        SwingOut | None,
+        Field(description="Amplitude of that vibration, extrapolated back to the last step."),
+    ]
     impulses: Annotated[ImpulsesWire, Field(description="The command as it was played.")]
     warnings: Warnings
 
