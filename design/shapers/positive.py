@@ -14,7 +14,7 @@ import numpy as np
 
 from design.actuators import Actuator, Ideal, RateLimited
 from design.errors import InvalidInputError
-from design.impulses import Impulses
+from design.impulses import ROUNDING, Impulses
 from design.plants import Mode
 from design.shapers.kind import NoOptions, Quantity, ShaperKind
 from design.shapers.problem import ClosedForm, Formulation
@@ -176,7 +176,7 @@ def mzv(mode: Mode, actuator: Actuator, options: MzvOptions) -> Formulation:
     """
     phase = 2 * math.pi * options.duration_periods / (options.n - 1)
     weights = mzv_weights(options.n, phase)
-    if min(weights) < 0:
+    if min(weights) < -ROUNDING * sum(weights):
         raise InvalidInputError(
             "shaper.t",
             options.duration_periods,

@@ -69,6 +69,12 @@ STRAYED = 2.0
 LIFT = 1e-7
 """Height of P above zero at the impulses but the last; it costs the bound about as much [-]."""
 
+PRESENT = 0.01
+"""Share of the largest below which a step of the linear program may be one of its grid alone [-].
+
+Where modes are odd multiples of another, fewer impulses than equations do: the grid adds some.
+"""
+
 LONGEST_TURNS = 40.0
 """Longest duration that is searched, in periods of the slowest mode and one mode [-]."""
 
@@ -159,11 +165,26 @@ def shortest(problem: JointProblem) -> Iterator[Shortest]:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Obstacle:
-    """What a linear program finds against a duration: c, and where positive impulses stand."""
+    """What a linear program finds against a duration: c, and its own command.
+
+    Attributes
+    ----------
+    vectors
+        c, shape (m,) [-].
+    grid
+        Times of the grid, shape (k + 1,) [rad].
+    unknowns
+        Amplitudes at them, or the command between two of them, shape (k + 1,) or (k,) [-].
+    """
 
     vectors: ComplexArray
-    support: FloatArray
-    cell: float
+    grid: FloatArray
+    unknowns: FloatArray
+
+    @property
+    def cell(self) -> float:
+        """Distance of two times of the grid [rad]."""
+        return float(self.grid[1])
 
 
 class _Search:
@@ -216,8 +237,8 @@ class _Search:
             vectors = -vectors
         return _Obstacle(
             vectors=vectors / np.linalg.norm(vectors),
-            support=grid[: solved.unknowns.size][solved.unknowns > ZERO],
-            cell=duration / cells,
+            grid=grid,
+            unknowns=solved.unknowns,
         )
 
     def zeros(self, vectors: ComplexArray, until: float, order: int) -> FloatArray:
@@ -274,14 +295,18 @@ class _Search:
         if not self.positive:
             if turning.size % 2:
                 yield np.concatenate(([0.0], turning, [duration]))
+            yield _switches(obstacle)
             return
         lowest = turning[self.pull(obstacle.vectors, turning, 2) > 0]
-        distances = np.abs(lowest[:, None] - obstacle.support).min(axis=1, initial=np.inf)
+        support = obstacle.grid[obstacle.unknowns > ZERO]
+        distances = np.abs(lowest[:, None] - support).min(axis=1, initial=np.inf)
         yield np.concatenate(([0.0], lowest[distances < 2 * obstacle.cell], [duration]))
-        groups = np.flatnonzero(np.diff(obstacle.support) > 1.5 * obstacle.cell) + 1
-        centres = np.array([part.mean() for part in np.split(obstacle.support, groups)])
-        inner = (centres > obstacle.cell) & (centres < duration - obstacle.cell)
-        yield np.concatenate(([0.0], centres[inner], [duration]))
+        for least in (ZERO, PRESENT * float(obstacle.unknowns.max())):
+            present = obstacle.grid[obstacle.unknowns > least]
+            groups = np.flatnonzero(np.diff(present) > 1.5 * obstacle.cell) + 1
+            centres = np.array([part.mean() for part in np.split(present, groups)])
+            inner = (centres > obstacle.cell) & (centres < duration - obstacle.cell)
+            yield np.concatenate(([0.0], centres[inner], [duration]))
 
     def sharpened(self, vectors: ComplexArray, times: FloatArray, programs: int) -> Shortest | None:
         """Solve the conditions of optimality from c and times near them; None where that fails."""
@@ -391,3 +416,11 @@ class _Search:
             0
         ]
         return found
+
+
+def _switches(obstacle: _Obstacle) -> FloatArray:
+    """Return when the linear program's own command goes up and down, to a cell [rad]."""
+    high = np.concatenate(([False], obstacle.unknowns > 1 / 2, [True]))
+    times = obstacle.grid[np.flatnonzero(high[1:] != high[:-1])]
+    switches: FloatArray = times - times[0]
+    return switches
