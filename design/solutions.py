@@ -9,7 +9,7 @@ from design.analysis.shortest import excluded_rad
 from design.commands import convolved
 from design.errors import InfeasibleDesignError
 from design.fastest import fastest
-from design.impulses import ROUNDING, Impulses
+from design.impulses import Impulses
 from design.shapers.problem import (
     BandProblem,
     BandSearch,
@@ -28,6 +28,13 @@ OVER_RANGE = 1e-9
 
 SAME_TIME = 1e-12
 """Steps of convolved shapers closer than this, over the duration, are one [-]."""
+
+NO_STEP = 1e-15
+"""Share of all steps' sizes that is what their sum is rounded by, a few times [-].
+
+Larger ones may count, small as they are: those that end a command in a heavily damped mode, where
+what came before has decayed.
+"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -176,7 +183,7 @@ def _convolution(convolution: Convolution) -> Solution:
 def merged(impulses: Impulses) -> Impulses:
     """Join steps at the same time but for rounding, and leave out those that are rounding.
 
-    Left out are the smallest steps as long as they are less than `ROUNDING` of all together, so
+    Left out are the smallest steps as long as they are less than `NO_STEP` of all together, so
     that what the others claim to be zero stays so.
     """
     times, amplitudes = impulses.times_s, impulses.amplitudes
@@ -185,7 +192,7 @@ def merged(impulses: Impulses) -> Impulses:
     sizes = np.abs(summed)
     order = np.argsort(sizes, kind="stable")
     kept = np.empty(sizes.size, dtype=np.bool_)
-    kept[order] = np.cumsum(sizes[order]) > ROUNDING * sizes.sum()
+    kept[order] = np.cumsum(sizes[order]) > NO_STEP * sizes.sum()
     if apart.all() and kept.all():
         return impulses
     times = times[apart][kept]

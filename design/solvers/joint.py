@@ -23,9 +23,10 @@ from operator import itemgetter
 import numpy as np
 
 from design.errors import InfeasibleDesignError
+from design.impulses import ROUNDING
 from design.shapers.problem import JointProblem
 from design.solvers import highs
-from design.types import ComplexArray, FloatArray
+from design.types import LARGEST, ComplexArray, FloatArray
 
 PERIOD_RAD = 2 * math.pi
 
@@ -74,6 +75,9 @@ PRESENT = 0.01
 
 Where modes are odd multiples of another, fewer impulses than equations do: the grid adds some.
 """
+
+MOST_DECAY = 600.0
+"""Decay of the fastest decaying mode over the longest duration: its exponential is a number [-]."""
 
 LONGEST_TURNS = 40.0
 """Longest duration that is searched, in periods of the slowest mode and one mode [-]."""
@@ -194,7 +198,8 @@ class _Search:
         self.poles = poles
         self.positive = positive
         self.fastest = float(np.abs(poles).max())
-        self.horizon_rad = LONGEST_TURNS * PERIOD_RAD * poles.size
+        decay = max(float(np.abs(poles.real).max()), MOST_DECAY / LARGEST)
+        self.horizon_rad = min(LONGEST_TURNS * PERIOD_RAD * poles.size, MOST_DECAY / decay)
         slowest = float(np.abs(poles).min())
         # A shaper of the slowest mode alone takes half a period, a third where steps go both ways.
         self.first_bound_rad = 0.99 * PERIOD_RAD / slowest / (2 if positive else 3)
@@ -295,7 +300,9 @@ class _Search:
         if not self.positive:
             if turning.size % 2:
                 yield np.concatenate(([0.0], turning, [duration]))
-            yield _switches(obstacle)
+            switches = _switches(obstacle)
+            if switches.size > 1:
+                yield switches
             return
         lowest = turning[self.pull(obstacle.vectors, turning, 2) > 0]
         support = obstacle.grid[obstacle.unknowns > ZERO]
@@ -337,7 +344,7 @@ class _Search:
         good = (
             left.max() < ZERO
             and np.diff(times).min() > SHORTEST_GAP_RAD
-            and (amplitudes.min() > 0 or not self.positive)
+            and (amplitudes.min() > ROUNDING or not self.positive)
         )
         if not good:
             return None
