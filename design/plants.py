@@ -198,8 +198,11 @@ MOST_MODES = 6
 NEAREST_POLES = 1e-3
 """Distance of two poles, over the slower, below which shaping both asks for a slope [-]."""
 
-WIDEST_SPREAD = 30.0
-"""Highest over lowest natural frequency of one plant: joint shapers grow with it [-]."""
+WIDEST_SPREAD = 1000.0
+"""Highest over lowest natural frequency of one plant [-].
+
+A shaper turns the fastest mode by thousands of periods then: its residual has eleven digits left.
+"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
