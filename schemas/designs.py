@@ -16,6 +16,7 @@ from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.sensitivity import ModeOut, OfModes, SensitivityIn, SensitivityOut
 from schemas.shapers import ShaperIn
+from schemas.warnings import WarningOut, Warnings
 
 
 class DesignRequest(Wire):
@@ -148,7 +149,7 @@ class CertificateOut(Wire):
     claims: list[ClaimOut]
 
     @classmethod
-    def from_design(cls, certificate: Certificate, *, given: bool = True) -> Self:
+    def from_design(cls, certificate: Certificate, *, given: bool) -> Self:
         """Wrap the design record."""
         return cls.model_construct(
             verified=certificate.verified,
@@ -202,13 +203,6 @@ class RangeOut(Wire):
         )
 
 
-class WarningOut(Wire):
-    """Something to know of a design that is right all the same."""
-
-    code: str
-    detail: str
-
-
 class DesignResponse(Wire):
     """Answer of `POST /v1/designs`."""
 
@@ -233,7 +227,7 @@ class DesignResponse(Wire):
     ]
     fit: FitOut | None
     solver: SolverOut
-    warnings: list[WarningOut]
+    warnings: Warnings
     version: str
 
     @classmethod
@@ -272,9 +266,6 @@ class DesignResponse(Wire):
                 lower_bound_s=solver.lower_bound_s,
                 gap=solver.gap,
             ),
-            warnings=[
-                WarningOut.model_construct(code=warning.code, detail=warning.detail)
-                for warning in design.warnings
-            ],
+            warnings=[WarningOut.from_design(warning) for warning in design.warnings],
             version=version,
         )

@@ -20,10 +20,10 @@ from design.recommendations.requirements import (
 )
 from schemas.actuators import ActuatorIn
 from schemas.base import PlantDamping, Positive, Wire, says_nothing
-from schemas.designs import WarningOut
 from schemas.impulses import ImpulsesWire
 from schemas.plants import BareMode, PlantIn
 from schemas.sensitivity import InsensitivityOut
+from schemas.warnings import WarningOut, Warnings
 
 
 class DampingRangeIn(Wire):
@@ -196,7 +196,7 @@ class CandidateOut(Wire):
         str | None,
         Field(exclude_if=says_nothing, description="Name of one ahead with the same impulses."),
     ]
-    warnings: list[WarningOut]
+    warnings: Warnings
 
     @classmethod
     def from_design(cls, candidate: Candidate, sample_time_s: float | None) -> Self:
@@ -222,10 +222,7 @@ class CandidateOut(Wire):
             smoothing_s2=candidate.smoothing.smoothing_s2,
             lower_bound_s=made.lower_bound_s,
             same_as=candidate.same_as,
-            warnings=[
-                WarningOut.model_construct(code=one.code, detail=one.detail)
-                for one in made.found.warnings
-            ],
+            warnings=[WarningOut.from_design(one) for one in made.found.warnings],
         )
 
 

@@ -17,6 +17,7 @@ from schemas.actuators import ActuatorIn
 from schemas.base import PlantDamping, Wire, says_nothing
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
+from schemas.warnings import Warnings
 
 Ratio = Annotated[float, Field(ge=RATIO_BOUNDS[0], le=RATIO_BOUNDS[1])]
 
@@ -159,3 +160,4 @@ class SensitivityResponse(Wire):
     sensitivity: SensitivityOut
     residual: Annotated[float, Field(description="Residual vibration at the nominal [-].")]
     modes: OfModes
+    warnings: Warnings

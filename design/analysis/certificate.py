@@ -187,12 +187,13 @@ def certify_modes(
     modes: tuple[Mode, ...],
     actuator: Actuator,
     promises: tuple[Promise, ...],
+    swing: FreeSwing | None = None,
 ) -> Certificate:
     """Recompute the claims of a shaper about several modes, each in its own; see `certify`."""
     claims: list[Claim] = []
     for number, mode in enumerate(modes):
         own = tuple(promise for promise in promises if promise.mode == number)
-        claims += certify(impulses, mode, actuator, own).claims
+        claims += certify(impulses, mode, actuator, own, swing).claims
     return Certificate(claims=tuple(claims))
 
 

@@ -135,8 +135,10 @@ def test_the_header_tells_shaper_plant_actuator_duration_residual_and_proof(
 def test_a_shaper_verified_for_an_ideal_actuator_says_so_behind_another() -> None:
     words = _words(_sheet("umzv", CRANE, CRANE_DRIVE)[0])
     assert "7.34 %" in words
-    assert "for an ideal actuator" in words
-    assert "for an ideal actuator" not in _words(_sheet("umzv", CRANE, Ideal())[0])
+    for fact in ("ideal drive only", "not proven for this one"):
+        assert fact in words
+        assert fact not in _words(_sheet("umzv", CRANE, Ideal())[0])
+    assert "✓ verified" not in words
 
 
 def test_the_first_warning_is_on_the_sheet_and_the_others_are_counted() -> None:

@@ -139,7 +139,7 @@ def test_a_shaper_that_ignores_the_actuator_says_so(
     assert answer["certificate"]["actuator"] == ("ideal" if ignored else "given")
     told = [one["detail"] for one in answer["warnings"] if one["code"] == "actuator_ignored"]
     assert len(told) == ignored
-    assert all(f"leaves {100 * answer['residual']:.4g} %" in detail for detail in told)
+    assert all(f"the residual is {100 * answer['residual']:.4g} %" in detail for detail in told)
     ideal = {**CRANE, "actuator": {"kind": "ideal"}, "shaper": {"kind": kind}}
     answer = client.post("/v1/designs", json=ideal).json()
     assert answer["certificate"]["actuator"] == "given"
