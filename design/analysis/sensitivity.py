@@ -57,7 +57,7 @@ class DampingRange:
     Attributes
     ----------
     start, stop
-        Least and largest, ``0 <= start < stop <= 0.5`` [-].
+        Least and largest, ``0 <= start < stop <= 0.99`` [-].
     points
         Number of points, 2 to 20,001.
     """
