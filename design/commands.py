@@ -1,16 +1,10 @@
 """Velocity commands as steps."""
 
-import math
-from dataclasses import dataclass
-
 import numpy as np
 
 from design.errors import InvalidInputError
 from design.impulses import Impulses
 from design.types import LARGEST, SMALLEST, FloatArray, require_between
-
-MOST_SAMPLES = 100_000
-"""Longest program, a bound on the work of one request."""
 
 
 def step() -> Impulses:
@@ -60,56 +54,3 @@ def convolved(command: Impulses, shaper: Impulses) -> Impulses:
     amplitudes = np.multiply.outer(command.amplitudes, shaper.amplitudes).ravel()
     order = np.argsort(times, kind="stable")
     return Impulses(times_s=times[order], amplitudes=amplitudes[order])
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Program:
-    """A command on a controller's samples.
-
-    Attributes
-    ----------
-    times_s
-        Samples from the first step to the first sample at or after the last, shape (n,) [s].
-    velocity_m_s
-        Mean velocity over the sample that follows, shape (n,): replayed and held, it meets every
-        position [m/s].
-    position_m
-        Position of the command at each sample, exact, shape (n,) [m].
-    """
-
-    times_s: FloatArray
-    velocity_m_s: FloatArray
-    position_m: FloatArray
-
-
-def program(command: Impulses, speed_m_s: float, sample_time_s: float) -> Program:
-    """Return a command as positions and velocities at a sample time.
-
-    Parameters
-    ----------
-    command
-        Steps as shares of the speed.
-    speed_m_s
-        Full speed, signed [m/s].
-    sample_time_s
-        Time between samples, > 0 [s].
-
-    Raises
-    ------
-    InvalidInputError
-        If the sample time is longer than the command, or so short that there are too many samples.
-    """
-    require_between("sample_time_s", sample_time_s, SMALLEST, max(command.duration_s, SMALLEST))
-    samples = math.ceil(command.duration_s / sample_time_s * (1 - 1e-12))
-    if samples >= MOST_SAMPLES:
-        raise InvalidInputError(
-            "sample_time_s", sample_time_s, f"such that there are fewer than {MOST_SAMPLES} samples"
-        )
-    times = float(command.times_s[0]) + sample_time_s * np.arange(samples + 1)
-    since = np.maximum(np.subtract.outer(times, command.times_s), 0.0)
-    positions = speed_m_s * (since @ command.amplitudes)
-    return Program(
-        times_s=times,
-        velocity_m_s=np.append(np.diff(positions) / sample_time_s, 0.0),
-        position_m=positions,
-    )

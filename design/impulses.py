@@ -7,6 +7,9 @@ import numpy as np
 from design.errors import InvalidInputError
 from design.types import LARGEST, BoolArray, FloatArray
 
+ROUNDING = 1e-12
+"""Share of all steps' sizes below which one is none: rounding of their sum, not a command [-]."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Impulses:
@@ -45,7 +48,7 @@ class Impulses:
         if not (ordered and times[0] >= -LARGEST and times[-1] <= LARGEST and 0 < total <= LARGEST):
             self._require_numbers()
         levels = np.abs(self.amplitudes.cumsum())
-        margin = 1e-12 * total
+        margin = ROUNDING * total
         increases = levels > margin
         increases[1:] = levels[1:] - levels[:-1] > margin
         object.__setattr__(self, "accelerates", increases)

@@ -1,5 +1,6 @@
 """Whole moves of one mode from rest to rest: start, cruise, stop, over an exact distance."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,22 +14,26 @@ from design.actuators import (
     Unlimited,
     require_speed,
 )
-from design.analysis.certificate import Certificate, certify, zeros
-from design.analysis.residual import residual_vibration
+from design.analysis.certificate import LIMITS, Certificate, certify, zeros
+from design.analysis.judge import DesignWarning, drive_warnings, judge, shortfall_of
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
-from design.pipeline import DesignWarning, design, shortfall_of, warnings_of
+from design.pipeline import design
 from design.plants import Mode, Plant
 from design.responses import travel
 from design.rest_to_rest import Parts, faster_as_one, over_distance, over_pulse, with_swing
 from design.shapers.kind import PeakOptions, SettleOptions, ShaperKind
 from design.shapers.unity_magnitude import PERIOD_RAD
 from design.solutions import solutions
-from design.swings import InitialSwing, free_swing
+from design.swings import FreeSwing, InitialSwing, free_swing
 from design.types import LARGEST, SMALLEST, require_scale
 
 LONGEST_PERIODS = 500.0
 """Longest pulse: up to it the certificate's slope, by differencing, stays clear of rounding [-]."""
+
+MUCH_STEEPER = 10.0
+"""Slope of a move solved as one over that of start and stop apart from which on it is worth a
+warning [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -55,10 +60,14 @@ class Maneuver:
     distance_m
         How far it goes, signed, as recomputed from the command [m].
     residual
-        What it leaves with the actuator given, a share of one unshaped step [-].
+        Residual vibration with the actuator given, a share of one unshaped step [-].
     certificate
-        The claims of the shaper, recomputed for the whole move, for the actuator that the shaper
-        was designed for.
+        The claims of the shaper, recomputed for the whole move: for the actuator given if they
+        hold there.
+    for_ideal
+        Whether they are for an ideal actuator, as they do not all hold with the one given.
+    swing
+        What the payload swings already at the first step; None where it hangs still.
     joint
         Whether the move was solved as one: where start and stop would overlap, where the start
         alone cannot cancel the swing, or where it was asked for and is faster.
@@ -75,6 +84,8 @@ class Maneuver:
     distance_m: float
     residual: float
     certificate: Certificate
+    for_ideal: bool
+    swing: FreeSwing | None
     joint: bool
     warnings: tuple[DesignWarning, ...]
 
@@ -170,12 +181,24 @@ def maneuver(
         command, as_one = over_distance(parts, wanted_s)
     else:
         command, as_one = over_pulse(parts, pulse_s)
+    warnings: tuple[DesignWarning, ...] = ()
     if joint and not as_one:
-        command, as_one = faster_as_one(parts, command)
-    certificate = certify(command, parts.mode, parts.designed_for, parts.claims, swing)
-    if not certificate.verified:
+        faster = faster_as_one(parts, command)
+        if faster is not None:
+            warnings = tuple(_robustness_lost(parts, command, faster))
+            command, as_one = faster, True
+    judged = judge(
+        command,
+        (parts.mode,),
+        actuator,
+        parts.claims,
+        name=f"the move by {kind.name}",
+        designed_for=parts.designed_for,
+        swing=swing,
+    )
+    if not judged.certificate.verified:
         raise SolverFailedError(
-            f"the whole move of {kind.name} was not verified: {shortfall_of(certificate)}"
+            f"the whole move of {kind.name} was not verified: {shortfall_of(judged.certificate)}"
         )
     # The start ends at level 1, so its steps are odd in number: half of them, or one more.
     split = (command.times_s.size // 2) | 1
@@ -191,11 +214,36 @@ def maneuver(
         speed_m_s=abs(speed_m_s),
         pulse_s=float(stop.times_s[0] - start.times_s[0]),
         distance_m=direction * abs(speed_m_s) * travel(command, actuator),
-        residual=residual_vibration(command, parts.mode, actuator, swing),
-        certificate=certificate,
+        residual=judged.residual,
+        certificate=judged.certificate,
+        for_ideal=judged.for_ideal,
+        swing=swing,
         joint=as_one,
-        warnings=tuple(warnings_of(command, parts.mode, actuator)),
+        warnings=(
+            *judged.warnings,
+            *warnings,
+            *drive_warnings(command, (parts.mode,), actuator),
+        ),
     )
+
+
+def _robustness_lost(parts: Parts, apart: Impulses, one: Impulses) -> Iterator[DesignWarning]:
+    """Yield that a move solved as one is much more sensitive than start and stop apart."""
+    slopes = [
+        max(claim.value, LIMITS["slope"])
+        for command in (apart, one)
+        for claim in certify(
+            command, parts.mode, parts.designed_for, zeros(["slope"]), parts.swing
+        ).claims
+    ]
+    if slopes[1] > MUCH_STEEPER * slopes[0]:
+        gained = 1 - one.duration_s / apart.duration_s
+        yield DesignWarning(
+            code="less_robust",
+            detail=f"solved as one the move is {100 * gained:.3g} % faster, and an error of 1 % in "
+            f"the frequency leaves some {slopes[1]:.3g} % of a step, {slopes[1] / slopes[0]:.3g} "
+            "times as much as start and stop apart do",
+        )
 
 
 def mirrored_stop(start: Impulses) -> Impulses:

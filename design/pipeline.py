@@ -4,13 +4,13 @@ plant + actuator -> formulation -> seeds -> solver -> impulses -> certificate ->
 """
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from design.actuators import SETTLED_SHARE, Actuator, unit_ramps_s
-from design.analysis.certificate import Certificate, certify, certify_modes, zeros
-from design.analysis.residual import require_workable, residual_vibration
+from design.actuators import Actuator
+from design.analysis.certificate import Certificate, certify, zeros
+from design.analysis.judge import DesignWarning, drive_warnings, judge, shortfall_of
+from design.analysis.residual import require_workable
 from design.analysis.sensitivity import insensitivity
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
@@ -19,25 +19,11 @@ from design.shapers.kind import ShaperKind
 from design.shapers.problem import Convolution, Formulation, Promise, within
 from design.solutions import Solution, SolverReport, solutions
 
-SLOW_ACTUATOR = 2.0
-"""Corner frequency over the plant's below which the thesis advises against (eq. 3.41) [-]."""
-
-SETTLED_MARGIN = 1e-6
-"""A gap at its bound has settled: IPOPT relaxes bounds by 1e-8, times are rounded [-]."""
-
 BAND_MARGIN = 1e-6
 """Share by which a band is told narrower than found: its ends are within the tolerance [-]."""
 
 BAND_OPTIONS = ("half_width", "lower_ratio", "upper_ratio")
 """Options that say which band a kind keeps."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DesignWarning:
-    """Something a user should know of a design that is right all the same."""
-
-    code: str
-    detail: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -51,9 +37,9 @@ class Design:
     residuals
         What it leaves in each mode with the actuator given, whatever it was designed for [-].
     certificate
-        Its claims, recomputed for the actuator that it was designed for.
+        Its claims, recomputed: for the actuator given if they hold there.
     for_ideal
-        Whether that is an ideal one in place of the one given.
+        Whether they are for an ideal actuator, as they do not all hold with the one given.
     solver
         How it was found.
     warnings
@@ -140,20 +126,20 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
                 others += 1
                 continue
             asked = tuple(promise for promise in told if promise is not None)
-            certificate = certify_modes(impulses, modes, designed_for, asked)
+            judged = judge(
+                impulses, modes, actuator, asked, name=kind.name, designed_for=designed_for
+            )
+            certificate = judged.certificate
             if certificate.verified:
-                fastest = max(modes, key=lambda mode: mode.natural_frequency_rad_s)
-                found = Design(
+                return Design(
                     impulses=impulses,
-                    residuals=tuple(residual_vibration(impulses, mode, actuator) for mode in modes),
+                    residuals=judged.residuals,
                     certificate=certificate,
-                    for_ideal=designed_for != actuator,
+                    for_ideal=judged.for_ideal,
                     solver=solution.solver,
-                    warnings=tuple(warnings_of(impulses, fastest, actuator)),
+                    warnings=(*judged.warnings, *drive_warnings(impulses, modes, actuator)),
                     worst_in_range=_worst_in_range(impulses, plant, actuator),
                 )
-                ignored = tuple(_actuator_ignored(kind, found))
-                return replace(found, warnings=(*ignored, *found.warnings))
             if isinstance(plant, Scheduled):
                 _require_over_range(kind, certificate)
             unverified = certificate
@@ -264,55 +250,8 @@ def _with_its_band(
     found = insensitivity(solution.impulses, modes[promise.mode], actuator, promise.limit)
     if found is None:
         return None
-    lower, upper = found.lower_ratio, found.upper_ratio
+    lower, upper = found.searched_from_ratio, found.searched_to_ratio
     if ((solution.ratios < lower) | (solution.ratios > upper)).any():
         return None
-    half_width = min(1 - lower, upper - 1) * (1 - BAND_MARGIN)
+    half_width = found.half_width * (1 - BAND_MARGIN)
     return replace(promise, band=(1 - half_width, 1 + half_width))
-
-
-def shortfall_of(certificate: Certificate | None) -> str:
-    """Return what does not hold, in words."""
-    claims = () if certificate is None else certificate.claims
-    return ", ".join(
-        f"the {claim.quantity} is {claim.value:.3g}, allowed {claim.limit:g}"
-        for claim in claims
-        if not claim.holds
-    )
-
-
-def _actuator_ignored(kind: ShaperKind, found: Design) -> Iterator[DesignWarning]:
-    """Yield what a shaper for an ideal actuator costs behind the one given."""
-    most = max(
-        (claim.limit for claim in found.certificate.claims if claim.quantity == "residual"),
-        default=math.inf,
-    )
-    if found.for_ideal and found.residual > most:
-        yield DesignWarning(
-            code="actuator_ignored",
-            detail=f"{kind.name} is made, and its claims are proven, for an actuator that follows "
-            f"its command; with the one given it leaves {100 * found.residual:.4g} %",
-        )
-
-
-def warnings_of(impulses: Impulses, mode: Mode, actuator: Actuator) -> Iterator[DesignWarning]:
-    """Yield what to know of a command: switches that come too early, sets that are too slow."""
-    gaps = impulses.times_s[1:] - impulses.times_s[:-1]
-    ramps_s = dict(zip(("accel", "decel"), unit_ramps_s(actuator), strict=True))
-    steps = zip(gaps.tolist(), impulses.accelerates.tolist(), strict=False)
-    for number, (gap, rising) in enumerate(steps, start=1):
-        name, lag = ("accel", actuator.accel_lag) if rising else ("decel", actuator.decel_lag)
-        error = lag.step_error(max(gap - ramps_s[name], 0.0))
-        if abs(error) > 1 - SETTLED_SHARE + SETTLED_MARGIN:
-            yield DesignWarning(
-                code="actuator_not_settled",
-                detail=f"the {name} set has made {100 * (1 - error):.3g} % of switch {number} "
-                f"when the next comes, {gap:.4g} s after it",
-            )
-    for name, corner in actuator.corner_frequencies_rad_s.items():
-        if corner < SLOW_ACTUATOR * mode.natural_frequency_rad_s:
-            yield DesignWarning(
-                code="actuator_slow",
-                detail=f"the {name} set's corner frequency, {corner:.4g} rad/s, is below twice the "
-                f"plant's natural frequency, {mode.natural_frequency_rad_s:.4g} rad/s",
-            )

@@ -225,17 +225,17 @@ def over_distance(parts: Parts, wanted_s: float) -> tuple[Impulses, bool]:
     return _as_one(parts, wanted_s, pulse_s), True
 
 
-def faster_as_one(parts: Parts, command: Impulses) -> tuple[Impulses, bool]:
-    """Return the move solved as one if it is faster than start and stop apart, else these.
+def faster_as_one(parts: Parts, apart: Impulses) -> Impulses | None:
+    """Return the move solved as one if it is faster than start and stop apart; None if not.
 
     Both travel as far.
     """
-    pulse_s = float(command.times_s[parts.start.times_s.size])
+    pulse_s = float(apart.times_s[parts.start.times_s.size])
     try:
-        one = _as_one(parts, travel(command, parts.actuator), pulse_s)
+        one = _as_one(parts, travel(apart, parts.actuator), pulse_s)
     except InfeasibleDesignError:  # there is a move all the same
-        return command, False
-    return (one, True) if one.duration_s < command.duration_s else (command, False)
+        return None
+    return one if one.duration_s < apart.duration_s else None
 
 
 def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> Impulses | None:

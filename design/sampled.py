@@ -5,22 +5,29 @@ it was designed for; positive shapers can be made exact again by their amplitude
 magnitude only as good as whole samples allow (`design.unity_grid`). All of it is for one mode.
 """
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from design.actuators import Actuator
-from design.analysis.certificate import LIMITS, Certificate, certify, zeros
+from design.analysis.certificate import LIMITS
+from design.analysis.judge import (
+    DesignWarning,
+    Judgement,
+    drive_warnings,
+    judge,
+    shortfall_of,
+)
 from design.analysis.residual import require_workable, residual_curve, residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.impulses import Impulses
-from design.pipeline import Design, DesignWarning, shortfall_of, warnings_of
+from design.pipeline import Design
 from design.plants import Mode
 from design.sample_grid import carried, nearest, on_samples, shared, split
 from design.shapers.kind import Quantity
-from design.shapers.problem import within
+from design.shapers.problem import Promise, within
 from design.types import FloatArray, require_between
 from design.unity_grid import (
     Band,
@@ -298,9 +305,10 @@ def sampled_design(
 ) -> tuple[Design, Sampled]:
     """Return a design brought to a sample grid, its certificate proving what it tells.
 
-    What a sampled shaper leaves, at the nominal frequency and over the band of the shaper's own
-    claim if it has one, is told by formula; the certificate recomputes it by simulation, with the
-    actuator given. The parameters are those of `sample`.
+    The residual of a sampled shaper, at the nominal frequency and over the band of the shaper's own
+    claim if it has one, is computed by formula; the judge recomputes it by simulation, with the
+    actuator given. A warning says where it is above what the shaper claims, or for one that claims
+    zero, above the sample tolerance. The parameters are those of `sample`.
     """
     kept = continuous.certificate.over_band
     sampled = sample(
@@ -312,52 +320,73 @@ def sampled_design(
         tolerance=tolerance,
         band=None if kept is None else kept.band,
     )
-    limits = [sampled.residual * (1 + AGREEMENT) + LIMITS["residual"]]
-    asked = zeros(["residual"])
+    asked: tuple[Promise, ...] = (
+        Promise(quantity="residual", limit=sampled.residual * (1 + AGREEMENT) + LIMITS["residual"]),
+    )
     if kept is not None and kept.band is not None:
         ratios = np.linspace(*kept.band, CHECKED_IN_BAND)
         largest = float(residual_curve(sampled.impulses, mode, actuator, ratios).max())
-        limits.append(largest * (1 + BAND_AGREEMENT))
-        asked = (*asked, within(limits[-1], kept.band))
-    simulated = certify(sampled.impulses, mode, actuator, asked).claims
-    claims = tuple(
-        replace(claim, limit=limit) for claim, limit in zip(simulated, limits, strict=True)
-    )
-    warnings = list(warnings_of(sampled.impulses, mode, actuator))
-    if kept is not None and claims[-1].value > kept.limit * (1 + BAND_AGREEMENT):
-        warnings.append(
-            DesignWarning(
-                code="tolerance_not_kept",
-                detail=f"on samples the residual over the band is up to {claims[-1].value:.4g}, "
-                f"more than the tolerance of {kept.limit:g}: take a shorter sample time, or design "
-                "for a smaller tolerance",
-            )
-        )
-    before_s = continuous.impulses.duration_s
-    if len(sampled.tried) > 1 and sampled.impulses.duration_s > LONGER * before_s:
-        own = sampled.tried[0]
-        warnings.append(
-            DesignWarning(
-                code="longer_on_samples",
-                detail=f"{sampled.impulses.times_s.size} impulses take "
-                f"{sampled.impulses.duration_s:.4g} s on samples, in place of "
-                f"{before_s:.4g} s between them; {own.impulses} leave "
-                f"{own.compared:.4g} there: a sample_tolerance of that keeps the shaper short",
-            )
+        asked = (*asked, within(largest * (1 + BAND_AGREEMENT), kept.band))
+    judged = judge(sampled.impulses, (mode,), actuator, asked, name="the sampled shaper")
+    if not judged.certificate.verified:
+        raise SolverFailedError(
+            f"the sampled shaper is not what a formula says: {shortfall_of(judged.certificate)}"
         )
     proven = replace(
         continuous,
         impulses=sampled.impulses,
-        residuals=(sampled.residual,),
-        certificate=Certificate(claims=claims),
+        residuals=judged.residuals,
+        certificate=judged.certificate,
         for_ideal=False,
-        warnings=tuple(warnings),
+        warnings=(
+            *_lost_on_samples(continuous, judged, tolerance),
+            *drive_warnings(sampled.impulses, (mode,), actuator),
+            *_longer_on_samples(continuous, sampled),
+        ),
     )
-    if not proven.certificate.verified:
-        raise SolverFailedError(
-            f"the sampled shaper is not what a formula says: {shortfall_of(proven.certificate)}"
-        )
     return proven, sampled
+
+
+def _lost_on_samples(
+    continuous: Design, judged: Judgement, tolerance: float | None
+) -> Iterator[DesignWarning]:
+    """Yield what of the shaper's claims is lost on samples."""
+    kept, over_band = continuous.certificate.over_band, judged.certificate.over_band
+    if kept is not None and over_band is not None:
+        if over_band.value > kept.limit * (1 + BAND_AGREEMENT):
+            yield DesignWarning(
+                code="tolerance_not_kept",
+                detail=f"on samples the residual over the band is up to {over_band.value:.4g}, "
+                f"more than the tolerance of {kept.limit:g}: take a shorter sample time, or design "
+                "for a smaller tolerance",
+            )
+        return
+    for_zero = SAMPLE_TOLERANCE if tolerance is None else tolerance
+    claimed = [
+        for_zero if claim.is_zero else claim.limit
+        for claim in continuous.certificate.claims
+        if claim.quantity == "residual"
+    ]
+    if claimed and judged.residual > max(claimed) * (1 + AGREEMENT):
+        yield DesignWarning(
+            code="tolerance_not_kept",
+            detail=f"on samples the residual is {100 * judged.residual:.4g} % of an unshaped step, "
+            f"more than {100 * max(claimed):.4g} %: take a shorter sample time",
+        )
+
+
+def _longer_on_samples(continuous: Design, sampled: Sampled) -> Iterator[DesignWarning]:
+    """Yield that impulses were added, where they take longer."""
+    before_s = continuous.impulses.duration_s
+    if len(sampled.tried) > 1 and sampled.impulses.duration_s > LONGER * before_s:
+        own = sampled.tried[0]
+        yield DesignWarning(
+            code="longer_on_samples",
+            detail=f"{sampled.impulses.times_s.size} impulses take "
+            f"{sampled.impulses.duration_s:.4g} s on samples, in place of "
+            f"{before_s:.4g} s between them; {own.impulses} leave "
+            f"{own.compared:.4g} there: a sample_tolerance of that keeps the shaper short",
+        )
 
 
 def exact_positive(

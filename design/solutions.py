@@ -29,6 +29,13 @@ OVER_RANGE = 1e-9
 SAME_TIME = 1e-12
 """Steps of convolved shapers closer than this, over the duration, are one [-]."""
 
+NO_STEP = 1e-15
+"""Share of all steps' sizes that is what their sum is rounded by, a few times [-].
+
+Larger ones may count, small as they are: those that end a command in a heavily damped mode, where
+what came before has decayed.
+"""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SolverReport:
@@ -82,7 +89,15 @@ class Solution:
 
 
 def solutions(formulation: Formulation) -> Iterator[Solution]:
-    """Yield what solves a formulation, not yet verified; raises where no more is found."""
+    """Yield what solves a formulation, not yet verified; raises where no more is found.
+
+    No impulse of a solution is as small as rounding, and no two are at one time.
+    """
+    for solution in _by_its_solver(formulation):
+        yield replace(solution, impulses=merged(solution.impulses))
+
+
+def _by_its_solver(formulation: Formulation) -> Iterator[Solution]:
     if isinstance(formulation, ClosedForm):
         yield Solution(
             impulses=formulation.impulses,
@@ -149,7 +164,7 @@ def _convolution(convolution: Convolution) -> Solution:
     solved = [next(solutions(part)) for part in convolution.parts]
     impulses = solved[0].impulses
     for further in solved[1:]:
-        impulses = _merged(convolved(impulses, further.impulses))
+        impulses = merged(convolved(impulses, further.impulses))
     levels = np.cumsum(impulses.amplitudes)
     low, high = float(levels.min()), float(levels.max())
     if low < -OVER_RANGE or high > 1 + OVER_RANGE:
@@ -165,13 +180,23 @@ def _convolution(convolution: Convolution) -> Solution:
     return Solution(impulses=impulses, solver=report)
 
 
-def _merged(impulses: Impulses) -> Impulses:
-    """Join steps at the same time but for rounding, and leave out those that cancel."""
+def merged(impulses: Impulses) -> Impulses:
+    """Join steps at the same time but for rounding, and leave out those that are rounding.
+
+    Left out are the smallest steps as long as they are less than `NO_STEP` of all together, so
+    that what the others claim to be zero stays so.
+    """
     times, amplitudes = impulses.times_s, impulses.amplitudes
     apart = np.diff(times, prepend=-np.inf) > SAME_TIME * impulses.duration_s
     summed = np.add.reduceat(amplitudes, np.flatnonzero(apart))
-    kept = np.abs(summed) > SAME_TIME
-    return Impulses(times_s=times[apart][kept], amplitudes=summed[kept])
+    sizes = np.abs(summed)
+    order = np.argsort(sizes, kind="stable")
+    kept = np.empty(sizes.size, dtype=np.bool_)
+    kept[order] = np.cumsum(sizes[order]) > NO_STEP * sizes.sum()
+    if apart.all() and kept.all():
+        return impulses
+    times = times[apart][kept]
+    return Impulses(times_s=times - times[0], amplitudes=summed[kept] / summed[kept].sum())
 
 
 def _band_solutions(problem: BandProblem) -> Iterator[Solution]:

@@ -10,12 +10,13 @@ from design.pipeline import Design
 from design.plants import Plant, Scheduled
 from design.sampled import Sampled
 from schemas.actuators import ActuatorIn
-from schemas.base import Wire, says_nothing
+from schemas.base import Wire, left_out_if_none
 from schemas.fits import FitIn, FitOut
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.sensitivity import ModeOut, OfModes, SensitivityIn, SensitivityOut
 from schemas.shapers import ShaperIn
+from schemas.warnings import WarningOut, Warnings
 
 
 class DesignRequest(Wire):
@@ -108,18 +109,12 @@ class ClaimOut(Wire):
     limit: float
     mode: Annotated[
         int | None,
-        Field(
-            exclude_if=says_nothing,
-            description="Number of the plant's mode, from 0; left out for the first.",
-        ),
-    ] = None
+        left_out_if_none("Number of the plant's mode, from 0; left out for the first."),
+    ]
     band: Annotated[
         tuple[float, float] | None,
-        Field(
-            exclude_if=says_nothing,
-            description="For band: its ends, ratios of the mode's frequency; left out else.",
-        ),
-    ] = None
+        left_out_if_none("For band: its ends, ratios of the mode's frequency; left out else."),
+    ]
 
     @classmethod
     def from_design(cls, claim: Claim) -> Self:
@@ -148,7 +143,7 @@ class CertificateOut(Wire):
     claims: list[ClaimOut]
 
     @classmethod
-    def from_design(cls, certificate: Certificate, *, given: bool = True) -> Self:
+    def from_design(cls, certificate: Certificate, *, given: bool) -> Self:
         """Wrap the design record."""
         return cls.model_construct(
             verified=certificate.verified,
@@ -202,13 +197,6 @@ class RangeOut(Wire):
         )
 
 
-class WarningOut(Wire):
-    """Something to know of a design that is right all the same."""
-
-    code: str
-    detail: str
-
-
 class DesignResponse(Wire):
     """Answer of `POST /v1/designs`."""
 
@@ -227,13 +215,10 @@ class DesignResponse(Wire):
     certificate: CertificateOut
     sensitivity: SensitivityOut | None
     modes: OfModes
-    scheduled: Annotated[
-        RangeOut | None,
-        Field(exclude_if=says_nothing, description="Of a scheduled plant; left out else."),
-    ]
+    scheduled: Annotated[RangeOut | None, left_out_if_none("Of a scheduled plant; left out else.")]
     fit: FitOut | None
     solver: SolverOut
-    warnings: list[WarningOut]
+    warnings: Warnings
     version: str
 
     @classmethod
@@ -272,9 +257,6 @@ class DesignResponse(Wire):
                 lower_bound_s=solver.lower_bound_s,
                 gap=solver.gap,
             ),
-            warnings=[
-                WarningOut.model_construct(code=warning.code, detail=warning.detail)
-                for warning in design.warnings
-            ],
+            warnings=[WarningOut.from_design(warning) for warning in design.warnings],
             version=version,
         )

@@ -4,15 +4,16 @@ from typing import Annotated, Self
 
 from pydantic import Field
 
-from design.commands import Program
 from design.maneuvers import Maneuver
+from design.programs import Program
 from design.swings import AngleSwing, DeflectionSwing
 from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Wire
-from schemas.designs import CertificateOut, WarningOut
+from schemas.designs import CertificateOut
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
+from schemas.warnings import WarningOut, Warnings
 
 
 class AngleSwingIn(Wire):
@@ -70,6 +71,13 @@ class ProgramOut(Wire):
         list[float], Field(description="Mean over the sample that follows [m/s].")
     ]
     position_m: Annotated[list[float], Field(description="Of the command, exact [m].")]
+    residual: Annotated[
+        float,
+        Field(
+            description="Residual vibration of these velocities as played, each held for its "
+            "sample; a share of one unshaped step [-]."
+        ),
+    ]
 
     @classmethod
     def from_design(cls, program: Program) -> Self:
@@ -78,6 +86,7 @@ class ProgramOut(Wire):
             times_s=program.times_s.tolist(),
             velocity_m_s=program.velocity_m_s.tolist(),
             position_m=program.position_m.tolist(),
+            residual=program.residual,
         )
 
 
@@ -98,14 +107,12 @@ class ManeuverResponse(Wire):
     certificate: CertificateOut
     joint: Annotated[bool, Field(description="Whether start and stop were solved as one.")]
     program: ProgramOut | None
-    warnings: list[WarningOut]
+    warnings: Warnings
     version: str
 
     @classmethod
-    def from_design(
-        cls, kind: str, move: Maneuver, program: ProgramOut | None, version: str
-    ) -> Self:
-        """Wrap the design record."""
+    def from_design(cls, kind: str, move: Maneuver, program: Program | None, version: str) -> Self:
+        """Wrap the design records."""
         return cls(
             kind=kind,
             direction=move.direction,
@@ -116,9 +123,12 @@ class ManeuverResponse(Wire):
             duration_s=move.duration_s,
             distance_m=move.distance_m,
             residual=move.residual,
-            certificate=CertificateOut.from_design(move.certificate),
+            certificate=CertificateOut.from_design(move.certificate, given=not move.for_ideal),
             joint=move.joint,
-            program=program,
-            warnings=[WarningOut(code=one.code, detail=one.detail) for one in move.warnings],
+            program=None if program is None else ProgramOut.from_design(program),
+            warnings=[
+                WarningOut.from_design(one)
+                for one in (*(() if program is None else program.warnings), *move.warnings)
+            ],
             version=version,
         )

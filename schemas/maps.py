@@ -1,11 +1,13 @@
 """Wire form of maps."""
 
+from collections.abc import Iterable
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field
 
 from design.actuators import Actuator, Model
+from design.analysis.judge import DesignWarning
 from design.errors import InvalidInputError
 from design.impulses import Impulses
 from design.maps import Axis, Map, MapCase, Move, Quantity, Recipe
@@ -16,6 +18,7 @@ from schemas.base import Positive, Wire, named
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
+from schemas.warnings import WarningOut, Warnings
 
 MOST_POINTS = 2000
 
@@ -165,7 +168,7 @@ class MapResponse(Wire):
         list[Row] | Row | None, Field(description="Share of an unshaped step [-].")
     ] = None
     deflection_m: Annotated[
-        list[Row] | Row | None, Field(description="Its swing at the payload [m].")
+        list[Row] | Row | None, Field(description="Its amplitude at the payload [m].")
     ] = None
     duration_s: list[Row] | Row | None = None
     alpha: list[Row] | Row | None = None
@@ -177,8 +180,17 @@ class MapResponse(Wire):
         list[Numbers] | Numbers | None, Field(description="n, m and sign in each cell.")
     ] = None
 
+    warnings: Warnings
+
     @classmethod
-    def from_design(cls, request: MapRequest, x: Axis, y: Axis | None, found: Map) -> Self:
+    def from_design(
+        cls,
+        request: MapRequest,
+        x: Axis,
+        y: Axis | None,
+        found: Map,
+        warnings: Iterable[DesignWarning],
+    ) -> Self:
         """Wrap the design records."""
         several = found.quantity in {"times_s", "branch"}
         rows = [
@@ -192,6 +204,7 @@ class MapResponse(Wire):
             y=None
             if request.y is None or y is None
             else AxisOut(field=request.y.field, values=y.values.tolist()),
+            warnings=[WarningOut.from_design(one) for one in warnings],
             **told,
         )
 

@@ -19,11 +19,11 @@ from design.recommendations.requirements import (
     Sign,
 )
 from schemas.actuators import ActuatorIn
-from schemas.base import PlantDamping, Positive, Wire, says_nothing
-from schemas.designs import WarningOut
+from schemas.base import PlantDamping, Positive, Wire, left_out_if_none
 from schemas.impulses import ImpulsesWire
 from schemas.plants import BareMode, PlantIn
 from schemas.sensitivity import InsensitivityOut
+from schemas.warnings import WarningOut, Warnings
 
 
 class DampingRangeIn(Wire):
@@ -186,17 +186,16 @@ class CandidateOut(Wire):
     ]
     lower_bound_s: Annotated[
         float | None,
-        Field(
-            exclude_if=says_nothing,
-            description="No shaper of its class that keeps the tolerance over the band is as "
-            "short, proven; left out where nothing is [s].",
+        left_out_if_none(
+            "No shaper of its class that keeps the tolerance over the band is as short, proven; "
+            "left out where nothing is [s]."
         ),
     ]
     same_as: Annotated[
         str | None,
-        Field(exclude_if=says_nothing, description="Name of one ahead with the same impulses."),
+        left_out_if_none("Name of one ahead with the same impulses."),
     ]
-    warnings: list[WarningOut]
+    warnings: Warnings
 
     @classmethod
     def from_design(cls, candidate: Candidate, sample_time_s: float | None) -> Self:
@@ -222,10 +221,7 @@ class CandidateOut(Wire):
             smoothing_s2=candidate.smoothing.smoothing_s2,
             lower_bound_s=made.lower_bound_s,
             same_as=candidate.same_as,
-            warnings=[
-                WarningOut.model_construct(code=one.code, detail=one.detail)
-                for one in made.found.warnings
-            ],
+            warnings=[WarningOut.from_design(one) for one in made.found.warnings],
         )
 
 

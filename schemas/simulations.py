@@ -1,11 +1,13 @@
 """Wire form of simulations."""
 
+from collections.abc import Iterable
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field
 
 from design import commands
+from design.analysis.judge import DesignWarning
 from design.impulses import Impulses
 from design.motions import Motion, Swing
 from schemas.actuators import ActuatorIn
@@ -13,6 +15,7 @@ from schemas.base import Positive, Wire
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
+from schemas.warnings import WarningOut, Warnings
 
 MOST_POINTS = 20_001
 
@@ -139,11 +142,17 @@ class SimulationResponse(Wire):
             "actuator rings with the plant [-]."
         ),
     ]
-    remaining: Annotated[SwingOut | None, Field(description="The swing of that residual.")]
+    remaining: Annotated[
+        SwingOut | None,
+        Field(description="Amplitude of that vibration, extrapolated back to the last step."),
+    ]
     impulses: Annotated[ImpulsesWire, Field(description="The command as it was played.")]
+    warnings: Warnings
 
     @classmethod
-    def from_design(cls, motion: Motion, played: Impulses) -> Self:
+    def from_design(
+        cls, motion: Motion, played: Impulses, warnings: Iterable[DesignWarning]
+    ) -> Self:
         """Wrap the design records."""
         peak, remaining = motion.peak, motion.remaining
         return cls(
@@ -160,4 +169,5 @@ class SimulationResponse(Wire):
             residual=motion.residual,
             remaining=None if remaining is None else SwingOut.from_design(remaining),
             impulses=ImpulsesWire.from_design(played),
+            warnings=[WarningOut.from_design(one) for one in warnings],
         )

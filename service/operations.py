@@ -9,6 +9,7 @@ from typing import Any, Literal, Protocol
 import numpy as np
 
 from design.actuators import Actuator
+from design.analysis.judge import DesignWarning, sum_warnings
 from design.analysis.residual import require_workable, residual_vibration
 from design.analysis.sensitivity import (
     Sensitivity,
@@ -16,7 +17,6 @@ from design.analysis.sensitivity import (
     sensitivity,
     worst_of,
 )
-from design.commands import convolved, program
 from design.errors import InvalidInputError
 from design.fits import fit, plants_at_ends
 from design.impulses import Impulses
@@ -25,8 +25,10 @@ from design.maps import Axis, Map, MapCase, field_map
 from design.motions import motion
 from design.pipeline import Design, design
 from design.plants import MOST_MODES, Mode, Modes, Plant, Scheduled
+from design.programs import program
 from design.recommendations.recommendation import recommend
-from design.sampled import sampled_design
+from design.sampled import Sampled, sampled_design
+from design.shaped_commands import shaped_command
 from design.shapers.registry import SHAPERS
 from design.types import SMALLEST
 from schemas.actuators import ActuatorIn
@@ -34,13 +36,14 @@ from schemas.base import named
 from schemas.catalogue import Catalogue, CatalogueEntry
 from schemas.designs import DesignRequest, DesignResponse, RangeOut, SampledOut
 from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
-from schemas.maneuvers import ManeuverRequest, ManeuverResponse, ProgramOut
+from schemas.maneuvers import ManeuverRequest, ManeuverResponse
 from schemas.maps import MapRequest, MapResponse
 from schemas.plants import PlantIn
 from schemas.recommendations import RecommendationRequest, RecommendationResponse
 from schemas.sensitivity import ModeOut, SensitivityOut, SensitivityRequest, SensitivityResponse
 from schemas.shapers import MODELS, ShaperIn
-from schemas.simulations import SimulationRequest, SimulationResponse
+from schemas.simulations import ImpulsesCommand, SimulationRequest, SimulationResponse
+from schemas.warnings import WarningOut
 
 THESIS_CRANE = {
     "plant": {"kind": "pendulum", "cable_length_m": 0.8, "gravity_m_s2": 9.81},
@@ -205,14 +208,7 @@ def _designed(
     found, told = design(plant, actuator, kind, options), None
     if sample_time_s is not None:
         continuous = found.impulses
-        with named("shaper"):
-            found, sampled = sampled_design(
-                found,
-                plant.mode,
-                actuator,
-                sample_time_s,
-                tolerance=request.shaper.grid_tolerance(),
-            )
+        found, sampled = _on_samples(found, plant, actuator, request.shaper, sample_time_s)
         told = SampledOut.from_design(sampled, continuous)
     curves = []
     if curve_range is not None:
@@ -244,6 +240,7 @@ def sensitivity_curve(request: SensitivityRequest) -> SensitivityResponse:
         sensitivity=SensitivityOut.from_design(worst_of(curves)),
         residual=max(residuals),
         modes=_of_modes(plant.modes, residuals, curves),
+        warnings=[WarningOut.from_design(one) for one in sum_warnings(impulses)],
     )
 
 
@@ -269,10 +266,15 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
     plant, actuator = _subject(request)
     with named("command"):
         played = request.command.to_design(request.speed_m_s)
+    warnings: list[DesignWarning] = []
+    if isinstance(request.command, ImpulsesCommand):
+        warnings += sum_warnings(played)
     if request.shaper is not None:
         with named("shaper"):
             options = request.shaper.options()
-        played = convolved(played, _impulses(plant, actuator, request.shaper, options))
+        found = _found(plant, actuator, request.shaper, options)
+        shaped = shaped_command(played, found, plant.modes, actuator)
+        played, warnings = shaped.impulses, [*warnings, *shaped.warnings]
     end = request.until_s
     if end is None:
         end = (
@@ -283,29 +285,30 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
     first = min(0.0, float(played.times_s[0]))
     times = np.linspace(first, max(end, first + SMALLEST), request.points)
     return SimulationResponse.from_design(
-        motion(plant, actuator, played, request.speed_m_s, times), played
+        motion(plant, actuator, played, request.speed_m_s, times), played, warnings
     )
 
 
-def _impulses(
+def _found(
     plant: Plant,
     actuator: Actuator,
     shaper: ShaperIn,
     options: Any,  # noqa: ANN401 - each kind has a record of its own
-) -> Impulses:
+) -> Design:
     """Return a designed shaper, on samples where asked."""
     found = design(plant, actuator, shaper.registered(), options)
     if shaper.sample_time_s is None:
-        return found.impulses
+        return found
+    return _on_samples(found, plant, actuator, shaper, shaper.sample_time_s)[0]
+
+
+def _on_samples(
+    found: Design, plant: Plant, actuator: Actuator, shaper: ShaperIn, sample_time_s: float
+) -> tuple[Design, Sampled]:
     with named("shaper"):
-        sampled, _ = sampled_design(
-            found,
-            plant.mode,
-            actuator,
-            shaper.sample_time_s,
-            tolerance=shaper.grid_tolerance(),
+        return sampled_design(
+            found, plant.mode, actuator, sample_time_s, tolerance=shaper.grid_tolerance()
         )
-    return sampled.impulses
 
 
 def whole_move(request: ManeuverRequest) -> ManeuverResponse:
@@ -328,17 +331,20 @@ def whole_move(request: ManeuverRequest) -> ManeuverResponse:
         joint=request.joint,
         options=options,
     )
-    told = None
+    played = None
     if request.sample_time_s is not None:
         signed = move.direction * move.speed_m_s
-        told = ProgramOut.from_design(program(move.command, signed, request.sample_time_s))
-    return ManeuverResponse.from_design(request.shaper.kind, move, told, version())
+        played = program(
+            move.command, plant.mode, actuator, signed, request.sample_time_s, move.swing
+        )
+    return ManeuverResponse.from_design(request.shaper.kind, move, played, version())
 
 
 def map_over_fields(request: MapRequest) -> MapResponse:
     """Return what a shaper leaves, or what it is, over one or two fields."""
-    _, x, y, found = _mapped(request)
-    return MapResponse.from_design(request, x, y, found)
+    case, x, y, found = _mapped(request)
+    warnings = sum_warnings(case.shaper) if isinstance(case.shaper, Impulses) else ()
+    return MapResponse.from_design(request, x, y, found, warnings)
 
 
 def map_picture(request: MapRequest, image_format: Literal["png", "svg"]) -> bytes:
@@ -363,7 +369,7 @@ def _mapped(request: MapRequest) -> tuple[MapCase, Axis, Axis | None, Map]:
     if shaper is not None and shaper.sample_time_s is not None and request.plainly_held:
         with named("shaper"):
             options = shaper.options()
-        held = _impulses(plant, actuator, shaper, options)
+        held = _found(plant, actuator, shaper, options).impulses
     case = request.to_design(plant, actuator, held)
     return case, x, y, field_map(case, x, y)
 

@@ -5,13 +5,14 @@ import io
 from collections.abc import Iterable, Sequence
 
 from schemas.catalogue import Catalogue
-from schemas.designs import DesignResponse, SolverOut
+from schemas.designs import CertificateOut, DesignResponse, SolverOut
 from schemas.fits import FitOut
-from schemas.maneuvers import ManeuverResponse
+from schemas.maneuvers import ManeuverResponse, ProgramOut
 from schemas.maps import MapResponse
 from schemas.recommendations import CandidateOut, RecommendationResponse
-from schemas.sensitivity import SensitivityOut, SensitivityResponse
+from schemas.sensitivity import InsensitivityOut, SensitivityOut, SensitivityResponse
 from schemas.simulations import SimulationResponse
+from schemas.warnings import WarningOut
 
 Response = (
     DesignResponse
@@ -153,7 +154,7 @@ def _candidate_row(candidate: CandidateOut) -> Sequence[object]:
         candidate.name,
         candidate.duration_s,
         "" if candidate.worst_residual is None else candidate.worst_residual,
-        *(("", "") if band is None else (band.lower_ratio, band.upper_ratio)),
+        *_edges(band),
         candidate.high_mode_gain,
         candidate.peak_command,
         candidate.delay_s,
@@ -162,47 +163,78 @@ def _candidate_row(candidate: CandidateOut) -> Sequence[object]:
     )
 
 
+def _edges(band: InsensitivityOut | None) -> Sequence[object]:
+    """Return the edges, each empty where there is none."""
+    edges = (None, None) if band is None else (band.lower_ratio, band.upper_ratio)
+    return ["" if edge is None else edge for edge in edges]
+
+
 def _findings(response: Response) -> list[str]:
     if isinstance(response, DesignResponse):
-        certificate = response.certificate
-        claims = ", ".join(
-            f"{claim.quantity} {claim.value:.2g} <= {claim.limit:.2g}"
-            for claim in certificate.claims
-        )
         return [
             "",
             f"shaper      {response.shaper.kind}, {response.shaper.duration_s:.9g} s",
-            f"certificate {'verified' if certificate.verified else 'NOT VERIFIED'}"
-            f"{'' if certificate.actuator == 'given' else ', for an ideal actuator'}: {claims}",
+            _certificate(response.certificate),
             *_shortest(response.solver),
             f"residual    {100 * response.residual:.4g} % with the actuator given",
             *([] if response.sensitivity is None else _band(response.sensitivity)),
             *([] if response.fit is None else _fit(response.fit)),
-            *(f"warning     {warning.code}: {warning.detail}" for warning in response.warnings),
+            *_warnings(response.warnings),
         ]
     if isinstance(response, SensitivityResponse):
         return [
             "",
             f"residual    {100 * response.residual:.4g} % at the nominal",
             *_band(response.sensitivity),
+            *_warnings(response.warnings),
         ]
     if isinstance(response, FitOut):
         return ["", *_fit(response)]
     if isinstance(response, ManeuverResponse):
-        verified = "verified" if response.certificate.verified else "NOT VERIFIED"
         return [
             "",
             f"move        {response.distance_m:.9g} m in {response.duration_s:.9g} s, "
             f"pulse {response.pulse_s:.9g} s{', solved as one' if response.joint else ''}",
-            f"certificate {verified}, of the whole move",
+            _certificate(response.certificate),
             f"residual    {100 * response.residual:.4g} % with the actuator given",
+            *_as_played(response.program),
+            *_warnings(response.warnings),
         ]
     if isinstance(response, SimulationResponse):
-        return ["", *_swings(response)]
+        return ["", *_swings(response), *_warnings(response.warnings)]
     if isinstance(response, RecommendationResponse):
         told = [f"why         {reason}" for reason in response.why]
-        return ["", *told, *(f"refused     {one.name}: {one.reason}" for one in response.refused)]
+        return [
+            "",
+            *told,
+            *_warnings(response.recommended.warnings),
+            *(f"refused     {one.name}: {one.reason}" for one in response.refused),
+        ]
+    if isinstance(response, MapResponse):
+        return ["", *_warnings(response.warnings)] if response.warnings else []
     return []
+
+
+def _certificate(certificate: CertificateOut) -> str:
+    """Say what is proven, and for which drive."""
+    claims = ", ".join(
+        f"{claim.quantity} {claim.value:.2g} <= {claim.limit:.2g}" for claim in certificate.claims
+    )
+    if not certificate.verified:
+        return f"certificate NOT VERIFIED: {claims}"
+    if certificate.actuator == "ideal":
+        return f"certificate verified for an ideal actuator only, not for the one given: {claims}"
+    return f"certificate verified: {claims}"
+
+
+def _warnings(warnings: Iterable[WarningOut]) -> list[str]:
+    return [f"warning     {warning.code}: {warning.detail}" for warning in warnings]
+
+
+def _as_played(program: ProgramOut | None) -> list[str]:
+    if program is None:
+        return []
+    return [f"program     {100 * program.residual:.4g} % as it is played on its samples"]
 
 
 def _shortest(solver: SolverOut) -> list[str]:
@@ -215,10 +247,15 @@ def _band(curve: SensitivityOut) -> list[str]:
     band = curve.insensitivity
     if band is None:
         return ["insensitive nowhere: the nominal itself is above the tolerance"]
-    return [
-        f"insensitive {band.lower_ratio:.5g} to {band.upper_ratio:.5g} of the frequency "
-        f"at {100 * band.tolerance:g} %, width {band.width:.5f}"
-    ]
+    reach = f"{band.searched_from_ratio:.5g} to {band.searched_to_ratio:.5g}"
+    told = [f"insensitive {reach} of the frequency at {100 * band.tolerance:g} %"]
+    if band.lower_ratio is None:
+        told.append(f"no lower edge down to {band.searched_from_ratio:.5g} times")
+    if band.upper_ratio is None:
+        told.append(f"no upper edge up to {band.searched_to_ratio:.5g} times")
+    if band.width is not None:
+        told.append(f"width {band.width:.5f}")
+    return [", ".join(told)]
 
 
 def _swings(response: SimulationResponse) -> list[str]:

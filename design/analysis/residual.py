@@ -345,6 +345,22 @@ def unshaped_gain(mode: Mode, actuator: Actuator) -> float:
     return float(ramp / abs(actuator.accel_lag.denominator(mode.pole_rad_s)))
 
 
+def unshaped_deflection_s(mode: Mode, actuator: Actuator) -> float:
+    """Return the amplitude that an unshaped step leaves at the payload, over its speed [s].
+
+    Times a residual and the speed it is the amplitude of what remains, extrapolated back likewise.
+    A vector V rings as ``d = -Im(V exp(s t)) / Im(s)``: the damped frequency it is, not w.
+
+    Examples
+    --------
+    >>> from design.actuators import Ideal
+    >>> half_damped = Mode(natural_frequency_rad_s=2.0, damping_ratio=0.5)
+    >>> round(unshaped_deflection_s(half_damped, Ideal()), 5)
+    0.57735
+    """
+    return unshaped_gain(mode, actuator) / mode.pole_rad_s.imag
+
+
 def residual_vibration(
     impulses: Impulses, mode: Mode, actuator: Actuator, swing: FreeSwing | None = None
 ) -> float:

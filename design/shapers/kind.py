@@ -6,13 +6,15 @@ from functools import partial
 from typing import Any
 
 from design.actuators import Actuator
-from design.plants import Mode
+from design.errors import InvalidInputError
+from design.plants import LARGEST_DAMPING_RATIO, Mode
 from design.shapers.problem import Formulation, Promise, Quantity
 from design.types import require_between
 
 __all__ = [
     "LARGEST_TOLERANCE",
     "SMALLEST_TOLERANCE",
+    "DampingBound",
     "NoOptions",
     "PeakOptions",
     "Promise",
@@ -117,6 +119,25 @@ class NoOptions:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class DampingBound:
+    """Up to which damping ratio of the plant a kind of shaper exists as numbers.
+
+    Attributes
+    ----------
+    most
+        Largest damping ratio [-].
+    beyond
+        What its impulses are beyond it, in words.
+    """
+
+    most: float
+    beyond: str
+
+
+EVERY_PLANT = DampingBound(most=LARGEST_DAMPING_RATIO, beyond="there is no such plant")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ShaperKind:
     """One kind of shaper, which worker processes are sent: no function of it is made in another.
 
@@ -141,6 +162,8 @@ class ShaperKind:
         None where that is a start.
     formulate_jointly
         The same for several modes; None for shapers of one mode.
+    damping
+        Up to which damping ratio of the plant it is: each of the three refuses what is beyond.
     """
 
     name: str
@@ -152,6 +175,47 @@ class ShaperKind:
     formulate: Callable[[Mode, Actuator, Any], Formulation]
     formulate_stop: Callable[[Mode, Actuator, Any], Formulation] | None = None
     formulate_jointly: Callable[[tuple[Mode, ...], Actuator, Any], Formulation] | None = None
+    damping: DampingBound = EVERY_PLANT
+
+    def __post_init__(self) -> None:
+        """Put the bound of damping ahead of everything that formulates."""
+        if self.damping is EVERY_PLANT:
+            return
+        for name in ("formulate", "formulate_stop"):
+            own = getattr(self, name)
+            if own is not None:
+                bounded = partial(_bounded, self.name, self.damping, own)
+                object.__setattr__(self, name, bounded)
+
+    def require_damping(self, modes: tuple[Mode, ...]) -> None:
+        """Raise InvalidInputError for the first of several modes that is damped too much."""
+        for number, mode in enumerate(modes):
+            field_name = "plant" if len(modes) == 1 else f"plant.modes.{number}"
+            require_damping(self.name, self.damping, mode, field_name)
+
+
+def require_damping(
+    name: str, damping: DampingBound, mode: Mode, field_name: str = "plant"
+) -> None:
+    """Raise InvalidInputError where a mode is damped more than a kind of shaper serves."""
+    if mode.damping_ratio > damping.most:
+        raise InvalidInputError(
+            f"{field_name}.damping_ratio",
+            mode.damping_ratio,
+            f"at most {damping.most:g} for {name}: beyond it {damping.beyond}",
+        )
+
+
+def _bounded(
+    name: str,
+    damping: DampingBound,
+    formulate: Callable[[Mode, Actuator, Any], Formulation],
+    mode: Mode,
+    actuator: Actuator,
+    options: Any,  # noqa: ANN401
+) -> Formulation:
+    require_damping(name, damping, mode)
+    return formulate(mode, actuator, options)
 
 
 def for_one_of(

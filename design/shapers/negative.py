@@ -13,11 +13,13 @@ from design.actuators import Actuator
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.impulses import Impulses
 from design.plants import Mode
-from design.shapers.kind import ShaperKind
+from design.shapers.kind import DampingBound, ShaperKind
 from design.shapers.problem import ClosedForm, Formulation, Seed
 from design.shapers.unity_magnitude import (
+    LAST_PULSE_VANISHES,
     ZERO_VIBRATION,
     ZERO_VIBRATION_DERIVATIVE,
+    damped_periods,
     decel_over_accel,
     unity_magnitude_problem,
 )
@@ -29,7 +31,7 @@ SOURCE = (
 )
 
 LONGEST_PERIODS = 3.0
-"""Longest of these shapers that is searched, in undamped periods [-]."""
+"""Longest of these shapers that is searched, in damped periods [-]."""
 
 HALVINGS = 60
 """Of an interval of a quarter turn: to the last digit."""
@@ -87,7 +89,7 @@ def sna_zv(mode: Mode, actuator: Actuator, options: NegativeOptions) -> Formulat
         mode,
         actuator,
         settle=False,
-        max_duration_periods=LONGEST_PERIODS,
+        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
         amplitudes=amplitudes,
     )
 
@@ -143,7 +145,7 @@ def sna_zvd(mode: Mode, actuator: Actuator, options: NegativeOptions) -> Formula
         mode,
         actuator,
         settle=False,
-        max_duration_periods=LONGEST_PERIODS,
+        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
         amplitudes=_decaying(b, math.exp(y * z / damped)),
         seeds=(Seed(name="undamped_mirror_image", gaps_rad=np.diff(near)),),
     )
@@ -191,6 +193,7 @@ SNA_ZV = ShaperKind(
     options=NegativeOptions,
     actuators=("ideal", "first_order", "second_order"),
     formulate=sna_zv,
+    damping=DampingBound(most=0.97, beyond=LAST_PULSE_VANISHES),
 )
 
 SNA_ZVD = ShaperKind(
@@ -202,4 +205,5 @@ SNA_ZVD = ShaperKind(
     options=NegativeOptions,
     actuators=("ideal", "first_order", "second_order"),
     formulate=sna_zvd,
+    damping=DampingBound(most=0.9, beyond=LAST_PULSE_VANISHES),
 )

@@ -10,14 +10,16 @@ import numpy as np
 from design.actuators import Actuator, Ideal
 from design.impulses import Impulses
 from design.plants import Mode
-from design.shapers.kind import NoOptions, ShaperKind
+from design.shapers.kind import DampingBound, NoOptions, ShaperKind
 from design.shapers.negative import LONGEST_PERIODS, SOURCE
 from design.shapers.positive import EVERY_ACTUATOR
 from design.shapers.problem import ClosedForm, Formulation, Seed
 from design.shapers.unity_magnitude import (
+    LAST_PULSE_VANISHES,
     PERIOD_RAD,
     ZERO_VIBRATION,
     ZERO_VIBRATION_DERIVATIVE,
+    damped_periods,
     undamped_times_rad,
     unity_magnitude_problem,
 )
@@ -49,7 +51,7 @@ def ps_zv(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  #
         mode,
         Ideal(),
         settle=False,
-        max_duration_periods=LONGEST_PERIODS,
+        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
         amplitudes=PARTIAL_SUMS,
     )
 
@@ -65,7 +67,7 @@ def ps_zvd(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  
         mode,
         Ideal(),
         settle=False,
-        max_duration_periods=LONGEST_PERIODS,
+        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
         amplitudes=PARTIAL_SUMS_DERIVATIVE,
         seeds=(Seed(name="undamped_partial_sums", gaps_rad=gaps),),
     )
@@ -80,6 +82,7 @@ PS_ZV = ShaperKind(
     options=NoOptions,
     actuators=EVERY_ACTUATOR,
     formulate=ps_zv,
+    damping=DampingBound(most=0.97, beyond=LAST_PULSE_VANISHES),
 )
 
 PS_ZVD = ShaperKind(
@@ -91,4 +94,5 @@ PS_ZVD = ShaperKind(
     options=NoOptions,
     actuators=EVERY_ACTUATOR,
     formulate=ps_zvd,
+    damping=DampingBound(most=0.88, beyond=LAST_PULSE_VANISHES),
 )

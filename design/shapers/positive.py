@@ -14,9 +14,9 @@ import numpy as np
 
 from design.actuators import Actuator, Ideal, RateLimited
 from design.errors import InvalidInputError
-from design.impulses import Impulses
-from design.plants import Mode
-from design.shapers.kind import NoOptions, Quantity, ShaperKind
+from design.impulses import ROUNDING, Impulses
+from design.plants import LARGEST_DAMPING_RATIO, Mode
+from design.shapers.kind import DampingBound, NoOptions, Quantity, ShaperKind, require_damping
 from design.shapers.problem import ClosedForm, Formulation
 from design.types import require_between
 
@@ -28,6 +28,8 @@ DERIVATIVES: tuple[Quantity, ...] = (
     "second_derivative",
     "third_derivative",
 )
+
+LAST_IS_ROUNDING = f"its last impulse is less than {ROUNDING:g} of the command, which is rounding"
 
 BINOMIALS = ((1.0, 1.0), (1.0, 2.0, 1.0), (1.0, 3.0, 3.0, 1.0), (1.0, 4.0, 6.0, 4.0, 1.0))
 
@@ -66,6 +68,28 @@ def evenly(
     )
 
 
+def damping_bound(weights: tuple[float, ...], spacing_rad: float) -> DampingBound:
+    """Return up to which damping ratio the last impulse of `evenly` is more than rounding."""
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        z = (low + high) / 2
+        decay = math.exp(-z * spacing_rad / math.sqrt(1 - z * z))
+        shares = [weight * decay**number for number, weight in enumerate(weights)]
+        if shares[-1] > ROUNDING * math.fsum(shares):
+            low = z
+        else:
+            high = z
+    rounded = math.floor(low / DAMPING_STEP) * DAMPING_STEP
+    return DampingBound(most=min(round(rounded, 2), LARGEST_DAMPING_RATIO), beyond=LAST_IS_ROUNDING)
+
+
+HALVINGS = 40
+"""Of the interval from 0 to 1: to far below the step of the bound."""
+
+DAMPING_STEP = 0.01
+"""To which bounds of damping are rounded down [-]."""
+
+
 def _zero_vibration(
     order: int,
     mode: Mode,
@@ -84,6 +108,7 @@ def _zv_kind(name: str, order: int, summary: str, source: str) -> ShaperKind:
         options=NoOptions,
         actuators=EVERY_ACTUATOR,
         formulate=partial(_zero_vibration, order),
+        damping=damping_bound(BINOMIALS[order], math.pi),
     )
 
 
@@ -176,12 +201,13 @@ def mzv(mode: Mode, actuator: Actuator, options: MzvOptions) -> Formulation:
     """
     phase = 2 * math.pi * options.duration_periods / (options.n - 1)
     weights = mzv_weights(options.n, phase)
-    if min(weights) < 0:
+    if min(weights) < -ROUNDING * sum(weights):
         raise InvalidInputError(
             "shaper.t",
             options.duration_periods,
             f"longer: {options.n} impulses in as many damped periods would not all be positive",
         )
+    require_damping("mzv", damping_bound(weights, phase), mode)
     return evenly(mode, actuator, weights, phase)
 
 

@@ -34,6 +34,13 @@ Steps of shapers for asymmetric actuators would change their sets.
 FREQUENCIES_A_RADIAN = 10.0
 """Frequencies at which a band as wide as its middle is simulated, a radian of the duration."""
 
+MOST_DECAY = 24.0
+"""Nepers that a mode may decay by within half a period of the slowest: 4e-11 of a swing is left.
+
+By then what a joint shaper does early is in that mode below what counts as zero at its end, and no
+search tells where it should be. Of random plants all are solved up to 8, none from here on [-].
+"""
+
 MOST_OVER_A_BAND = 5e6
 """Impulses times frequencies over which bands are proven: a dozen seconds of simulation."""
 
@@ -45,6 +52,17 @@ def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> Joi
     that follows steps; steps up and down are for one that follows its command.
     """
     w = min(mode.natural_frequency_rad_s for mode in modes)
+    for number, mode in enumerate(modes):
+        decay = math.pi * mode.damping_ratio * mode.natural_frequency_rad_s / w
+        if len(modes) > 1 and decay > MOST_DECAY:
+            raise InvalidInputError(
+                f"plant.modes.{number}.damping_ratio",
+                mode.damping_ratio,
+                f"at most {MOST_DECAY * w / math.pi / mode.natural_frequency_rad_s:.4g} for "
+                f"{'multi_zv' if positive else 'multi_umzv'}: beyond it the mode's swing decays by "
+                f"more than {MOST_DECAY:g} nepers within half a period of the slowest mode; "
+                "convolved serves such modes",
+            )
     return JointProblem(
         unit_poles=np.array([mode.pole_rad_s / w for mode in modes], dtype=np.complex128),
         natural_frequency_rad_s=w,
@@ -139,6 +157,7 @@ def convolved(
 ) -> Convolution:
     """Formulate a shaper for each mode, each shaping the steps of the one before."""
     base = BASES[options.base]
+    base.require_damping(modes)
     own = base.options()
     if options.tolerance is not None:
         own = ToleranceOptions(tolerance=options.tolerance)

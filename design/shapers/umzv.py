@@ -5,12 +5,14 @@ import numpy as np
 from design.actuators import Actuator, Ideal
 from design.impulses import Impulses
 from design.plants import Mode
-from design.shapers.kind import NoOptions, ShaperKind
+from design.shapers.kind import DampingBound, NoOptions, ShaperKind
 from design.shapers.problem import ClosedForm, Formulation
 from design.shapers.unity_magnitude import (
+    LAST_PULSE_VANISHES,
     ZERO_VIBRATION,
     ZERO_VIBRATION_DERIVATIVE,
     alternating,
+    damped_periods,
     unity_magnitude_problem,
 )
 
@@ -20,7 +22,7 @@ SOURCE = (
 )
 
 LONGEST_PERIODS = 1.5
-"""Both shapers take less than one period up to a damping ratio of 0.5 [-]."""
+"""Both shapers take less than one damped period [-]."""
 
 EVERY_ACTUATOR = ("ideal", "first_order", "second_order", "rate_limited")
 
@@ -37,7 +39,11 @@ def umzv(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # 
             impulses=Impulses(times_s=times, amplitudes=alternating(3)), designed_for=Ideal()
         )
     return unity_magnitude_problem(
-        ZERO_VIBRATION, mode, Ideal(), settle=False, max_duration_periods=LONGEST_PERIODS
+        ZERO_VIBRATION,
+        mode,
+        Ideal(),
+        settle=False,
+        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
     )
 
 
@@ -48,7 +54,7 @@ def umzvd(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  #
         mode,
         Ideal(),
         settle=False,
-        max_duration_periods=LONGEST_PERIODS,
+        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
     )
 
 
@@ -60,6 +66,7 @@ UMZV = ShaperKind(
     options=NoOptions,
     actuators=EVERY_ACTUATOR,
     formulate=umzv,
+    damping=DampingBound(most=0.97, beyond=LAST_PULSE_VANISHES),
 )
 
 UMZVD = ShaperKind(
@@ -70,4 +77,5 @@ UMZVD = ShaperKind(
     options=NoOptions,
     actuators=EVERY_ACTUATOR,
     formulate=umzvd,
+    damping=DampingBound(most=0.9, beyond=LAST_PULSE_VANISHES),
 )

@@ -26,6 +26,11 @@ LARGEST_ALPHA = 2
 SHORTEST_GAP_RAD = 1e-6
 """Keeps the impulses in order; a thousandth of a degree of swing [rad]."""
 
+LAST_PULSE_VANISHES = (
+    f"its last pulse is shorter than impulses are kept apart, {SHORTEST_GAP_RAD:g} rad"
+)
+"""What becomes of steps up and down in turn as damping grows: early swings decay by themselves."""
+
 ZV_POLYNOMIALS = (
     (0.16724, 0.27242, 0.20345, 0.0),
     (0.33323, 0.00533, 0.17914, 0.20125),
@@ -165,6 +170,11 @@ def swing_parameters(mode: Mode, swing: FreeSwing | None) -> FloatArray:
     return np.array([
         w * swing.deflection_s, swing.rate, swing.frequency_power, w * swing.delay_s
     ])  # fmt: skip
+
+
+def damped_periods(mode: Mode, periods: float) -> float:
+    """Return in undamped periods how long some damped ones are [-]."""
+    return periods / math.sqrt(1 - mode.damping_ratio**2)
 
 
 def alternating(impulses: int) -> FloatArray:

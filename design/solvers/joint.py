@@ -23,9 +23,10 @@ from operator import itemgetter
 import numpy as np
 
 from design.errors import InfeasibleDesignError
+from design.impulses import ROUNDING
 from design.shapers.problem import JointProblem
 from design.solvers import highs
-from design.types import ComplexArray, FloatArray
+from design.types import LARGEST, ComplexArray, FloatArray
 
 PERIOD_RAD = 2 * math.pi
 
@@ -68,6 +69,15 @@ STRAYED = 2.0
 
 LIFT = 1e-7
 """Height of P above zero at the impulses but the last; it costs the bound about as much [-]."""
+
+PRESENT = 0.01
+"""Share of the largest below which a step of the linear program may be one of its grid alone [-].
+
+Where modes are odd multiples of another, fewer impulses than equations do: the grid adds some.
+"""
+
+MOST_DECAY = 600.0
+"""Decay of the fastest decaying mode over the longest duration: its exponential is a number [-]."""
 
 LONGEST_TURNS = 40.0
 """Longest duration that is searched, in periods of the slowest mode and one mode [-]."""
@@ -159,11 +169,26 @@ def shortest(problem: JointProblem) -> Iterator[Shortest]:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Obstacle:
-    """What a linear program finds against a duration: c, and where positive impulses stand."""
+    """What a linear program finds against a duration: c, and its own command.
+
+    Attributes
+    ----------
+    vectors
+        c, shape (m,) [-].
+    grid
+        Times of the grid, shape (k + 1,) [rad].
+    unknowns
+        Amplitudes at them, or the command between two of them, shape (k + 1,) or (k,) [-].
+    """
 
     vectors: ComplexArray
-    support: FloatArray
-    cell: float
+    grid: FloatArray
+    unknowns: FloatArray
+
+    @property
+    def cell(self) -> float:
+        """Distance of two times of the grid [rad]."""
+        return float(self.grid[1])
 
 
 class _Search:
@@ -173,7 +198,8 @@ class _Search:
         self.poles = poles
         self.positive = positive
         self.fastest = float(np.abs(poles).max())
-        self.horizon_rad = LONGEST_TURNS * PERIOD_RAD * poles.size
+        decay = max(float(np.abs(poles.real).max()), MOST_DECAY / LARGEST)
+        self.horizon_rad = min(LONGEST_TURNS * PERIOD_RAD * poles.size, MOST_DECAY / decay)
         slowest = float(np.abs(poles).min())
         # A shaper of the slowest mode alone takes half a period, a third where steps go both ways.
         self.first_bound_rad = 0.99 * PERIOD_RAD / slowest / (2 if positive else 3)
@@ -216,8 +242,8 @@ class _Search:
             vectors = -vectors
         return _Obstacle(
             vectors=vectors / np.linalg.norm(vectors),
-            support=grid[: solved.unknowns.size][solved.unknowns > ZERO],
-            cell=duration / cells,
+            grid=grid,
+            unknowns=solved.unknowns,
         )
 
     def zeros(self, vectors: ComplexArray, until: float, order: int) -> FloatArray:
@@ -274,14 +300,20 @@ class _Search:
         if not self.positive:
             if turning.size % 2:
                 yield np.concatenate(([0.0], turning, [duration]))
+            switches = _switches(obstacle)
+            if switches.size > 1:
+                yield switches
             return
         lowest = turning[self.pull(obstacle.vectors, turning, 2) > 0]
-        distances = np.abs(lowest[:, None] - obstacle.support).min(axis=1, initial=np.inf)
+        support = obstacle.grid[obstacle.unknowns > ZERO]
+        distances = np.abs(lowest[:, None] - support).min(axis=1, initial=np.inf)
         yield np.concatenate(([0.0], lowest[distances < 2 * obstacle.cell], [duration]))
-        groups = np.flatnonzero(np.diff(obstacle.support) > 1.5 * obstacle.cell) + 1
-        centres = np.array([part.mean() for part in np.split(obstacle.support, groups)])
-        inner = (centres > obstacle.cell) & (centres < duration - obstacle.cell)
-        yield np.concatenate(([0.0], centres[inner], [duration]))
+        for least in (ZERO, PRESENT * float(obstacle.unknowns.max())):
+            present = obstacle.grid[obstacle.unknowns > least]
+            groups = np.flatnonzero(np.diff(present) > 1.5 * obstacle.cell) + 1
+            centres = np.array([part.mean() for part in np.split(present, groups)])
+            inner = (centres > obstacle.cell) & (centres < duration - obstacle.cell)
+            yield np.concatenate(([0.0], centres[inner], [duration]))
 
     def sharpened(self, vectors: ComplexArray, times: FloatArray, programs: int) -> Shortest | None:
         """Solve the conditions of optimality from c and times near them; None where that fails."""
@@ -312,7 +344,7 @@ class _Search:
         good = (
             left.max() < ZERO
             and np.diff(times).min() > SHORTEST_GAP_RAD
-            and (amplitudes.min() > 0 or not self.positive)
+            and (amplitudes.min() > ROUNDING or not self.positive)
         )
         if not good:
             return None
@@ -391,3 +423,11 @@ class _Search:
             0
         ]
         return found
+
+
+def _switches(obstacle: _Obstacle) -> FloatArray:
+    """Return when the linear program's own command goes up and down, to a cell [rad]."""
+    high = np.concatenate(([False], obstacle.unknowns > 1 / 2, [True]))
+    times = obstacle.grid[np.flatnonzero(high[1:] != high[:-1])]
+    switches: FloatArray = times - times[0]
+    return switches

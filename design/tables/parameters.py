@@ -16,7 +16,7 @@ from design.actuators import (
 )
 from design.actuators import FirstOrder, Ideal, SecondOrder
 from design.analysis.residual import RESONANCE, SLOWEST
-from design.plants import LARGEST_DAMPING_RATIO, Mode, Pendulum
+from design.plants import Mode, Pendulum
 from design.shapers.kind import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
 from design.shapers.umzv import LONGEST_PERIODS
 from design.tables.specification import TableSpecification
@@ -87,7 +87,8 @@ def row_parameters(specification: TableSpecification, values: FloatArray) -> Row
     field = _Fields(specification, values)
     with np.errstate(all="ignore"):  # unlawful rows are marked, not computed with
         w = _natural_frequencies(specification, field)
-        z = field("plant", "damping_ratio", least=0.0, most=LARGEST_DAMPING_RATIO)
+        most = specification.kind.damping.most
+        z = field("plant", "damping_ratio", least=0.0, most=most)
         lags = np.stack([z, *_lags(specification, field, w)], axis=1)
         if any(one.name == "max_duration_periods" for one in fields(specification.options)):
             longest = field(
@@ -97,7 +98,7 @@ def row_parameters(specification: TableSpecification, values: FloatArray) -> Row
                 most=LONGEST_HORIZON_PERIODS,
             )
         else:
-            longest = np.full(len(values), LONGEST_PERIODS)
+            longest = LONGEST_PERIODS / np.sqrt(1 - z * z)
         workable = field.lawful & (w >= SMALLEST) & (w <= LARGEST)
         for first, second in ((lags[:, 1], lags[:, 2]), (lags[:, 3], lags[:, 4])):
             workable &= (first <= SLOWEST) & (second <= SLOWEST**2)

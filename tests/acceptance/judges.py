@@ -113,6 +113,8 @@ def _wrong_impulses(impulses: Impulses) -> Iterator[str]:
         yield f"times {impulses.times_s.tolist()}"
     if abs(impulses.amplitudes.sum() - 1) > 1e-12:
         yield f"amplitudes sum to {impulses.amplitudes.sum()!r}"
+    if np.abs(impulses.amplitudes).min() <= 1e-15 * np.abs(impulses.amplitudes).sum():
+        yield f"amplitudes {impulses.amplitudes.tolist()}, one of them rounding"
 
 
 def _promised(case: Case) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from design.commands import convolved, listed, program, pulse, step
+from design.commands import convolved, listed, pulse, step
 from design.errors import InvalidInputError
 from design.impulses import Impulses
 
@@ -44,20 +44,3 @@ def test_a_shaped_step_is_the_shaper_and_a_shaped_pulse_ends_at_rest() -> None:
     assert np.all(np.diff(shaped.times_s) >= 0)
     assert np.cumsum(shaped.amplitudes)[-1] == pytest.approx(0, abs=1e-15)
     assert shaped.times_s.tolist() == pytest.approx([0.0, 0.4, 0.5, 0.9, 0.9, 1.4])
-
-
-def test_a_program_is_exact_at_its_samples_and_ends_at_rest() -> None:
-    command = Impulses(times_s=np.array([0.0, 0.35, 1.0]), amplitudes=np.array([1.0, -0.5, -0.5]))
-    told = program(command, -0.2, 0.1)
-    assert told.times_s == pytest.approx(0.1 * np.arange(11))
-    # -0.2 m/s for 0.35 s, then half of it for 0.65 s.
-    assert told.position_m[-1] == pytest.approx(-0.2 * (0.35 + 0.325))
-    assert told.position_m[3] == pytest.approx(-0.2 * 0.3)
-    assert told.velocity_m_s[3] == pytest.approx(-0.2 * 0.75)
-    assert told.velocity_m_s[-1] == 0
-
-
-@pytest.mark.parametrize("sample_time", [0.0, 2.0, 1e-9])
-def test_a_sample_time_must_suit_the_command(sample_time: float) -> None:
-    with pytest.raises(InvalidInputError, match=r"^sample_time_s must be "):
-        program(pulse(1.0), 0.2, sample_time)

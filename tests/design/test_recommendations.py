@@ -355,7 +355,7 @@ def test_where_no_single_limit_is_enough_the_nearest_is_told() -> None:
         ({"tolerance": 1.0}, "tolerance must be .* below 1, which no shaper leaves, got 1.0"),
         ({"tolerance": 0.0}, "tolerance must be at least"),
         ({"damping": (0.1, 0.05)}, "damping.to must be at least from"),
-        ({"damping": (-0.1, 0.05)}, "damping.from must be between 0 and 0.5"),
+        ({"damping": (-0.1, 0.05)}, "damping.from must be between 0 and 0.99"),
         ({"damping": (0.1, 0.2)}, "plant.damping_ratio must be within the range of damping"),
         ({"max_duration_s": 0.0}, "max_duration_s must be finite and > 0"),
         ({"max_duration_s": math.inf}, "max_duration_s must be finite"),

@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import linprog
 
 from design.actuators import Actuator, Ideal, SecondOrder
+from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.analysis.shortest import excluded_rad
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.pipeline import Design, design
@@ -391,3 +392,36 @@ def test_no_random_start_of_slsqp_is_shorter_than_the_bound_of_two_modes(seed: i
         # What it leaves, over the slope of what is left in time.
         assert solved.x[0] >= found.solver.lower_bound_s * (1 - 1e-5)
     assert solutions > 0
+
+
+WIDE = [
+    ((1.0, 1000.0), 0.0),
+    ((1.0, 30.0, 1000.0), 0.002),
+    ((1.0, 4.0, 9.0, 16.0, 25.0, 36.0), 0.05),
+    ((0.5, 1.1, 7.0, 40.0, 300.0), 0.001),
+]
+"""Frequencies [rad/s], damping ratio."""
+
+
+@pytest.mark.parametrize("name", ["convolved", "multi_zv", "multi_umzv"])
+@pytest.mark.parametrize(("frequencies", "damping"), WIDE, ids=str)
+def test_modes_far_apart_are_shaped(
+    name: str, frequencies: tuple[float, ...], damping: float
+) -> None:
+    """Residuals by formula, beside the frequency too, and a bound that is below the duration."""
+    subject = Modes(
+        modes=tuple(Mode(natural_frequency_rad_s=w, damping_ratio=damping) for w in frequencies)
+    )
+    found = made(subject, name)
+    assert found.certificate.verified
+    assert left_by_formula(found, subject) < 1e-9
+    if name == "convolved":
+        assert found.impulses.times_s.size == 2 ** len(frequencies)
+    else:
+        assert found.solver.gap is not None
+        assert 0 <= found.solver.gap < 0.01
+    wanted = SensitivityRange(from_ratio=0.99, to_ratio=1.01, points=101)
+    for mode in subject.modes:
+        curve = sensitivity(found.impulses, mode, IDEAL, wanted)
+        told = curve_by_formula(found.impulses, mode, IDEAL, curve.frequency_ratios)
+        assert np.abs(told - curve.residuals).max() < 1e-10

@@ -59,3 +59,32 @@ def test_a_faulty_simulation_is_named(
     answer = client.post("/v1/simulations", json={**BASE, "command": {"kind": "step"}, **change})
     assert answer.status_code == 422
     assert [fault["pointer"] for fault in answer.json()["errors"]] == [pointer]
+
+
+def test_a_shaped_pulse_warns_that_its_stop_is_not_designed(client: httpx.Client) -> None:
+    request = {**BASE, "command": {"kind": "pulse", "pulse_s": 1.5}, "shaper": {"kind": "numzv"}}
+    answer = client.post("/v1/simulations", json=request).json()
+    (warning,) = answer["warnings"]
+    assert warning["code"] == "stop_not_designed"
+    assert f"{100 * answer['residual']:.4g} %" in warning["detail"]
+    assert "maneuver" in warning["detail"]
+
+
+@pytest.mark.parametrize("route", ["simulations", "sensitivity", "maps"])
+def test_amplitudes_that_add_up_to_neither_one_nor_nothing_have_a_warning(
+    client: httpx.Client, route: str
+) -> None:
+    impulses = {"times_s": [0, 0.9], "amplitudes": [0.3, 0.3]}
+    about: dict[str, Any] = {"plant": CRANE["plant"], "actuator": {"kind": "ideal"}}
+    body: dict[str, dict[str, Any]] = {
+        "simulations": {**about, "command": {"kind": "impulses", "impulses": impulses}},
+        "sensitivity": {**about, "impulses": impulses},
+        "maps": {
+            **about,
+            "impulses": impulses,
+            "x": {"field": "/plant/cable_length_m", "values": [0.7, 0.8]},
+        },
+    }
+    answer = client.post(f"/v1/{route}", json=body[route]).json()
+    assert [one["code"] for one in answer["warnings"]] == ["sum_not_one"]
+    assert "0.6" in answer["warnings"][0]["detail"]
