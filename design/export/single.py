@@ -7,7 +7,6 @@ import numpy as np
 from design.export.program import HASH_DIGITS
 from design.fits import Fit
 from design.pipeline import Design
-from design.tables.compute import holds_as_given
 from design.tables.rows import VERIFIED, VERIFIED_IDEAL, Column, Rows, Subject, TableHead
 
 
@@ -50,13 +49,12 @@ def single_table(
         fit=fit,
         subject=subject,
     )
-    given = holds_as_given(found, subject.plant, subject.actuator)
     results = [*found.impulses.times_s, *found.impulses.amplitudes, found.residual]
     rows = Rows(
         first=0,
         fields=np.empty((1, 0)),
         results=np.array([results]),
-        status=np.array([VERIFIED if given else VERIFIED_IDEAL], dtype=np.int8),
+        status=np.array([VERIFIED_IDEAL if found.for_ideal else VERIFIED], dtype=np.int8),
         reasons={},
     )
     return head, rows

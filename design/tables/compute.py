@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.actuators import Actuator
-from design.analysis.certificate import LIMITS, certify, certify_modes, zeros
+from design.analysis.certificate import LIMITS, certify, zeros
 from design.errors import (
     DesignError,
     InfeasibleDesignError,
@@ -18,7 +18,6 @@ from design.errors import (
 from design.pipeline import Design, design
 from design.plants import Mode, Pendulum, Plant, SpringMass
 from design.shapers.kind import NoOptions, SettleOptions, ShaperKind
-from design.shapers.problem import Promise
 from design.tables.parameters import RowParameters, of_one_mode_and_lags, row_parameters
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL, Rows
 from design.tables.specification import TableSpecification
@@ -103,7 +102,7 @@ class _Table:
             ]
             self.slopes[row] = max(slopes)
         self.designed[row] = True
-        self.for_ideal[row] = not holds_as_given(found, plant, actuator)
+        self.for_ideal[row] = found.for_ideal
 
     def status(self) -> NDArray[np.int8]:
         """Return what has become of the rows that have a design, shape (m,)."""
@@ -122,17 +121,6 @@ class _Table:
         results = np.concatenate([of_name[name]() for name in columns], axis=1)
         results[~self.designed] = np.nan
         return results
-
-
-def holds_as_given(found: Design, plant: Plant, actuator: Actuator) -> bool:
-    """Whether all that a design claims holds with the actuator given."""
-    if not found.for_ideal:
-        return True
-    promises = tuple(
-        Promise(quantity=claim.quantity, limit=claim.limit, mode=claim.mode, band=claim.band)
-        for claim in found.certificate.claims
-    )
-    return certify_modes(found.impulses, plant.modes, actuator, promises).verified
 
 
 def compute_rows(specification: TableSpecification, start: int, stop: int) -> Rows:
