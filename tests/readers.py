@@ -39,9 +39,7 @@ int main(void)
         for (k = 0; k < {upper}_IMPULSES; ++k) {{
             printf(" %.17g", (double){name}_amplitudes[row][k]);
         }}
-        for (k = 0; k < {upper}_COLUMNS; ++k) {{
-            printf(" %.17g", (double){name}_table[row][k]);
-        }}
+        {columns}
         printf("\\n");
     }}
     return 0;
@@ -76,7 +74,14 @@ def read_c(text: bytes, folder: Path) -> list[Held]:
     """Compile a header and have a program print it."""
     name = re.findall(rb"\} (\w+)_shaper;", text)[0].decode()
     (folder / "table.h").write_bytes(text)
-    (folder / "main.c").write_text(PRINTS.format(name=name, upper=name.upper()))
+    macros = re.findall(rf"#define ({name.upper()}_\w+) \d+", text.decode())
+    columns = macros[macros.index(f"{name.upper()}_COLUMNS") + 1 :]
+    prints = [f'printf(" %.17g", (double){name}_table[row][{column}]);' for column in columns]
+    if len(columns) < 1:
+        raise UnreadableError("no columns")
+    (folder / "main.c").write_text(
+        PRINTS.format(name=name, upper=name.upper(), columns="\n        ".join(prints))
+    )
     made = subprocess.run(
         ["gcc", *FLAGS, "-o", str(folder / "main"), str(folder / "main.c")],
         capture_output=True,
@@ -91,8 +96,8 @@ def read_c(text: bytes, folder: Path) -> list[Held]:
     for line in told.stdout.splitlines():
         status, *words = line.split()
         numbers = np.array([float(word) for word in words])
-        times, amplitudes, columns = np.split(numbers, [impulses, 2 * impulses])
-        rows.append(_held(times, amplitudes, columns, status))
+        times, amplitudes, told_columns = np.split(numbers, [impulses, 2 * impulses])
+        rows.append(_held(times, amplitudes, told_columns, status))
     return rows
 
 

@@ -1,5 +1,6 @@
 """What every file tells of itself: tool, specification, units."""
 
+import hashlib
 import json
 from typing import Any
 
@@ -46,14 +47,23 @@ def head_of(texts: dict[str, str]) -> TableHead:
     Raises
     ------
     InvalidInputError
-        If a fact is missing or is no JSON of its kind.
+        If a fact is missing or is no JSON of its kind, or the specification is another than that of
+        its hash.
     """
+    specification = texts.get("specification", "")
+    sha256 = hashlib.sha256(specification.encode()).hexdigest()
     try:
         values: dict[str, Any] = {name: json.loads(text) for name, text in texts.items()}
+        if values["specification_sha256"] != sha256:
+            raise InvalidInputError(
+                "specification_sha256",
+                values["specification_sha256"],
+                f"the hash of the file's specification, {sha256}",
+            )
         return TableHead(
             version=values["tool"].removeprefix(f"{TOOL} "),
-            specification_json=texts["specification"],
-            specification_sha256=values["specification_sha256"],
+            specification_json=specification,
+            specification_sha256=sha256,
             title=values["title"],
             columns=tuple(
                 Column(name=name, unit=unit, kind=kind) for name, unit, kind in values["columns"]
