@@ -142,6 +142,7 @@ class TableSpecification:
                 raise InvalidInputError(f"axes.{number}.values", [], "one or more values")
             place = f"axes.{number}.values"
             self._check_values(axis.path, axis.values, lambda _, place=place: place)
+        self._check_amplitudes()
         self._check_size()
 
     def _check_shaper(self) -> None:
@@ -179,12 +180,14 @@ class TableSpecification:
             raise InvalidInputError(
                 "columns", "phases_rad", "left out for a plant that has no one frequency"
             )
+
+    def _check_amplitudes(self) -> None:
         wanted = "amplitudes" not in self.columns and {"times_s", "phases_rad"} & set(self.columns)
-        if wanted and not shared_amplitudes(self.kind, self.options):
+        if wanted and not self.shared_amplitudes:
             raise InvalidInputError(
                 "columns",
                 list(self.columns),
-                f"with amplitudes: those of {self.kind.name} depend on the damping, or on more",
+                f"with amplitudes: those of {self.kind.name} depend on the damping, or on a field",
             )
 
     def _check_size(self) -> None:
@@ -224,6 +227,20 @@ class TableSpecification:
                 "field", "/".join(path), "a number of plant, actuator or shaper"
             )
         return {part: varied(parts[part], rest, value)}
+
+    @property
+    def shared_amplitudes(self) -> tuple[float, ...]:
+        """The amplitudes of all rows [-]; none where each row has its own."""
+        options = [self.options]
+        for number, path in enumerate(self.fields):
+            if path[0] == "shaper":
+                values = self.axes[number].values if self.listed is None else self.listed[:, number]
+                options += [
+                    varied(self.options, path[1:], float(end))
+                    for end in (values.min(), values.max())
+                ]
+        found = {shared_amplitudes(self.kind, one) for one in options}
+        return found.pop() if len(found) == 1 else ()
 
     @property
     def rows(self) -> int:

@@ -11,7 +11,7 @@ from design.export.program import DEFAULT_TITLE
 from design.fits import fit
 from design.tables.compute import counted
 from design.tables.rows import TableHead
-from design.tables.specification import TableSpecification, columns_of, shared_amplitudes
+from design.tables.specification import TableSpecification, columns_of
 from schemas.tables import TableJob, TableRequest, TableSize, sha256_of
 from service.jobs.store import Job, NewJob
 from service.operations import version
@@ -98,7 +98,7 @@ def head_of(job: Job | NewJob, *, fitted: bool, name: str = "") -> TableHead:
         columns=columns_of(specification),
         rows=job.rows,
         impulses=specification.impulses or 0,
-        amplitudes=shared_amplitudes(specification.kind, specification.options),
+        amplitudes=specification.shared_amplitudes,
         name=name if request.title == DEFAULT_TITLE else "",
         fit=polynomials,
         subject=specification.subject,
