@@ -4,13 +4,16 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, ValidationError
 
 from design.errors import InvalidInputError
+from design.export.program import DEFAULT_TITLE
 from design.fits import plants_at_ends
+from design.tables.rows import Subject, TableHead
 from design.tables.specification import (
     COLUMNS,
     DEFAULT_COLUMNS,
@@ -41,6 +44,18 @@ class TableDesign(Wire):
     plant: PlantIn
     actuator: ActuatorIn
     shaper: ShaperIn
+
+    def to_design(self) -> Subject:
+        """Build the design record."""
+        with named("plant"):
+            plant = self.plant.to_design()
+        with named("actuator"):
+            actuator = self.actuator.to_design()
+        with named("shaper"):
+            options = self.shaper.continuous_options(NO_TABLE_ON_SAMPLES)
+        return Subject(
+            plant=plant, actuator=actuator, kind=self.shaper.registered(), options=options
+        )
 
 
 class TableAxis(Wire):
@@ -112,9 +127,10 @@ class TableRequest(Wire):
             min_length=1,
             max_length=100,
             pattern="^[^\\x00-\\x1f\\x7f]*$",
-            description="Stands in every file; names in programs are made from it.",
+            description="Stands in every file; names in programs are made from it, or from the "
+            "name of the file where it is not given.",
         ),
-    ] = "shaper table"
+    ] = DEFAULT_TITLE
     design: TableDesign
     axes: Annotated[list[TableAxis] | None, Field(description="They multiply.")] = None
     designs: Annotated[
@@ -147,23 +163,17 @@ class TableRequest(Wire):
             both = "neither" if self.axes is None else "both"
             raise InvalidInputError("axes", both, "given, or designs in its place")
         with named("design"):
-            with named("plant"):
-                plant = self.design.plant.to_design()
-            with named("actuator"):
-                actuator = self.design.actuator.to_design()
-            with named("shaper"):
-                options = self.design.shaper.continuous_options(NO_TABLE_ON_SAMPLES)
+            subject = self.design.to_design()
         if self.fit is not None:
             with named("fit"):
-                plants_at_ends(plant, self.fit.to_design(self.design.plant.kind))
+                plants_at_ends(subject.plant, self.fit.to_design(self.design.plant.kind))
         require_rows(math.prod(axis.size for axis in self.axes or ()))  # before any is made
-        parts = {"plant": plant, "actuator": actuator, "shaper": options}
-        paths, listed = _listed(self.designs, parts) if self.designs is not None else ((), None)
+        paths, listed = _listed(self.designs, subject) if self.designs is not None else ((), None)
         return TableSpecification(
-            plant=plant,
-            actuator=actuator,
-            kind=self.design.shaper.registered(),
-            options=options,
+            plant=subject.plant,
+            actuator=subject.actuator,
+            kind=subject.kind,
+            options=subject.options,
             axes=tuple(_axis(number, axis) for number, axis in enumerate(self.axes or ())),
             listed=listed,
             listed_paths=paths,
@@ -182,6 +192,24 @@ def sha256_of(specification: str) -> str:
     return hashlib.sha256(specification.encode()).hexdigest()
 
 
+def with_subject(head: TableHead) -> TableHead:
+    """Return a head that was read back from a file with what its rows are designs of.
+
+    Raises
+    ------
+    InvalidInputError
+        If its specification is none.
+    """
+    try:
+        request = TableRequest.model_validate_json(head.specification_json)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise InvalidInputError(
+            "specification." + ".".join(map(str, first["loc"])), first["input"], first["msg"]
+        ) from None
+    return replace(head, subject=request.to_design().subject)
+
+
 def path_of(pointer: str) -> Path:
     """Return the path that a JSON pointer names."""
     return tuple(pointer.removeprefix("/").split("/"))
@@ -192,11 +220,10 @@ def _axis(number: int, axis: TableAxis) -> Axis:
         return axis.to_design()
 
 
-def _listed(
-    designs: list[dict[str, Any]], parts: dict[str, Any]
-) -> tuple[tuple[Path, ...], FloatArray]:
+def _listed(designs: list[dict[str, Any]], subject: Subject) -> tuple[tuple[Path, ...], FloatArray]:
     """Return the fields that listed designs vary, in order of appearance, and their values."""
     lines = [dict(_numbers(design, (), number)) for number, design in enumerate(designs)]
+    parts = {"plant": subject.plant, "actuator": subject.actuator, "shaper": subject.options}
     paths = tuple(dict.fromkeys(path for line in lines for path in line))
     if not paths:
         raise InvalidInputError("designs", len(designs), "one or more, which vary something")
@@ -243,7 +270,8 @@ class TableJob(Wire):
     created: Annotated[float, Field(description="Seconds since 1970.")]
     size: TableSize
     rows_done: int
-    verified: int
+    verified: Annotated[int, Field(description="Rows proven for the actuator given.")]
+    verified_ideal: Annotated[int, Field(description="Rows proven for an ideal actuator only.")]
     infeasible: int
     failed: int
     rows_per_s: float

@@ -18,7 +18,7 @@ from design.shapers.problem import (
     Convolution,
     JointProblem,
 )
-from design.tables.rows import Column
+from design.tables.rows import Column, Subject
 from design.types import FloatArray, require_between
 
 COLUMNS = ("times_s", "amplitudes", "phases_rad", "duration_s", "residual", "slope")
@@ -236,14 +236,14 @@ class TableSpecification:
         values
             Of the varied fields, shape (f,).
         """
-        parts: dict[str, Any] = {
-            "plant": self.plant,
-            "actuator": self.actuator,
-            "shaper": self.options,
-        }
-        for (part, *rest), value in zip(self.fields, values.tolist(), strict=True):
-            parts[part] = varied(parts[part], rest, value)
-        return parts["plant"], parts["actuator"], parts["shaper"]
+        return self.subject.at(self.fields, values.tolist())
+
+    @property
+    def subject(self) -> Subject:
+        """The design in which fields are varied."""
+        return Subject(
+            plant=self.plant, actuator=self.actuator, kind=self.kind, options=self.options
+        )
 
 
 def require_rows(rows: int) -> None:

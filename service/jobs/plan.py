@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pydantic import ValidationError
 
 from design.errors import DesignError
+from design.export.program import DEFAULT_TITLE
 from design.fits import fit
 from design.tables.rows import TableHead
 from design.tables.specification import TableSpecification, amplitudes_of, columns_of
@@ -70,8 +71,11 @@ def specification_of(canonical: str) -> TableSpecification:
     return TableRequest.model_validate_json(canonical).to_design()
 
 
-def head_of(job: Job | NewJob, *, fitted: bool) -> TableHead:
-    """Return the head of a job's files; the polynomials where they are wanted and asked for."""
+def head_of(job: Job | NewJob, *, fitted: bool, name: str = "") -> TableHead:
+    """Return the head of a job's files; the polynomials where they are wanted and asked for.
+
+    ``name``: of the file, from which names in programs are made where no title was given.
+    """
     request = TableRequest.model_validate_json(job.specification)
     specification = specification_of(job.specification)
     amplitudes = amplitudes_of(specification.kind, specification.options)
@@ -93,7 +97,9 @@ def head_of(job: Job | NewJob, *, fitted: bool) -> TableHead:
         rows=job.rows,
         impulses=len(amplitudes),
         amplitudes=amplitudes,
+        name=name if request.title == DEFAULT_TITLE else "",
         fit=polynomials,
+        subject=specification.subject,
     )
 
 
@@ -108,8 +114,9 @@ def told(job: Job) -> TableJob:
         size=size_of(specification_of(job.specification)),
         rows_done=job.done,
         verified=job.verified,
+        verified_ideal=job.verified_ideal,
         infeasible=job.infeasible,
-        failed=job.done - job.verified - job.infeasible,
+        failed=job.failed,
         rows_per_s=job.rate_rows_s,
         seconds_left=None if left is None else round(left, 1),
         specification_sha256=job.sha256,

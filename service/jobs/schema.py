@@ -31,5 +31,6 @@ CHUNKS = sa.Table(
     sa.Column("rows", sa.Integer, nullable=False),
     sa.Column("verified", sa.Integer, nullable=False, default=0),
     sa.Column("infeasible", sa.Integer, nullable=False, default=0),
+    sa.Column("verified_ideal", sa.Integer, nullable=False, default=0),
     sa.Column("blob", sa.LargeBinary),
 )

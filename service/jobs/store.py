@@ -47,7 +47,7 @@ class Job:
 
     Attributes
     ----------
-    done, verified, infeasible
+    done, verified, verified_ideal, infeasible
         Rows that are computed, and what became of them.
     rate_rows_s
         Rows done lately [1/s].
@@ -66,8 +66,14 @@ class Job:
     chunks: int
     done: int
     verified: int
+    verified_ideal: int
     infeasible: int
     rate_rows_s: float
+
+    @property
+    def failed(self) -> int:
+        """Rows whose solver or proof failed."""
+        return self.done - self.verified - self.verified_ideal - self.infeasible
 
     @property
     def ended(self) -> bool:
@@ -97,6 +103,7 @@ class Done:
     blob: bytes
     verified: int
     infeasible: int
+    verified_ideal: int = 0
 
 
 class Store:
@@ -248,6 +255,7 @@ class Store:
                     finished=self._now,
                     blob=done.blob,
                     verified=done.verified,
+                    verified_ideal=done.verified_ideal,
                     infeasible=done.infeasible,
                 )
             )
@@ -350,6 +358,7 @@ class Store:
         sums = [
             sa.func.sum(CHUNKS.c.rows),
             sa.func.sum(CHUNKS.c.verified),
+            sa.func.sum(CHUNKS.c.verified_ideal),
             sa.func.sum(CHUNKS.c.infeasible),
             sa.func.sum(sa.case((recent, CHUNKS.c.rows), else_=0)),
             sa.func.min(CHUNKS.c.finished),
@@ -358,12 +367,13 @@ class Store:
         row = connection.execute(
             sa.select(*sums).where(CHUNKS.c.job == job, CHUNKS.c.state == "done")
         ).one()
-        done, verified, infeasible, lately = (int(value or 0) for value in row[:4])
+        done, verified, ideal, infeasible, lately = (int(value or 0) for value in row[:5])
         # The first chunk marks the start: its own rows took the time before it.
-        seconds = min(RATE_WINDOW_S, row[5] - row[4]) if done else 0.0
+        seconds = min(RATE_WINDOW_S, row[6] - row[5]) if done else 0.0
         return {
             "done": done,
             "verified": verified,
+            "verified_ideal": ideal,
             "infeasible": infeasible,
             "rate_rows_s": lately / seconds if seconds > 0 else 0.0,
         }

@@ -14,7 +14,7 @@ from design.export.mat_file import LARGEST_MATRIX_BYTES, check_mat
 from design.export.reading import READERS, rows_of
 from design.export.registry import EXPORTS
 from design.tables.rows import STATUSES
-from tests.tables import head_of, joined, made_up_table, same
+from tests.tables import CRANE, head_of, joined, made_up_table, same
 
 ROWS, RUN_ROWS = 2_500, 1_000
 
@@ -157,9 +157,9 @@ def test_mat_holds_matrices_and_names_for_matlab() -> None:
 def test_mat_refuses_what_its_sizes_cannot_count() -> None:
     most = LARGEST_MATRIX_BYTES // (8 * 6)
     amplitudes = (1.0, -1.0, 1.0, -1.0, 1.0)
-    check_mat(head_of({}, ("plant.cable_length_m",), most, amplitudes))
+    check_mat(head_of(CRANE, ("plant.cable_length_m",), most, amplitudes))
     with pytest.raises(InvalidInputError, match="rows must be at most 44739242 for a"):
-        check_mat(head_of({}, ("plant.cable_length_m",), most + 1, amplitudes))
+        check_mat(head_of(CRANE, ("plant.cable_length_m",), most + 1, amplitudes))
 
 
 PEAK = """
