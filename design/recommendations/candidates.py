@@ -7,6 +7,7 @@ damping ratios it may leave more. It is then designed for a smaller one.
 import math
 from dataclasses import dataclass, replace
 
+from design.actuators import Actuator
 from design.analysis.band import largest_in_band
 from design.errors import DesignError
 from design.pipeline import Design, design
@@ -17,6 +18,7 @@ from design.sampled import SAMPLE_TOLERANCE, sampled_design
 from design.shapers.problem import ClosedForm, Convolution, Problem
 from design.shapers.several_modes import FREQUENCIES_A_RADIAN, PROOF_WORK, impulses_of
 from design.solvers.budget import Budget
+from design.unity_grid import cuts_ramps
 
 TIGHTENED, TIGHTENED_ON_SAMPLES = 6, 2
 """How often a shaper that misses the tolerance is designed anew for a smaller one, at most.
@@ -46,8 +48,8 @@ MOST_WORK_A_SHAPER = 2_500_000
 DESIGN_WORK = 20_000.0
 """Work of a design and its judgement, without a search [units]."""
 
-SAMPLED_WORK = {False: 30_000.0, True: 400_000.0}
-"""Work of bringing a shaper to samples: of one sign, of both [units]."""
+SAMPLED_WORK, UNITY_SAMPLED_WORK, CUT_SAMPLED_WORK = 30_000.0, 400_000.0, 2_000_000.0
+"""Work of bringing a shaper to samples: of one sign, of both, with ramps that are cut [units]."""
 
 MOST_CONVOLVED = 130
 """Impulses of a convolved shaper that is asked, at most: three modes with five each [-]."""
@@ -248,7 +250,7 @@ def made(choice: Choice, question: Question, budget: Budget) -> Designed:
     budget.spend(DESIGN_WORK)
     found = design(plant, actuator, choice.kind, options, budget)
     if asked.sample_time_s is not None:
-        budget.spend(SAMPLED_WORK[bool(found.impulses.amplitudes.min() < 0)])
+        budget.spend(_work_of_samples(found, actuator, asked.sample_time_s))
         found, _ = sampled_design(
             found,
             modes[0],
@@ -263,6 +265,14 @@ def made(choice: Choice, question: Question, budget: Budget) -> Designed:
         worst_residual=_worst(found, question),
         lower_bound_s=found.solver.lower_bound_s if choice.bound_holds else None,
     )
+
+
+def _work_of_samples(found: Design, actuator: Actuator, sample_time_s: float) -> float:
+    """Return the work of bringing a design to samples [units]."""
+    if found.impulses.amplitudes.min() > 0:
+        return SAMPLED_WORK
+    cut = cuts_ramps(found.impulses, actuator, sample_time_s)
+    return CUT_SAMPLED_WORK if cut else UNITY_SAMPLED_WORK
 
 
 def _work_of_worst(found: Design, question: Question) -> float:
