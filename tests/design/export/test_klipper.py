@@ -126,6 +126,14 @@ def test_the_tolerance_asked_for_is_handed_over_not_that_of_klipper() -> None:
     keeps(made, line, 0.1, older=False)
 
 
+@pytest.mark.parametrize("tolerance", [0.0234567891, 1 / 30, 0.0499999996, 0.05 + 1e-9])
+def test_a_tolerance_of_many_digits_is_kept_by_the_one_that_is_written(tolerance: float) -> None:
+    for damping in (0.0, 0.07):
+        _, made, text = written({"kind": "ei", "tolerance": tolerance}, damping)
+        (line,) = lines_of(text)
+        keeps(made, line, damping, older=False)
+
+
 @pytest.mark.parametrize(
     ("kind", "tolerance", "damping", "name"),
     [
