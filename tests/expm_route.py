@@ -35,7 +35,7 @@ class Event:
 
 def events_of(command: Impulses, actuator: Actuator) -> list[Event]:
     """Return what a command makes the lags follow, event by event."""
-    rising = increases(command.amplitudes)
+    rising = increases(command)
     if not isinstance(actuator, RateLimited):
         steps = zip(command.times_s.tolist(), rising, command.amplitudes.tolist(), strict=True)
         return [Event(time, int(up), height, 0.0) for time, up, height in steps]

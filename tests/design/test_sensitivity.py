@@ -288,9 +288,9 @@ def test_no_edge_lies_beyond_the_widest_ratios() -> None:
 
 
 def test_an_actuator_alone_shapes_the_curve_of_a_short_command() -> None:
-    # Two simultaneous steps turn no phase; the slow braking set alone decides.
+    # Two steps at nearly one time turn no phase; the slow braking set alone decides.
     actuator = FirstOrder(accel_time_constant_s=0.0, decel_time_constant_s=1.0)
-    both = impulses([0.0, 0.0], [1.0, -0.7])
+    both = impulses([0.0, 1e-12], [1.0, -0.7])
     # |1 - 0.7 / (1 + j r)| = V
     result = found(both, UNIT, actuator, 0.75)
     for edge in (result.lower_ratio, result.upper_ratio):
