@@ -1,5 +1,6 @@
 """Whether a file still is what its specification gives."""
 
+import re
 from collections.abc import Iterable, Iterator
 from itertools import zip_longest
 from pathlib import Path
@@ -11,6 +12,9 @@ from design.export.reading import READERS, rows_of
 from design.tables.rows import STATUSES, Rows, TableHead
 from design.types import FloatArray
 from schemas.tables import Tolerances
+
+NAMED = re.compile(rb"#define (\w+)_ROWS |FUNCTION_BLOCK (\w+)_table\b")
+"""Lines of a C header and of Structured Text that hold the start of their names."""
 
 MOST_TOLD = 20
 """Drifts that are told; all are counted."""
@@ -131,6 +135,16 @@ def _part(rows: Rows, start: int, stop: int | None) -> Rows:
         status=rows.status[start:last],
         reasons={row - start: text for row, text in rows.reasons.items() if start <= row < last},
     )
+
+
+def named_in(path: Path) -> Path:
+    """Return a program's file by the name that its names begin with, whatever it is called now."""
+    with path.open("rb") as file:
+        for line in file:
+            found = NAMED.match(line)
+            if found is not None:
+                return path.with_name((found[1] or found[2]).decode().lower())
+    return path
 
 
 def drifts_of_text(path: Path, pieces: Iterable[bytes]) -> Drifts:

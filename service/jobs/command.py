@@ -15,7 +15,7 @@ from design.errors import DesignError, InvalidInputError
 from design.export.registry import EXPORTS
 from schemas.tables import TableRequest
 from service.files import LockedError, locked, remove_parts
-from service.jobs.checks import drifts_of_file, drifts_of_text, readable
+from service.jobs.checks import drifts_of_file, drifts_of_text, named_in, readable
 from service.jobs.database import StoreError, disk_full
 from service.jobs.executors import SchedulerError, starter
 from service.jobs.plan import Plan, planned
@@ -212,7 +212,7 @@ def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
                 head, rows = head_for(job, name), rows_of_job(store, job)
                 drifts = drifts_of_file(path, name, head, rows, tolerances)
             else:
-                drifts = drifts_of_text(path, pieces(store, job, name, path))
+                drifts = drifts_of_text(path, pieces(store, job, name, named_in(path)))
         except InvalidInputError as error:
             raise CommandError(f"{path} cannot be checked: {error}") from None
     if not drifts.count:

@@ -405,3 +405,22 @@ def test_what_a_format_finds_in_the_rows_is_invalid_input(tmp_path: Path) -> Non
     assert done.returncode == 2, done.stderr
     assert "damping_ratio of row 1: must be at most 0.3 for Klipper's 2hump_ei" in done.stderr
     assert not path.exists()
+
+
+@pytest.mark.parametrize("end", ["h", "st"])
+def test_a_program_that_was_called_otherwise_since_is_checked_by_its_own_names(
+    spec: Path, tmp_path: Path, end: str
+) -> None:
+    before, after = tmp_path / f"crane.{end}", tmp_path / f"2nd try.{end}"
+    assert table(spec, "-o", before, "--workers", "1").returncode == 0
+    assert b"crane_shaper" in before.read_bytes()
+    before.rename(after)
+    done = table(spec, "--check", after, "--workers", "1")
+    assert done.returncode == 0, done.stderr
+    text = after.read_text()
+    place = text.index("all_times_s" if end == "st" else "crane_times[")
+    digit = next(at for at in range(place + 40, len(text)) if text[at] in "12345678")
+    after.write_text(f"{text[:digit]}9{text[digit + 1 :]}")
+    done = table(spec, "--check", after, "--workers", "1")
+    assert done.returncode == 5, done.stderr
+    assert "1 differences" in done.stderr
