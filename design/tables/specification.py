@@ -231,6 +231,8 @@ class TableSpecification:
     @property
     def shared_amplitudes(self) -> tuple[float, ...]:
         """The amplitudes of all rows [-]; none where each row has its own."""
+        if isinstance(self.plant, Modes):
+            return ()
         options = [self.options]
         for number, path in enumerate(self.fields):
             if path[0] == "shaper":
@@ -339,6 +341,12 @@ def impulses_of(plant: Plant, kind: ShaperKind, options: Any) -> int:  # noqa: A
         base = BASES[options.base]
         of_one = len(amplitudes_of(base, base.options()))
         return math.prod(of_one for _ in plant.modes)
+    if isinstance(plant, Modes):
+        raise InvalidInputError(
+            "design.shaper.kind",
+            kind.name,
+            "one with as many impulses in every row: of those for several modes, convolved",
+        )
     return len(amplitudes_of(kind, options))
 
 
