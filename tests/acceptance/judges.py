@@ -20,6 +20,7 @@ from design.shapers.problem import Promise
 from design.shapers.registry import SHAPERS
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions
+from design.solvers.budget import MOST_WORK
 from design.types import FloatArray
 from tests.random_cases import Case
 from tests.routes import (
@@ -356,8 +357,12 @@ JUDGES: tuple[tuple[str, Callable[..., bool]], ...] = (
         lambda _, takes, horizon: takes > horizon,
     ),
     (
-        rf"duration <= {NUMBER} periods in {NUMBER} starts; nearest miss",
+        rf"duration <= {NUMBER} periods in {NUMBER} starts; nearest miss(?!.* to the end: its)",
         _none_as_short,
+    ),
+    (
+        rf"in {NUMBER} starts; nearest miss.* to the end: its budget of {NUMBER} million units",
+        lambda _, starts, budget: starts > 0 and budget * 1e6 == MOST_WORK,
     ),
     (
         rf"frequency is {NUMBER}, and the vector diagram",
