@@ -30,27 +30,45 @@ def listed(times_s: FloatArray, velocities: FloatArray) -> Impulses:
     Parameters
     ----------
     times_s
-        Times, shape (n,), not decreasing [s].
+        Times, shape (n,), not decreasing [s]. Of several velocities at one time the last counts.
     velocities
         Velocities from those times on as shares of full speed, shape (n,) [-]; at rest before.
 
     Raises
     ------
     InvalidInputError
-        If time runs backwards, the lists differ in length, or nothing ever moves.
+        If time runs backwards, the lists differ in length, a velocity is no number of a size to
+        compute with, or nothing ever moves.
     """
     if velocities.shape != times_s.shape:
         raise InvalidInputError(
             "velocity_m_s", f"{velocities.size} numbers", f"as many as the times, {times_s.size}"
         )
-    if not np.any(velocities):
-        raise InvalidInputError("velocity_m_s", velocities[:1].tolist(), "not all zero")
-    return Impulses(times_s=times_s, amplitudes=np.diff(velocities, prepend=0.0))
+    huge = ~(np.abs(velocities) <= LARGEST / 2)  # not a number is not
+    if huge.any():
+        index = int(huge.argmax())
+        raise InvalidInputError(
+            f"velocity_m_s.{index}",
+            f"{float(velocities[index]):g} times",
+            f"a number, at most {LARGEST / 2:g} times full speed",
+        )
+    last = np.append(times_s[1:] != times_s[:-1], True)
+    if not np.any(velocities[last]):
+        raise InvalidInputError(
+            "velocity_m_s", velocities[:1].tolist(), "not all zero, the last at each time"
+        )
+    return Impulses(times_s=times_s, amplitudes=np.diff(velocities, prepend=0.0)).merged()
 
 
 def convolved(command: Impulses, shaper: Impulses) -> Impulses:
-    """Return a command shaped by a shaper: every step replaced by the shaper's steps."""
+    """Return a command shaped by a shaper: every step replaced by the shaper's steps.
+
+    Raises
+    ------
+    InvalidInputError
+        If all of these cancel.
+    """
     times = np.add.outer(command.times_s, shaper.times_s).ravel()
     amplitudes = np.multiply.outer(command.amplitudes, shaper.amplitudes).ravel()
     order = np.argsort(times, kind="stable")
-    return Impulses(times_s=times[order], amplitudes=amplitudes[order])
+    return Impulses(times_s=times[order], amplitudes=amplitudes[order]).merged()

@@ -12,13 +12,13 @@ from design.analysis.residual import (
     residual_vibration,
     residuals_of_cases,
     residuals_of_many,
-    unshaped_gain,
+    unshaped_deflection_s,
 )
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.impulses import Impulses
 from design.maneuvers import maneuver, mirrored_stop
 from design.pipeline import design
-from design.plants import Mode, Plant
+from design.plants import Plant
 from design.shapers.kind import ShaperKind
 from design.shapers.unity_magnitude import PERIOD_RAD, decel_over_accel
 from design.types import FloatArray, require_scale
@@ -167,6 +167,12 @@ def varied(record: Any, path: Sequence[str], value: float) -> Any:  # noqa: ANN4
         If there is no such number, or it breaks its rule.
     """
     name, *rest = path
+    if isinstance(record, tuple) and rest:
+        numbers = [str(number) for number in range(len(record))]
+        if name not in numbers:
+            raise InvalidInputError("field", "/".join(path), f"one of {', '.join(numbers)}")
+        changed = varied(record[int(name)], rest, value)
+        return (*record[: int(name)], changed, *record[int(name) + 1 :])
     names = [field.name for field in fields(record) if field.init] if is_dataclass(record) else []
     if name not in names:
         raise InvalidInputError("field", "/".join(path), f"one of {', '.join(names) or 'none'}")
@@ -369,11 +375,8 @@ def _told(case: MapCase, recipe: Recipe, cell: Cell) -> FloatArray:
 
 
 def _unshaped_m(case: MapCase, cell: Cell) -> float:
-    """Return the deflection that the unshaped step leaves at the payload [m]."""
-    mode: Mode = cell["plant"].mode
-    speed_m_s = case.speed_m_s or 0.0
-    left: float = unshaped_gain(mode, cell["actuator"]) / mode.natural_frequency_rad_s
-    return speed_m_s * left
+    """Return the amplitude that the unshaped step leaves at the payload [m]."""
+    return (case.speed_m_s or 0.0) * unshaped_deflection_s(cell["plant"].mode, cell["actuator"])
 
 
 def _drive(recipe: Recipe, actuator: Actuator) -> Actuator:

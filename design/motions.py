@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.actuators import Actuator, require_speed
-from design.analysis.residual import RESONANCE, residual_vibration, unshaped_gain
+from design.analysis.residual import RESONANCE, residual_vibration, unshaped_deflection_s
 from design.impulses import Impulses
 from design.plants import Pendulum, Plant
 from design.responses import history
@@ -20,7 +20,7 @@ class Swing:
     Attributes
     ----------
     deflection_m
-        Largest deflection [m].
+        Largest deflection, or the amplitude of a free vibration [m].
     angle_rad
         The same as an angle; None but for a pendulum [rad].
     """
@@ -51,7 +51,8 @@ class Motion:
         Residual vibration after the last step, a share of one unshaped step; None where a set of
         the actuator has its own pole at the plant's and rings with it [-].
     remaining
-        The swing of that residual vibration, at the last step; None likewise.
+        Amplitude of that free vibration, extrapolated back to the last step (and the dead time
+        after it); None likewise.
     """
 
     times_s: FloatArray
@@ -95,8 +96,8 @@ def motion(
     residual = None if rings_along else residual_vibration(command, mode, actuator)
     remaining = None
     if residual is not None:
-        unshaped_m = speed_m_s * unshaped_gain(mode, actuator) / mode.natural_frequency_rad_s
-        remaining = _swing(residual * unshaped_m, length_m)
+        left_s = residual * unshaped_deflection_s(mode, actuator)
+        remaining = _swing(speed_m_s * left_s, length_m)
     return Motion(
         times_s=times_s,
         command_m_s=speed_m_s * levels[np.searchsorted(command.times_s, times_s, side="right")],

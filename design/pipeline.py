@@ -259,8 +259,8 @@ def _with_its_band(
     found = insensitivity(solution.impulses, modes[promise.mode], actuator, promise.limit)
     if found is None:
         return None
-    lower, upper = found.lower_ratio, found.upper_ratio
+    lower, upper = found.searched_from_ratio, found.searched_to_ratio
     if ((solution.ratios < lower) | (solution.ratios > upper)).any():
         return None
-    half_width = min(1 - lower, upper - 1) * (1 - BAND_MARGIN)
+    half_width = found.half_width * (1 - BAND_MARGIN)
     return replace(promise, band=(1 - half_width, 1 + half_width))

@@ -1,8 +1,9 @@
 """What all wire models share."""
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -16,10 +17,22 @@ class Wire(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
+    def canonical(self) -> str:
+        """Return it as canonical JSON: on one line, keys sorted, defaults told."""
+        told = self.model_dump(mode="json", by_alias=True, exclude_none=True)
+        return json.dumps(told, sort_keys=True, separators=(",", ":"))
 
-def says_nothing(value: object) -> bool:
-    """Whether a field is left out of an answer."""
+
+def _says_nothing(value: object) -> bool:
     return value is None
+
+
+def left_out_if_none(description: str) -> Any:  # noqa: ANN401 - as pydantic's own Field
+    """Return the rule of an answer's field that is not written where it is None.
+
+    Whoever reads the answer finds None in its place: an answer is read back as it was.
+    """
+    return Field(default=None, exclude_if=_says_nothing, description=description)
 
 
 Positive = Annotated[float, Field(gt=0, le=LARGEST)]

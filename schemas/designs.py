@@ -10,7 +10,7 @@ from design.pipeline import Design
 from design.plants import Plant, Scheduled
 from design.sampled import Sampled
 from schemas.actuators import ActuatorIn
-from schemas.base import Wire, says_nothing
+from schemas.base import Wire, left_out_if_none
 from schemas.fits import FitIn, FitOut
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
@@ -109,18 +109,12 @@ class ClaimOut(Wire):
     limit: float
     mode: Annotated[
         int | None,
-        Field(
-            exclude_if=says_nothing,
-            description="Number of the plant's mode, from 0; left out for the first.",
-        ),
-    ] = None
+        left_out_if_none("Number of the plant's mode, from 0; left out for the first."),
+    ]
     band: Annotated[
         tuple[float, float] | None,
-        Field(
-            exclude_if=says_nothing,
-            description="For band: its ends, ratios of the mode's frequency; left out else.",
-        ),
-    ] = None
+        left_out_if_none("For band: its ends, ratios of the mode's frequency; left out else."),
+    ]
 
     @classmethod
     def from_design(cls, claim: Claim) -> Self:
@@ -221,10 +215,7 @@ class DesignResponse(Wire):
     certificate: CertificateOut
     sensitivity: SensitivityOut | None
     modes: OfModes
-    scheduled: Annotated[
-        RangeOut | None,
-        Field(exclude_if=says_nothing, description="Of a scheduled plant; left out else."),
-    ]
+    scheduled: Annotated[RangeOut | None, left_out_if_none("Of a scheduled plant; left out else.")]
     fit: FitOut | None
     solver: SolverOut
     warnings: Warnings

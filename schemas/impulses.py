@@ -16,7 +16,11 @@ class ImpulsesWire(Wire):
 
     times_s: Annotated[
         list[float],
-        Field(min_length=1, max_length=MOST_IMPULSES, description="Times, not decreasing [s]."),
+        Field(
+            min_length=1,
+            max_length=MOST_IMPULSES,
+            description="Times, not decreasing; steps at one time are one [s].",
+        ),
     ]
     amplitudes: Annotated[
         list[float],
@@ -24,8 +28,9 @@ class ImpulsesWire(Wire):
     ]
 
     def to_design(self) -> Impulses:
-        """Build the design record."""
-        return Impulses(times_s=np.array(self.times_s), amplitudes=np.array(self.amplitudes))
+        """Build the design record, its steps at one time as one."""
+        given = Impulses(times_s=np.array(self.times_s), amplitudes=np.array(self.amplitudes))
+        return given.merged()
 
     @classmethod
     def from_design(cls, impulses: Impulses) -> Self:

@@ -168,7 +168,7 @@ class MapResponse(Wire):
         list[Row] | Row | None, Field(description="Share of an unshaped step [-].")
     ] = None
     deflection_m: Annotated[
-        list[Row] | Row | None, Field(description="Its swing at the payload [m].")
+        list[Row] | Row | None, Field(description="Its amplitude at the payload [m].")
     ] = None
     duration_s: list[Row] | Row | None = None
     alpha: list[Row] | Row | None = None

@@ -19,7 +19,7 @@ from design.recommendations.requirements import (
     Sign,
 )
 from schemas.actuators import ActuatorIn
-from schemas.base import PlantDamping, Positive, Wire, says_nothing
+from schemas.base import PlantDamping, Positive, Wire, left_out_if_none
 from schemas.impulses import ImpulsesWire
 from schemas.plants import BareMode, PlantIn
 from schemas.sensitivity import InsensitivityOut
@@ -186,15 +186,14 @@ class CandidateOut(Wire):
     ]
     lower_bound_s: Annotated[
         float | None,
-        Field(
-            exclude_if=says_nothing,
-            description="No shaper of its class that keeps the tolerance over the band is as "
-            "short, proven; left out where nothing is [s].",
+        left_out_if_none(
+            "No shaper of its class that keeps the tolerance over the band is as short, proven; "
+            "left out where nothing is [s]."
         ),
     ]
     same_as: Annotated[
         str | None,
-        Field(exclude_if=says_nothing, description="Name of one ahead with the same impulses."),
+        left_out_if_none("Name of one ahead with the same impulses."),
     ]
     warnings: Warnings
 

@@ -14,7 +14,7 @@ from design.analysis.sensitivity import (
 )
 from design.plants import Mode
 from schemas.actuators import ActuatorIn
-from schemas.base import PlantDamping, Wire, says_nothing
+from schemas.base import PlantDamping, Wire, left_out_if_none
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.warnings import Warnings
@@ -72,9 +72,21 @@ class InsensitivityOut(Wire):
     """The interval around 1 on which the residual is within the tolerance."""
 
     tolerance: float
-    lower_ratio: float
-    upper_ratio: float
-    width: float
+    lower_ratio: Annotated[
+        float | None, Field(description="Lower edge; null where the search found none [-].")
+    ]
+    upper_ratio: Annotated[float | None, Field(description="Upper edge; null likewise [-].")]
+    width: Annotated[
+        float | None, Field(description="Upper less lower edge; null without either [-].")
+    ]
+    searched_from_ratio: Annotated[
+        float,
+        Field(
+            description="Lower end of what is known to be within the tolerance: the edge, or "
+            "where the search for it ended [-]."
+        ),
+    ]
+    searched_to_ratio: Annotated[float, Field(description="Upper end, likewise [-].")]
 
     @classmethod
     def from_design(cls, insensitivity: Insensitivity) -> Self:
@@ -84,6 +96,8 @@ class InsensitivityOut(Wire):
             lower_ratio=insensitivity.lower_ratio,
             upper_ratio=insensitivity.upper_ratio,
             width=insensitivity.width,
+            searched_from_ratio=insensitivity.searched_from_ratio,
+            searched_to_ratio=insensitivity.searched_to_ratio,
         )
 
 
@@ -102,9 +116,8 @@ class SensitivityOut(Wire):
     residual: list[float]
     insensitivity: InsensitivityOut | None
     damping: Annotated[
-        DampingOut | None,
-        Field(exclude_if=says_nothing, description="Where a range of damping is asked for."),
-    ] = None
+        DampingOut | None, left_out_if_none("Where a range of damping is asked for.")
+    ]
 
     @classmethod
     def from_design(cls, sensitivity: Sensitivity) -> Self:
@@ -146,10 +159,9 @@ class ModeOut(Wire):
 
 OfModes = Annotated[
     list[ModeOut] | None,
-    Field(
-        exclude_if=says_nothing,
-        description="Of a plant of several modes, what each has; residual and sensitivity "
-        "beside it are then of the worst, all frequencies changing alike. Left out else.",
+    left_out_if_none(
+        "Of a plant of several modes, what each has; residual and sensitivity beside it are then "
+        "of the worst, all frequencies changing alike. Left out else."
     ),
 ]
 

@@ -10,8 +10,9 @@ from design import commands
 from design.analysis.judge import DesignWarning
 from design.impulses import Impulses
 from design.motions import Motion, Swing
+from design.types import FloatArray
 from schemas.actuators import ActuatorIn
-from schemas.base import Positive, Wire
+from schemas.base import Positive, Wire, named
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
@@ -54,7 +55,8 @@ class ImpulsesCommand(Wire):
 
     def to_design(self, speed_m_s: float) -> Impulses:  # noqa: ARG002
         """Build the design record."""
-        return self.impulses.to_design()
+        with named("impulses"):
+            return self.impulses.to_design()
 
 
 class SampledCommand(Wire):
@@ -66,8 +68,8 @@ class SampledCommand(Wire):
 
     def to_design(self, speed_m_s: float) -> Impulses:
         """Build the design record."""
-        velocities = np.array(self.velocity_m_s) / speed_m_s
-        return commands.listed(self.sample_time_s * np.arange(velocities.size), velocities)
+        times = self.sample_time_s * np.arange(len(self.velocity_m_s))
+        return commands.listed(times, _shares(self.velocity_m_s, speed_m_s))
 
 
 class ListCommand(Wire):
@@ -76,13 +78,24 @@ class ListCommand(Wire):
     kind: Literal["list"]
     times_s: Annotated[
         list[float],
-        Field(min_length=1, max_length=MOST_POINTS, description="Times, not decreasing [s]."),
+        Field(
+            min_length=1,
+            max_length=MOST_POINTS,
+            description="Times, not decreasing; of velocities at one time the last counts [s].",
+        ),
     ]
     velocity_m_s: Velocities
 
     def to_design(self, speed_m_s: float) -> Impulses:
         """Build the design record."""
-        return commands.listed(np.array(self.times_s), np.array(self.velocity_m_s) / speed_m_s)
+        return commands.listed(np.array(self.times_s), _shares(self.velocity_m_s, speed_m_s))
+
+
+def _shares(velocity_m_s: list[float], speed_m_s: float) -> FloatArray:
+    """Return velocities as shares of full speed; infinite where no number holds them."""
+    with np.errstate(over="ignore"):
+        shares: FloatArray = np.array(velocity_m_s) / speed_m_s
+    return shares
 
 
 CommandIn = Annotated[
@@ -142,7 +155,10 @@ class SimulationResponse(Wire):
             "actuator rings with the plant [-]."
         ),
     ]
-    remaining: Annotated[SwingOut | None, Field(description="The swing of that residual.")]
+    remaining: Annotated[
+        SwingOut | None,
+        Field(description="Amplitude of that vibration, extrapolated back to the last step."),
+    ]
     impulses: Annotated[ImpulsesWire, Field(description="The command as it was played.")]
     warnings: Warnings
 

@@ -1,16 +1,18 @@
 """Wire form of tables: the specification in, the state of a job out."""
 
 import hashlib
-import json
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, ValidationError
 
 from design.errors import InvalidInputError
+from design.export.program import DEFAULT_TITLE
 from design.fits import plants_at_ends
+from design.tables.rows import Subject, TableHead
 from design.tables.specification import (
     COLUMNS,
     DEFAULT_COLUMNS,
@@ -41,6 +43,18 @@ class TableDesign(Wire):
     plant: PlantIn
     actuator: ActuatorIn
     shaper: ShaperIn
+
+    def to_design(self) -> Subject:
+        """Build the design record."""
+        with named("plant"):
+            plant = self.plant.to_design()
+        with named("actuator"):
+            actuator = self.actuator.to_design()
+        with named("shaper"):
+            options = self.shaper.continuous_options(NO_TABLE_ON_SAMPLES)
+        return Subject(
+            plant=plant, actuator=actuator, kind=self.shaper.registered(), options=options
+        )
 
 
 class TableAxis(Wire):
@@ -112,9 +126,10 @@ class TableRequest(Wire):
             min_length=1,
             max_length=100,
             pattern="^[^\\x00-\\x1f\\x7f]*$",
-            description="Stands in every file; names in programs are made from it.",
+            description="Stands in every file; names in programs are made from it, or from the "
+            "name of the file where it is not given.",
         ),
-    ] = "shaper table"
+    ] = DEFAULT_TITLE
     design: TableDesign
     axes: Annotated[list[TableAxis] | None, Field(description="They multiply.")] = None
     designs: Annotated[
@@ -147,23 +162,17 @@ class TableRequest(Wire):
             both = "neither" if self.axes is None else "both"
             raise InvalidInputError("axes", both, "given, or designs in its place")
         with named("design"):
-            with named("plant"):
-                plant = self.design.plant.to_design()
-            with named("actuator"):
-                actuator = self.design.actuator.to_design()
-            with named("shaper"):
-                options = self.design.shaper.continuous_options(NO_TABLE_ON_SAMPLES)
+            subject = self.design.to_design()
         if self.fit is not None:
             with named("fit"):
-                plants_at_ends(plant, self.fit.to_design(self.design.plant.kind))
+                plants_at_ends(subject.plant, self.fit.to_design(self.design.plant.kind))
         require_rows(math.prod(axis.size for axis in self.axes or ()))  # before any is made
-        parts = {"plant": plant, "actuator": actuator, "shaper": options}
-        paths, listed = _listed(self.designs, parts) if self.designs is not None else ((), None)
+        paths, listed = _listed(self.designs, subject) if self.designs is not None else ((), None)
         return TableSpecification(
-            plant=plant,
-            actuator=actuator,
-            kind=self.design.shaper.registered(),
-            options=options,
+            plant=subject.plant,
+            actuator=subject.actuator,
+            kind=subject.kind,
+            options=subject.options,
             axes=tuple(_axis(number, axis) for number, axis in enumerate(self.axes or ())),
             listed=listed,
             listed_paths=paths,
@@ -171,15 +180,28 @@ class TableRequest(Wire):
             chunk_rows=self.chunk_rows,
         )
 
-    def canonical(self) -> str:
-        """Return it as canonical JSON: on one line, keys sorted, defaults told."""
-        told = self.model_dump(mode="json", by_alias=True, exclude_none=True)
-        return json.dumps(told, sort_keys=True, separators=(",", ":"))
-
 
 def sha256_of(specification: str) -> str:
     """Return the hash that files name a specification by."""
     return hashlib.sha256(specification.encode()).hexdigest()
+
+
+def with_subject(head: TableHead) -> TableHead:
+    """Return a head that was read back from a file with what its rows are designs of.
+
+    Raises
+    ------
+    InvalidInputError
+        If its specification is none.
+    """
+    try:
+        request = TableRequest.model_validate_json(head.specification_json)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise InvalidInputError(
+            "specification." + ".".join(map(str, first["loc"])), first["input"], first["msg"]
+        ) from None
+    return replace(head, subject=request.to_design().subject)
 
 
 def path_of(pointer: str) -> Path:
@@ -192,19 +214,20 @@ def _axis(number: int, axis: TableAxis) -> Axis:
         return axis.to_design()
 
 
-def _listed(
-    designs: list[dict[str, Any]], parts: dict[str, Any]
-) -> tuple[tuple[Path, ...], FloatArray]:
+def _listed(designs: list[dict[str, Any]], subject: Subject) -> tuple[tuple[Path, ...], FloatArray]:
     """Return the fields that listed designs vary, in order of appearance, and their values."""
     lines = [dict(_numbers(design, (), number)) for number, design in enumerate(designs)]
+    parts = {"plant": subject.plant, "actuator": subject.actuator, "shaper": subject.options}
     paths = tuple(dict.fromkeys(path for line in lines for path in line))
-    if not paths:
-        raise InvalidInputError("designs", len(designs), "one or more, which vary something")
+    if not paths and len(designs) != 1:
+        raise InvalidInputError(
+            "designs", len(designs), "one or more; where more than one, they vary something"
+        )
     values = np.empty((len(lines), len(paths)))
     for column, path in enumerate(paths):
         inner: Any = parts.get(path[0])
         for name in path[1:]:
-            inner = getattr(inner, name, None)
+            inner = _inner(inner, name)
         # What a line does not name stays as it is in the design; a wrong name is found later.
         usual = float(inner) if isinstance(inner, int | float) else np.nan
         values[:, column] = [line.get(path, usual) for line in lines]
@@ -216,10 +239,19 @@ def _listed(
     return paths, values
 
 
+def _inner(record: Any, name: str) -> Any:  # noqa: ANN401
+    if isinstance(record, tuple):
+        return record[int(name)] if name.isdecimal() and int(name) < len(record) else None
+    return getattr(record, name, None)
+
+
 def _numbers(here: Any, path: Path, number: int) -> Iterator[tuple[Path, float]]:  # noqa: ANN401
     if isinstance(here, dict):
         for name, inner in here.items():
             yield from _numbers(inner, (*path, name), number)
+    elif isinstance(here, list):
+        for place, inner in enumerate(here):
+            yield from _numbers(inner, (*path, str(place)), number)
     elif isinstance(here, int | float) and not isinstance(here, bool):
         yield path, float(here)
     else:
@@ -243,7 +275,8 @@ class TableJob(Wire):
     created: Annotated[float, Field(description="Seconds since 1970.")]
     size: TableSize
     rows_done: int
-    verified: int
+    verified: Annotated[int, Field(description="Rows proven for the actuator given.")]
+    verified_ideal: Annotated[int, Field(description="Rows proven for an ideal actuator only.")]
     infeasible: int
     failed: int
     rows_per_s: float

@@ -1,6 +1,7 @@
 """`make demo`: serve, design the thesis's crane over HTTP, print it, write pictures, stop."""
 
 import json
+import os
 import socket
 import subprocess
 import sys
@@ -10,46 +11,93 @@ import urllib.request
 from pathlib import Path
 
 from schemas.designs import DesignRequest, DesignResponse
+from schemas.problems import ProblemDocument
 from service.files import write_whole
 from service.operations import THESIS_CRANE, design_picture
 from service.texts import as_table
 
-START_WAIT_S = 60.0
-STOP_WAIT_S = 30.0
+SLOW_START_S = 5.0
+"""When a start is called slow [s]."""
+
+START_WAIT_S = 300.0
+"""How long the service may take to start: a cold machine compiles and loads its solvers [s]."""
+
+STOP_WAIT_S = 60.0
 
 SHAPERS = ("numzvd", "numzv", "umzvd")
 
 
+class DemoError(Exception):
+    """The service did not answer; the message says why."""
+
+
 def main(folder: Path) -> int:
-    """Run the demo; pictures go to the folder."""
+    """Run the demo; pictures, the service's log and its data go to the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     with socket.create_server(("127.0.0.1", 0)) as probe:
         port = probe.getsockname()[1]
     command = [sys.executable, "-m", "service.cli", "serve", "--port", str(port)]
-    server = subprocess.Popen(command, stderr=subprocess.DEVNULL)
+    log = folder / "service.log"
+    environment = {**os.environ, "SHAPERSMITH_DATA_DIR": str(folder / "data")}
+    with log.open("wb") as stderr:
+        server = subprocess.Popen(command, stderr=stderr, env=environment)
+    fault = None
     try:
         address = f"http://127.0.0.1:{port}"
         _wait_until_ready(address, server)
         for kind in SHAPERS:
             _show(address, kind, folder)
+    except DemoError as error:
+        fault = error
     finally:
         server.terminate()
         status = server.wait(STOP_WAIT_S)
+    if fault is not None:
+        _say(f"The demo ends here: {fault}. The service's log is {log}.")
+        return 1
     _say(f"The service has stopped with status {status}.")
     return status
 
 
 def _wait_until_ready(address: str, server: "subprocess.Popen[bytes]") -> None:
-    deadline = time.monotonic() + START_WAIT_S
+    """Wait for the service's word that it answers; a start that takes long is told once."""
+    started = time.monotonic()
+    slow = False
     while True:
         try:
-            with urllib.request.urlopen(f"{address}/health/ready") as ready:
-                ready.read()
+            _asked(f"{address}/health/ready")
             return
-        except urllib.error.URLError:
-            if server.poll() is not None or time.monotonic() > deadline:
-                raise
-            time.sleep(0.1)
+        except DemoError as error:
+            reason = error
+        waited = time.monotonic() - started
+        if server.poll() is not None:
+            raise DemoError(f"the service ended with status {server.returncode}")
+        if waited > START_WAIT_S:
+            raise DemoError(f"the service was not ready in {waited:.0f} s: {reason}")
+        if waited > SLOW_START_S and not slow:
+            _say(f"The service is slow to start ({reason}); waiting up to {START_WAIT_S:.0f} s.")
+            slow = True
+        time.sleep(0.1)
+
+
+def _asked(request: str | urllib.request.Request) -> bytes:
+    """Return what the service answers.
+
+    Raises
+    ------
+    DemoError
+        If it does not, with the detail of its problem document where it sent one.
+    """
+    try:
+        with urllib.request.urlopen(request) as answer:
+            content: bytes = answer.read()
+    except urllib.error.HTTPError as error:
+        with error:
+            problem = ProblemDocument.model_validate_json(error.read())
+        raise DemoError(f"{error.code}, {problem.detail}") from None
+    except urllib.error.URLError as error:
+        raise DemoError(str(error.reason)) from None
+    return content
 
 
 def _show(address: str, kind: str, folder: Path) -> None:
@@ -57,8 +105,7 @@ def _show(address: str, kind: str, folder: Path) -> None:
     request = urllib.request.Request(
         f"{address}/v1/designs", body, {"content-type": "application/json"}
     )
-    with urllib.request.urlopen(request) as answer:
-        response = DesignResponse.model_validate_json(answer.read())
+    response = DesignResponse.model_validate_json(_asked(request))
     _say(f"{kind} for the thesis's crane:\n\n{as_table(response)}")
     for image_format in ("png", "svg"):
         picture = folder / f"{kind}.{image_format}"

@@ -255,6 +255,9 @@ async def result(request: Request, id: str, format: str = "csv") -> Response:
             return Response(status_code=304, headers={"etag": tag})
         try:
             path = await _jobs(request).file_of(job, format)
+        except DesignError as error:
+            # What a format finds in the rows, as a damping ratio that a firmware does not take.
+            return _refused(request, problem_of_design(error))
         except OSError as error:
             problem = Problem(INTERNAL, f"the file could not be made: {error.strerror}")
             return _refused(request, problem)

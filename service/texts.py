@@ -10,7 +10,7 @@ from schemas.fits import FitOut
 from schemas.maneuvers import ManeuverResponse, ProgramOut
 from schemas.maps import MapResponse
 from schemas.recommendations import CandidateOut, RecommendationResponse
-from schemas.sensitivity import SensitivityOut, SensitivityResponse
+from schemas.sensitivity import InsensitivityOut, SensitivityOut, SensitivityResponse
 from schemas.simulations import SimulationResponse
 from schemas.warnings import WarningOut
 
@@ -154,13 +154,19 @@ def _candidate_row(candidate: CandidateOut) -> Sequence[object]:
         candidate.name,
         candidate.duration_s,
         "" if candidate.worst_residual is None else candidate.worst_residual,
-        *(("", "") if band is None else (band.lower_ratio, band.upper_ratio)),
+        *_edges(band),
         candidate.high_mode_gain,
         candidate.peak_command,
         candidate.delay_s,
         candidate.smoothing_s2,
         " ".join(one.requirement for one in candidate.requirements if not one.met),
     )
+
+
+def _edges(band: InsensitivityOut | None) -> Sequence[object]:
+    """Return the edges, each empty where there is none."""
+    edges = (None, None) if band is None else (band.lower_ratio, band.upper_ratio)
+    return ["" if edge is None else edge for edge in edges]
 
 
 def _findings(response: Response) -> list[str]:
@@ -241,10 +247,15 @@ def _band(curve: SensitivityOut) -> list[str]:
     band = curve.insensitivity
     if band is None:
         return ["insensitive nowhere: the nominal itself is above the tolerance"]
-    return [
-        f"insensitive {band.lower_ratio:.5g} to {band.upper_ratio:.5g} of the frequency "
-        f"at {100 * band.tolerance:g} %, width {band.width:.5f}"
-    ]
+    reach = f"{band.searched_from_ratio:.5g} to {band.searched_to_ratio:.5g}"
+    told = [f"insensitive {reach} of the frequency at {100 * band.tolerance:g} %"]
+    if band.lower_ratio is None:
+        told.append(f"no lower edge down to {band.searched_from_ratio:.5g} times")
+    if band.upper_ratio is None:
+        told.append(f"no upper edge up to {band.searched_to_ratio:.5g} times")
+    if band.width is not None:
+        told.append(f"width {band.width:.5f}")
+    return [", ".join(told)]
 
 
 def _swings(response: SimulationResponse) -> list[str]:

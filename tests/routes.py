@@ -5,6 +5,7 @@ their parameters only.
 """
 
 import cmath
+import itertools
 import math
 
 import numpy as np
@@ -15,12 +16,17 @@ from design.plants import Mode
 from design.types import ComplexArray, FloatArray
 
 
-def increases(amplitudes: FloatArray) -> list[bool]:
-    """Which steps increase |command|, by adding them up one by one."""
-    level, answer = 0.0, []
-    for amplitude in amplitudes.tolist():
-        answer.append(abs(level + amplitude) > abs(level) + 1e-12)
-        level += amplitude
+def increases(command: Impulses) -> list[bool]:
+    """Which steps increase |command|, those at one time together; one of no height is none."""
+    level, up = 0.0, True
+    answer: list[bool] = []
+    steps = zip(command.times_s.tolist(), command.amplitudes.tolist(), strict=True)
+    for _, group in itertools.groupby(steps, key=lambda step: step[0]):
+        heights = [height for _, height in group]
+        if abs(sum(heights)) > 1e-12:
+            up = abs(level + sum(heights)) > abs(level) + 1e-12
+        answer += [up] * len(heights)
+        level += sum(heights)
     return answer
 
 
@@ -66,7 +72,7 @@ def claims_by_formula(
     steps = zip(
         impulses.times_s.tolist(),
         impulses.amplitudes.tolist(),
-        increases(impulses.amplitudes),
+        increases(impulses),
         strict=True,
     )
     for time, amplitude, accel in steps:
@@ -116,9 +122,7 @@ def curve_by_formula(
     limited = isinstance(actuator, RateLimited)
     steps = [
         (accel, abs(amplitude) if limited else 1.0)
-        for accel, amplitude in zip(
-            increases(impulses.amplitudes), impulses.amplitudes.tolist(), strict=True
-        )
+        for accel, amplitude in zip(increases(impulses), impulses.amplitudes.tolist(), strict=True)
     ]
 
     def gains(accel: bool, height: float) -> ComplexArray:
@@ -184,7 +188,7 @@ def integrate(
         impulses.times_s.tolist(),
         ends,
         impulses.amplitudes.tolist(),
-        increases(impulses.amplitudes),
+        increases(impulses),
         strict=True,
     )
     for start, end, amplitude, accel in steps:
@@ -231,7 +235,7 @@ def _integrate_switched(
         impulses.times_s.tolist(),
         ends,
         impulses.amplitudes.tolist(),
-        increases(impulses.amplitudes),
+        increases(impulses),
         strict=True,
     )
     for start, end, amplitude, accel in steps:

@@ -10,11 +10,9 @@ import numpy as np
 
 from design.errors import InfeasibleDesignError
 from design.fits import Fit
-from design.maps import varied
 from design.pipeline import design
-from design.shapers.registry import SHAPERS
-from design.tables.description import described
-from design.tables.rows import STATUSES, Column, Rows, TableHead
+from design.tables.rows import STATUSES, Column, Rows, TableHead, subject_of
+from schemas.tables import TableDesign
 
 CRANE: dict[str, Any] = {
     "plant": {"kind": "pendulum", "cable_length_m": 0.8, "gravity_m_s2": 9.81},
@@ -60,6 +58,7 @@ def head_of(
         impulses=impulses,
         amplitudes=amplitudes,
         fit=fit,
+        subject=TableDesign.model_validate(request).to_design(),
     )
 
 
@@ -67,20 +66,16 @@ def designed_table(
     request: dict[str, Any], axes: dict[str, list[float]], *, fit: Fit | None = None
 ) -> tuple[TableHead, Rows]:
     """Design every point of a grid by the pipeline."""
-    kind = SHAPERS[request["shaper"]["kind"]]
     points = np.array(list(product(*axes.values())))
     results: list[list[float] | None] = []
     status: list[int] = []
     reasons: dict[int, str] = {}
     amplitudes: tuple[float, ...] = ()
-    plain = described(head_of(request, axes, 0, ()))
+    subject = subject_of(head_of(request, axes, 0, ()))
     for index, point in enumerate(points.tolist()):
-        whole: dict[str, Any] = {"plant": plain.plant, "actuator": plain.actuator}
-        for name, value in zip(axes, point, strict=True):
-            part, *path = name.split(".")
-            whole[part] = varied(whole[part], path, value)
+        plant, actuator, options = subject.at([name.split(".") for name in axes], point)
         try:
-            made = design(whole["plant"], whole["actuator"], kind, None)
+            made = design(plant, actuator, subject.kind, options)
         except InfeasibleDesignError as error:
             results.append(None)
             status.append(STATUSES.index("infeasible"))

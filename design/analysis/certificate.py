@@ -1,6 +1,7 @@
 """A second opinion on what a shaper claims, by simulation and apart from what the solver saw."""
 
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +15,7 @@ from design.plants import Mode
 from design.shapers.kind import Promise, Quantity
 from design.simulation import ringing_after
 from design.swings import FreeSwing
-from design.types import FloatArray
+from design.types import ComplexArray, FloatArray
 
 LIMITS: dict[Quantity, float] = {
     "residual": 1e-9,
@@ -34,14 +35,22 @@ Truncation is ``step^2 phase^3 / 6``, rounding 1e-16 / step: both stay below hal
 slope up to a hundred periods.
 """
 
-HIGHER: dict[Quantity, int] = {"second_derivative": 2, "third_derivative": 3}
-"""Derivatives that are taken of a polynomial through several frequencies, and their orders."""
+ORDERS: dict[Quantity, int] = {
+    "residual": 0,
+    "slope": 1,
+    "second_derivative": 2,
+    "third_derivative": 3,
+}
+"""What is taken at one frequency, and its order as a derivative."""
+
+POLYNOMIAL_FROM = 2
+"""Highest order asked for from which all derivatives are those of one polynomial."""
 
 NODES = 17
 REACH_RAD = 1.0
 LARGEST_REACH = 0.3
 """Frequencies of that polynomial; the turn of the last phase from the middle one to the ends, which
-are at most a third away, so that an actuator's poles stay far.
+are at most a third away.
 
 Of a vibration that turns by phase p the third derivative is off by less than 1e-15 p^3 by the
 polynomial's degree, and by up to 1e-11 p^3 by rounding in what is simulated.
@@ -49,7 +58,7 @@ polynomial's degree, and by up to 1e-11 p^3 by rounding in what is simulated.
 
 METHOD = (
     "state of actuator and mode carried from step to step by matrix exponential; "
-    "slope by differencing that in frequency"
+    "derivatives from the same at frequencies beside its own"
 )
 
 
@@ -140,13 +149,12 @@ def certify(
     quantities = {promise.quantity for promise in promises}
     lasting_s = impulses.duration_s + (0.0 if swing is None else swing.delay_s)
     phase = max(1.0, mode.natural_frequency_rad_s * lasting_s)
-    step = STEP_PHASE_RAD / phase
-    logarithms = step * (np.array([0.0, -1.0, 1.0]) if "slope" in quantities else np.zeros(1))
-    highest = max((HIGHER.get(name, 0) for name in quantities), default=0)
-    if highest:
-        reach = min(REACH_RAD / phase, LARGEST_REACH)
-        logarithms = np.concatenate((logarithms, reach * chebyshev.chebpts1(NODES)))
+    step, reach = STEP_PHASE_RAD / phase, min(REACH_RAD / phase, LARGEST_REACH)
+    highest = max((ORDERS.get(name, 0) for name in quantities), default=0)
+    beside = [np.zeros(0), step * np.array([-1.0, 1.0]), reach * chebyshev.chebpts1(NODES)]
+    logarithms = np.concatenate(([0.0], beside[min(highest, POLYNOMIAL_FROM)]))
     ratios = np.exp(logarithms)
+    denominators = _Denominators.of(impulses, mode, actuator)
     initial = None if swing is None else _initial_state(swing, mode, ratios)
     ringing, unit = ringing_after(
         impulses, actuator, mode.natural_frequency_rad_s * ratios, mode.damping_ratio, initial
@@ -154,18 +162,21 @@ def certify(
     unshaped = abs(unit[0])
     # From the modal coordinate at the last step back to V(w), whose origin is the first step.
     vectors = ringing * np.exp(-(mode.pole_rad_s * np.expm1(logarithms)) * impulses.duration_s)
-    values: dict[Quantity, float] = {"residual": abs(ringing[0]) / unshaped}
-    if "slope" in quantities:
-        values["slope"] = abs(vectors[2] - vectors[1]) / (2 * step) / unshaped
-    if highest:
-        series = chebyshev.chebfit(chebyshev.chebpts1(NODES), vectors[-NODES:], NODES - 1)
-        for name, order in HIGHER.items():
-            at_middle = chebyshev.chebval(0.0, chebyshev.chebder(series, order, scl=1 / reach))
-            values[name] = abs(at_middle) / unshaped
+    entire = vectors * denominators.at(ratios)
+    derivatives = [entire[0]]
+    if highest >= POLYNOMIAL_FROM:
+        series = chebyshev.chebfit(chebyshev.chebpts1(NODES), entire[1:], NODES - 1)
+        derivatives += [
+            chebyshev.chebval(0.0, chebyshev.chebder(series, order, scl=1 / reach))
+            for order in range(1, highest + 1)
+        ]
+    elif highest:
+        derivatives.append((entire[2] - entire[1]) / (2 * step))
+    quotients = denominators.divided(derivatives)
 
     def value(promise: Promise) -> float:
         if promise.band is None:
-            return float(values[promise.quantity])
+            return float(abs(quotients[ORDERS[promise.quantity]]) / unshaped)
         return largest_in_band(impulses, mode, actuator, promise.band)
 
     return Certificate(
@@ -180,6 +191,61 @@ def certify(
             for promise in promises
         )
     )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Denominators:
+    """The product D of the denominators of the sets in use, at the mode's pole.
+
+    The vibration V has the poles of the sets. One near the mode's own bends V so much that no
+    polynomial through some frequencies follows, nor does a difference; V D has none and is smooth.
+
+    Attributes
+    ----------
+    coefficients
+        Of the powers of the frequency's ratio to its nominal, ascending [-].
+    """
+
+    coefficients: list[complex]
+
+    @classmethod
+    def of(cls, impulses: Impulses, mode: Mode, actuator: Actuator) -> "_Denominators":
+        """Return those of the sets that a command uses."""
+        braking = () if impulses.accelerates.all() else (actuator.decel_lag,)
+        pole = mode.pole_rad_s
+        product = [1 + 0j]
+        for lag in (actuator.accel_lag, *braking):
+            padded = [0, 0, *product, 0, 0]
+            first, second = pole * lag.first_s, pole**2 * lag.second_s2
+            product = [
+                padded[power + 2] + first * padded[power + 1] + second * padded[power]
+                for power in range(len(product) + 2)
+            ]
+        return cls(product)
+
+    def at(self, ratios: FloatArray) -> ComplexArray:
+        """Return D at ratios of the frequency, shape (f,)."""
+        value = np.zeros(ratios.shape, dtype=np.complex128)
+        for coefficient in reversed(self.coefficients):
+            value = value * ratios + coefficient
+        return value
+
+    def divided(self, derivatives: Sequence[complex]) -> list[complex]:
+        """Return V and its derivatives by ln w from those of V D, by Leibniz's rule.
+
+        A power m of the ratio is exp(m ln ratio): its derivative of order n is m^n times it.
+        """
+        own = [
+            sum(power**order * one for power, one in enumerate(self.coefficients))
+            for order in range(len(derivatives))
+        ]
+        quotients: list[complex] = []
+        for order, derivative in enumerate(derivatives):
+            known = sum(
+                math.comb(order, k) * value * own[order - k] for k, value in enumerate(quotients)
+            )
+            quotients.append((complex(derivative) - known) / own[0])
+        return quotients
 
 
 def certify_modes(

@@ -8,7 +8,7 @@ import numpy as np
 
 from design.actuators import Actuator, FirstOrder, Ideal, Model, RateLimited, unit_ramps_s
 from design.errors import InvalidInputError
-from design.impulses import Impulses
+from design.impulses import SAME_TIME, Impulses
 from design.plants import Mode
 from design.references import Reference, ramp_factors, reference
 from design.responses import LagStates, lag_states, states_of
@@ -217,13 +217,17 @@ def vectors_of_many(
     """
     # The signs of the changes are the same for all, whatever their times.
     changes = _apart(amplitudes, actuator)
+    gaps = np.diff(times_s)
+    # Times that a poor fit puts out of order are no command: judged as if ramps could overlap.
+    disordered = np.any(gaps < 0, axis=1)
     if not isinstance(actuator, RateLimited):
-        return _vectors_of_whole(replace(changes, times_s=times_s), poles_rad_s, actuator)
-    whole = np.full(len(times_s), fill_value=False)
-    if changes.changes.size == amplitudes.size:  # a reversal makes two changes of a step
-        gaps = np.diff(times_s)
-        # Times that a poor fit puts out of order are no command: judged as if ramps could overlap.
-        whole = np.all(gaps >= changes.ramps_s[:-1], axis=1) | np.any(gaps < 0, axis=1)
+        # Steps that meet are one, of a sign of its own.
+        meeting = gaps <= SAME_TIME * (times_s[:, -1:] - times_s[:, :1])
+        whole = disordered | ~np.any(meeting, axis=1)
+    elif changes.changes.size == amplitudes.size:
+        whole = disordered | np.all(gaps >= changes.ramps_s[:-1], axis=1)
+    else:  # a reversal makes two changes of a step
+        whole = np.full(len(times_s), fill_value=False)
     vectors = np.empty(len(times_s), dtype=np.complex128)
     if whole.any():
         those = replace(changes, times_s=times_s[whole])
@@ -343,6 +347,22 @@ def unshaped_gain(mode: Mode, actuator: Actuator) -> float:
     rise_s, _ = unit_ramps_s(actuator)
     ramp = abs(ramp_factors(np.array([mode.pole_rad_s]), np.array([rise_s]))[0])
     return float(ramp / abs(actuator.accel_lag.denominator(mode.pole_rad_s)))
+
+
+def unshaped_deflection_s(mode: Mode, actuator: Actuator) -> float:
+    """Return the amplitude that an unshaped step leaves at the payload, over its speed [s].
+
+    Times a residual and the speed it is the amplitude of what remains, extrapolated back likewise.
+    A vector V rings as ``d = -Im(V exp(s t)) / Im(s)``: the damped frequency it is, not w.
+
+    Examples
+    --------
+    >>> from design.actuators import Ideal
+    >>> half_damped = Mode(natural_frequency_rad_s=2.0, damping_ratio=0.5)
+    >>> round(unshaped_deflection_s(half_damped, Ideal()), 5)
+    0.57735
+    """
+    return unshaped_gain(mode, actuator) / mode.pole_rad_s.imag
 
 
 def residual_vibration(

@@ -47,7 +47,7 @@ SCAN_BLOCK = 16
 """Points of the search on either side of 1 that are evaluated at a time."""
 
 WIDEST_RATIOS = (1e-3, 100.0)
-"""How far an edge is looked for; an interval that reaches further is cut there [-]."""
+"""How far an edge is looked for; none is told of an interval that reaches further [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,17 +117,30 @@ class Insensitivity:
     tolerance
         The tolerance [-].
     lower_ratio, upper_ratio
-        Edges of the connected interval that contains 1 [-].
+        Edges of the connected interval that contains 1 [-]; None where the residual is within the
+        tolerance as far as was searched.
+    searched_from_ratio, searched_to_ratio
+        Between them the residual is within the tolerance: the edges, or where the search for one
+        ended without [-].
     """
 
     tolerance: float
-    lower_ratio: float
-    upper_ratio: float
+    lower_ratio: float | None
+    upper_ratio: float | None
+    searched_from_ratio: float
+    searched_to_ratio: float
 
     @property
-    def width(self) -> float:
-        """Upper less lower edge [-]."""
+    def width(self) -> float | None:
+        """Upper less lower edge; None where there is not either [-]."""
+        if self.lower_ratio is None or self.upper_ratio is None:
+            return None
         return self.upper_ratio - self.lower_ratio
+
+    @property
+    def half_width(self) -> float:
+        """Half width of the widest interval centred at 1 that is known to be within [-]."""
+        return min(1 - self.searched_from_ratio, self.searched_to_ratio - 1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -201,15 +214,6 @@ def worst_of(curves: Sequence[Sensitivity]) -> Sensitivity:
 
     The insensitivity is the interval common to all modes; None where one has none.
     """
-    intervals = [curve.insensitivity for curve in curves]
-    known = [interval for interval in intervals if interval is not None]
-    common = None
-    if len(known) == len(intervals):
-        common = Insensitivity(
-            tolerance=curves[0].tolerance,
-            lower_ratio=max(interval.lower_ratio for interval in known),
-            upper_ratio=min(interval.upper_ratio for interval in known),
-        )
     damped = [curve.damping for curve in curves if curve.damping is not None]
     over_damping = None
     if damped:
@@ -218,8 +222,24 @@ def worst_of(curves: Sequence[Sensitivity]) -> Sensitivity:
         frequency_ratios=curves[0].frequency_ratios,
         residuals=np.max([curve.residuals for curve in curves], axis=0),
         tolerance=curves[0].tolerance,
-        insensitivity=common,
+        insensitivity=common_interval([curve.insensitivity for curve in curves]),
         damping=over_damping,
+    )
+
+
+def common_interval(intervals: Sequence[Insensitivity | None]) -> Insensitivity | None:
+    """Return the interval common to several modes at one tolerance; None where one has none."""
+    known = [interval for interval in intervals if interval is not None]
+    if len(known) < len(intervals):
+        return None
+    first = max(known, key=lambda interval: interval.searched_from_ratio)
+    last = min(known, key=lambda interval: interval.searched_to_ratio)
+    return Insensitivity(
+        tolerance=first.tolerance,
+        lower_ratio=first.lower_ratio,
+        upper_ratio=last.upper_ratio,
+        searched_from_ratio=first.searched_from_ratio,
+        searched_to_ratio=last.searched_to_ratio,
     )
 
 
@@ -229,8 +249,10 @@ def insensitivity(
     """Return the connected interval around 1 on which the residual is within the tolerance.
 
     Either edge is bracketed by a scan outward from 1, fine against the turn of the last impulse
-    and with its near-misses looked at again, and then root-found. The scan does not depend on any
-    plotted grid; it ends at `WIDEST_RATIOS`, or after `MOST_SCAN_POINTS`, and so may the interval.
+    and with its near-misses looked at again, and then root-found, unless it is proven that there is
+    none. The scan does not depend on any
+    plotted grid; it ends at `WIDEST_RATIOS`, or after `MOST_SCAN_POINTS`, and says where it ended
+    without an edge.
 
     Returns
     -------
@@ -244,6 +266,14 @@ def insensitivity(
             f"{turn:.3g} rad of the plant's swing in all",
             f"at most {LONGEST_TURN_RAD:g} rad, beyond which phases lose their digits",
         )
+    if _never_above(impulses, actuator, tolerance):
+        return Insensitivity(
+            tolerance=tolerance,
+            lower_ratio=None,
+            upper_ratio=None,
+            searched_from_ratio=WIDEST_RATIOS[0],
+            searched_to_ratio=WIDEST_RATIOS[1],
+        )
     excess = _Excess(impulses, mode, actuator, tolerance * (1 + EDGE_MARGIN))
     if excess.at(1.0) > 0:
         return None
@@ -253,13 +283,27 @@ def insensitivity(
     near = np.concatenate((below[::-1], [1.0], above))
     values = excess.over(near)
     middle = below.size
+    lower, lowest = _edge(
+        excess, near[middle + 1 :: -1], values[middle + 1 :: -1], WIDEST_RATIOS[0], step
+    )
+    upper, highest = _edge(excess, near[middle - 1 :], values[middle - 1 :], WIDEST_RATIOS[1], step)
     return Insensitivity(
         tolerance=tolerance,
-        lower_ratio=_edge(
-            excess, near[middle + 1 :: -1], values[middle + 1 :: -1], WIDEST_RATIOS[0], step
-        ),
-        upper_ratio=_edge(excess, near[middle - 1 :], values[middle - 1 :], WIDEST_RATIOS[1], step),
+        lower_ratio=lower,
+        upper_ratio=upper,
+        searched_from_ratio=lowest,
+        searched_to_ratio=highest,
     )
+
+
+def _never_above(impulses: Impulses, actuator: Actuator, tolerance: float) -> bool:
+    """Whether the residual is proven to be within the tolerance at every frequency.
+
+    Steps that all go through the same lag leave no more than the sum of their sizes.
+    """
+    alike = bool(impulses.accelerates.all()) or actuator.accel_lag == actuator.decel_lag
+    same_lag = alike and not isinstance(actuator, RateLimited)
+    return same_lag and float(np.abs(impulses.amplitudes).sum()) <= tolerance
 
 
 def _outward(start: float, end: float, step: float) -> FloatArray:
@@ -310,8 +354,8 @@ class _Excess:
 
 def _edge(
     excess: _Excess, ratios: FloatArray, values: FloatArray, end: float, step: float
-) -> float:
-    """Return the last ratio within the limit on the way from 1 to ``end``.
+) -> tuple[float | None, float]:
+    """Return the edge on the way from 1 to ``end``, if there is one, and how far all is within.
 
     ``ratios`` are the first stretch, with the neighbour of 1 on the other side ahead of it, and
     ``values`` what the residual there has over the limit. Each further stretch overlaps by two
@@ -324,12 +368,14 @@ def _edge(
         for top in _near_misses(values[: stop + 1]):
             ratio = _peak(excess, float(ratios[top - 1]), float(ratios[top + 1]))
             if (ratio - 1) * (end - 1) > 0 and excess.at(ratio) > 0:
-                return _root(excess, float(ratios[top - 1]), ratio)
+                edge = _root(excess, float(ratios[top - 1]), ratio)
+                return edge, edge
         if above.size:
-            return _root(excess, float(ratios[stop - 1]), float(ratios[stop]))
+            edge = _root(excess, float(ratios[stop - 1]), float(ratios[stop]))
+            return edge, edge
         scanned += ratios.size
         if ratios[-1] == end or scanned > MOST_SCAN_POINTS:
-            return float(ratios[-1])
+            return None, float(ratios[-1])
         further = _outward(float(ratios[-1]), end, step)
         ratios = np.concatenate((ratios[-2:], further))
         values = np.concatenate((values[-2:], excess.over(further)))

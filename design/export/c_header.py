@@ -13,6 +13,7 @@ import numpy as np
 
 from design.export.kind import Export
 from design.export.program import (
+    HASH_DIGITS,
     Listing,
     check_program,
     decimal,
@@ -23,7 +24,7 @@ from design.export.program import (
     unit_of_frequency,
 )
 from design.fits import Fit
-from design.tables.description import names_of
+from design.tables.columns import names_of
 from design.tables.rows import Rows, TableHead
 from design.types import FloatArray
 
@@ -163,7 +164,9 @@ def write_c(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     # A title or a reason must not end the comment.
     top = "\n   ".join(line.replace("*/", "* /") for line in remarks(head, rows))
     yield f"/* {top}\n   float rounds each number by up to 6e-8 of itself. */\n".encode()
-    yield f"#ifndef {upper}_H\n#define {upper}_H\n\n".encode()
+    # By the specification too: a second file of the same names is an error, it does not vanish.
+    guard = f"{upper}_{head.specification_sha256[:HASH_DIGITS].upper()}_H"
+    yield f"#ifndef {guard}\n#define {guard}\n\n".encode()
     yield b"#include <math.h>\n#include <stddef.h>\n\n"
     yield f"{REAL}\n{_columns(head, upper)}\n".encode()
     yield from _table(name, rows)
@@ -187,7 +190,7 @@ def _columns(head: TableHead, upper: str) -> str:
 def _table(name: str, rows: Listing) -> Iterator[bytes]:
     """Yield the table, a row a line, then status, times and amplitudes of each row."""
     upper = name.upper()
-    yield b"/* A row without a design holds NAN. */\n"
+    yield b"/* A row without a design, of status 1 or 2, holds NAN. */\n"
     yield _matrix(f"{name}_table[{upper}_ROWS][{upper}_COLUMNS]", rows.numbers).encode()
     codes = ", ".join(map(str, rows.status))
     yield f"\nstatic const unsigned char {name}_status[{upper}_ROWS] = {{{codes}}};\n\n".encode()

@@ -6,8 +6,17 @@ import numpy as np
 
 from design.errors import InvalidInputError
 from design.export.header import comment_lines
-from design.tables.description import amplitudes_of, names_of
-from design.tables.rows import STATUSES, Rows, TableHead
+from design.impulses import Impulses
+from design.tables.columns import amplitudes_of, names_of, times_of
+from design.tables.rows import (
+    STATUSES,
+    VERIFIED_IDEAL,
+    WITH_DESIGN,
+    Rows,
+    TableHead,
+    subject_of,
+)
+from design.tables.specification import undamped_amplitudes
 
 UNIT_SUM = 1e-12
 """How far the sum of amplitudes may be from 1: roundings, far below what a firmware resolves."""
@@ -17,12 +26,17 @@ def require_positive_shaper(head: TableHead, firmware: str) -> None:
     """Raise InvalidInputError if an amplitude is not above 0.
 
     Both firmwares convolve an acceleration that they have planned within the machine's limits with
-    the impulses; only impulses above 0 that add up to 1 keep it within.
+    the impulses; only impulses above 0 that add up to 1 keep it within. Where each row has its own
+    the rows tell, in `require_positive_row`; what those of an undamped mode tell is told before.
     """
-    if not all(amplitude > 0 for amplitude in head.amplitudes):
+    amplitudes = head.amplitudes
+    if not amplitudes:
+        subject = subject_of(head)
+        amplitudes = undamped_amplitudes(subject.kind, subject.options)
+    if not all(amplitude > 0 for amplitude in amplitudes):
         raise InvalidInputError(
             "shaper.kind",
-            list(head.amplitudes),
+            list(amplitudes),
             f"a shaper of positive impulses for {firmware}: all amplitudes > 0",
         )
 
@@ -42,7 +56,7 @@ def firmware_lines(
     remarks
         Further lines of the head's comment.
     commands
-        From a run and the index of a verified row in it to its lines.
+        From a run and the index of a row with a design in it to its lines.
     """
     yield "".join(f"; {line}\n" for line in [*comment_lines(head), *remarks]).encode()
     fields = names_of(head, "field")
@@ -51,8 +65,10 @@ def firmware_lines(
         for index, status in enumerate(rows.status.tolist()):
             values = zip(fields, rows.fields[index].tolist(), strict=True)
             where = ", ".join(f"{name} {value!r}" for name, value in values)
-            lines.append(f"; row {rows.first + index}: {where}")
-            if STATUSES[status] == "verified":
+            lines.append(f"; row {rows.first + index}{': ' if where else ''}{where}")
+            if status == VERIFIED_IDEAL:
+                lines.append("; verified for an ideal actuator only")
+            if status in WITH_DESIGN:
                 lines += commands(rows, index)
             else:
                 reason = " ".join(rows.reasons.get(index, "").split())
@@ -60,13 +76,13 @@ def firmware_lines(
         yield "".join(f"{line}\n" for line in lines).encode()
 
 
-def positive_amplitudes(head: TableHead, rows: Rows, index: int, firmware: str) -> list[float]:
-    """Return the amplitudes of one row.
+def require_positive_row(head: TableHead, rows: Rows, index: int, firmware: str) -> Impulses:
+    """Return the impulses of one row.
 
     Raises
     ------
     InvalidInputError
-        If they are not above 0, or do not add up to 1.
+        If an amplitude is not above 0, or they do not add up to 1.
     """
     amplitudes = amplitudes_of(head, rows)[index]
     if not ((amplitudes > 0).all() and abs(float(np.sum(amplitudes)) - 1) < UNIT_SUM):
@@ -75,5 +91,4 @@ def positive_amplitudes(head: TableHead, rows: Rows, index: int, firmware: str) 
             amplitudes.tolist(),
             f"above 0 and add up to 1 for {firmware}",
         )
-    listed: list[float] = amplitudes.tolist()
-    return listed
+    return Impulses(times_s=times_of(head, rows)[index], amplitudes=amplitudes)

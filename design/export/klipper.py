@@ -2,82 +2,251 @@
 
 Klipper takes no impulses, it takes the name of a shaper, a frequency and a damping ratio, and
 computes the impulses itself [1]_ [2]_. So only its own six kinds can be handed over, designed for a
-drive that follows its command; anything else is refused by name.
+drive that follows its command; anything else is refused by name. Its impulses are computed here
+from the numbers of each line, by `design.export.klipper_shapers`:
+
+- ``zv``, ``zvd`` and ``mzv`` must be those of the row, to rounding;
+- ``ei`` and the two with more humps are fits in Klipper. What these leave is judged as a design is:
+  the tolerance must hold over the whole band that the design claims, and where the design claims
+  zero no more than `READ_AS_ZERO` may be left. The tolerance of ``ei`` is lowered until it does,
+  ``ei(v_tol=...)``; what does not is refused, with the figure.
+
+A name without brackets is read by every Klipper and by Kalico, which compute humps in other ways:
+it is written where all keep the claims. Brackets, even empty ones, are read by Klipper as of 31
+March 2026 alone; others refuse the line.
 
 References
 ----------
 .. [1] Klipper, docs/G-Codes.md, "SET_INPUT_SHAPER", and docs/Config_Reference.md,
    "[input_shaper]".
-.. [2] Klipper, klippy/extras/shaper_defs.py: INPUT_SHAPERS, with the largest damping ratio of each.
+.. [2] Klipper, klippy/extras/shaper_defs.py: INPUT_SHAPERS and init_shaper.
 """
 
 import math
 from collections.abc import Iterable, Iterator
 
-from design.actuators import Ideal
-from design.errors import InvalidInputError
-from design.export.firmware import (
-    firmware_lines,
-    positive_amplitudes,
-    require_positive_shaper,
-)
-from design.export.kind import Export
-from design.tables.description import described, mode_of, names_of
-from design.tables.rows import Rows, TableHead
+import numpy as np
 
-LARGEST_DAMPING_RATIOS = {
-    "zv": 0.99,
-    "mzv": 0.99,
-    "zvd": 0.99,
-    "ei": 0.4,
-    "2hump_ei": 0.3,
-    "3hump_ei": 0.2,
+from design.actuators import Ideal
+from design.analysis.certificate import Claim, certify_modes
+from design.errors import InvalidInputError
+from design.export.firmware import firmware_lines, require_positive_row
+from design.export.kind import Export
+from design.export.klipper_shapers import (
+    LARGEST_DAMPING_RATIOS,
+    MOST_IMPULSES,
+    USUAL_TOLERANCE,
+    klipper_impulses,
+    older_klipper_impulses,
+)
+from design.impulses import Impulses
+from design.pipeline import design
+from design.plants import Mode
+from design.shapers.ei import ToleranceOptions
+from design.shapers.positive import MzvOptions
+from design.shapers.problem import Promise
+from design.tables.columns import names_of, require_times
+from design.tables.rows import Rows, Subject, TableHead, subject_of
+
+NAMES = {
+    "zv": "zv",
+    "mzv": "mzv",
+    "zvd": "zvd",
+    "ei": "ei",
+    "two_hump_ei": "2hump_ei",
+    "three_hump_ei": "3hump_ei",
 }
-"""What Klipper calls its shapers, and up to which damping ratio it takes them (shaper_defs.py)."""
+"""Klipper's names of the kinds that it computes."""
+
+SAME = 1e-9
+"""Impulses that differ by less are the same, as a share of their duration and of 1 [-]."""
+
+READ_AS_ZERO = 1e-3
+"""What a fit may leave where the design leaves nothing: its coefficients have five digits [-]."""
+
+TOLERANCE_DECIMALS = 6
+"""Klipper reads digits and a point in brackets, no exponent."""
+
+LEAST_TOLERANCE = 10.0**-TOLERANCE_DECIMALS
+
+ROUNDING = 1e-6
+"""Of a tolerance over the least one: 0.29 over 1e-6 is 289999.99999999994 [-]."""
+
+LOWERINGS = 12
+"""More often the tolerance of ``ei`` is not lowered: where the fit serves, four times do."""
 
 
 def check_klipper(head: TableHead) -> None:
-    """Raise InvalidInputError unless Klipper would compute the same impulses itself."""
-    description = described(head)
-    if description.shaper not in LARGEST_DAMPING_RATIOS:
+    """Raise InvalidInputError unless Klipper has the kind of shaper."""
+    subject = subject_of(head)
+    if subject.kind.name not in NAMES:
         raise InvalidInputError(
             "shaper.kind",
-            description.shaper,
-            f"one of Klipper's own, {', '.join(LARGEST_DAMPING_RATIOS)}: it takes no impulses",
+            subject.kind.name,
+            f"one of Klipper's own, {', '.join(NAMES)}: it takes no impulses",
         )
-    require_positive_shaper(head, "Klipper")
-    if not isinstance(description.actuator, Ideal):
+    if not isinstance(subject.actuator, Ideal):
         raise InvalidInputError(
-            "actuator.kind",
-            description.actuator.kind,
-            "ideal for Klipper: its shapers know no drive",
+            "actuator.kind", subject.actuator.kind, "ideal for Klipper: its shapers know no drive"
         )
+    if isinstance(subject.options, MzvOptions) and subject.options.n > MOST_IMPULSES:
+        raise InvalidInputError(
+            "shaper.n", subject.options.n, f"at most {MOST_IMPULSES} for Klipper"
+        )
+    require_times(head)
 
 
 def write_klipper(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
-    """Write a table as lines for Klipper, both axes alike."""
-    description = described(head)
-    shaper, fields = description.shaper, names_of(head, "field")
-    largest = LARGEST_DAMPING_RATIOS[shaper]
+    """Write a table as lines for Klipper, both axes alike.
+
+    Raises
+    ------
+    InvalidInputError
+        If Klipper would refuse the line of a row, or play other impulses than those of the row.
+    """
+    subject = subject_of(head)
+    paths = [name.split(".") for name in names_of(head, "field")]
 
     def commands(rows: Rows, index: int) -> list[str]:
-        positive_amplitudes(head, rows, index, "Klipper")
-        row = slice(index, index + 1)
-        frequencies, dampings = mode_of(description.plant, fields, rows.fields[row])
-        frequency_hz, damping = float(frequencies[0]) / (2 * math.pi), float(dampings[0])
-        if damping > largest:
-            return [f"; Klipper takes {shaper} up to a damping ratio of {largest}"]
-        return [
-            f"SET_INPUT_SHAPER SHAPER_TYPE={shaper} SHAPER_FREQ_X={frequency_hz!r} "
-            f"SHAPER_FREQ_Y={frequency_hz!r} DAMPING_RATIO_X={damping!r} "
-            f"DAMPING_RATIO_Y={damping!r}"
-        ]
+        where = f"row {rows.first + index}"
+        plant, _, options = subject.at(paths, rows.fields[index].tolist())
+        name, mode = NAMES[subject.kind.name], plant.modes[0]
+        if mode.damping_ratio > LARGEST_DAMPING_RATIOS[name]:
+            raise InvalidInputError(
+                f"damping_ratio of {where}",
+                mode.damping_ratio,
+                f"at most {LARGEST_DAMPING_RATIOS[name]} for Klipper's {name}",
+            )
+        shaped = require_positive_row(head, rows, index, "Klipper")
+        if isinstance(options, ToleranceOptions):
+            row = Subject(plant=plant, actuator=Ideal(), kind=subject.kind, options=options)
+            shaper, remarks = _fitted(row, name, shaped, where)
+        else:
+            shaper, remarks = _exact(name, mode, options, shaped, where), []
+        frequency, damping = repr(_frequency_hz(mode)), repr(mode.damping_ratio)
+        line = (
+            f"SET_INPUT_SHAPER SHAPER_TYPE={shaper} SHAPER_FREQ_X={frequency} "
+            f"SHAPER_FREQ_Y={frequency} DAMPING_RATIO_X={damping} DAMPING_RATIO_Y={damping}"
+        )
+        return [*(f"; {remark}" for remark in remarks), line]
 
     remarks = [
         "take the line of your row, frequencies in Hz; to keep it, write its parameters in lower",
         "case into the section [input_shaper] of printer.cfg, as shaper_type: ...",
+        "brackets behind a shaper's name need Klipper as of 31 March 2026, others refuse them",
     ]
     return firmware_lines(head, runs, remarks, commands)
+
+
+def _frequency_hz(mode: Mode) -> float:
+    return mode.natural_frequency_rad_s / (2 * math.pi)
+
+
+def _exact(name: str, mode: Mode, options: object, shaped: Impulses, where: str) -> str:
+    """Return the shaper as Klipper writes it, whose impulses are those of the row."""
+    hertz, damping = _frequency_hz(mode), mode.damping_ratio
+    if isinstance(options, MzvOptions) and options != MzvOptions():
+        n, t = options.n, options.duration_periods
+        shaper = f"mzv(n={n},t={t!r})"
+        played = klipper_impulses(name, hertz, damping, impulses=n, periods=t)
+    else:
+        shaper = name
+        played = klipper_impulses(name, hertz, damping)
+    if _same(shaped, played):
+        return shaper
+    raise InvalidInputError(
+        f"impulses of {where}",
+        [shaped.times_s.tolist(), shaped.amplitudes.tolist()],
+        f"those that Klipper computes for {shaper}, times_s {played.times_s.tolist()} and "
+        f"amplitudes {played.amplitudes.tolist()}",
+    )
+
+
+def _floored(tolerance: float) -> float:
+    """Return a tolerance that is written in full with `TOLERANCE_DECIMALS`."""
+    steps = math.floor(tolerance / LEAST_TOLERANCE + ROUNDING)
+    return float(f"{steps * LEAST_TOLERANCE:.{TOLERANCE_DECIMALS}f}")
+
+
+def _read_by_most(row: Subject, name: str, told: float, claims: tuple[Claim, ...]) -> str:
+    """Return the shaper as Klipper writes it, plainly where older ones keep the claims too."""
+    mode = row.plant.modes[0]
+    hertz, damping = _frequency_hz(mode), mode.damping_ratio
+    text = f"{told:.{TOLERANCE_DECIMALS}f}"
+    plain = {
+        "ei": told == USUAL_TOLERANCE,
+        "2hump_ei": True,
+        "3hump_ei": damping == 0,  # else the missing comma matters
+    }
+    older = _judged(older_klipper_impulses(name, hertz, damping), row, claims)
+    if plain[name] and all(claim.holds for claim in older):
+        return name
+    return f"{name}(v_tol={text})" if name == "ei" else f"{name}()"
+
+
+def _same(one: Impulses, other: Impulses) -> bool:
+    if one.times_s.size != other.times_s.size:
+        return False
+    late = (one.times_s - one.times_s[0]) - (other.times_s - other.times_s[0])
+    high = one.amplitudes - other.amplitudes
+    return bool(np.abs(late).max() <= SAME * one.duration_s and np.abs(high).max() <= SAME)
+
+
+def _fitted(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str, list[str]]:
+    """Return the shaper as Klipper writes it, whose impulses keep what is claimed, and remarks."""
+    mode = row.plant.modes[0]
+    hertz, damping = _frequency_hz(mode), mode.damping_ratio
+    made = design(row.plant, row.actuator, row.kind, row.options)
+    if not _same(shaped, made.impulses):
+        raise InvalidInputError(
+            f"impulses of {where}",
+            [shaped.times_s.tolist(), shaped.amplitudes.tolist()],
+            f"those of {row.kind.name} in continuous time, which Klipper fits",
+        )
+    claims = made.certificate.claims
+    told = _floored(row.options.tolerance)
+    judged: tuple[Claim, ...] = ()
+    for _ in range(LOWERINGS):
+        judged = _judged(klipper_impulses(name, hertz, damping, tolerance=told), row, claims)
+        if all(claim.holds for claim in judged):
+            return _read_by_most(row, name, told, claims), _told(judged)
+        # Klipper's fit leaves a little more than it is told to: told less, it leaves the tolerance.
+        worst = max(claim.value / claim.limit for claim in judged)
+        told = _floored(min(told / worst, told - LEAST_TOLERANCE))
+        if name != "ei" or told < LEAST_TOLERANCE:
+            break
+    broken = [claim for claim in judged if not claim.holds]
+    raise InvalidInputError(
+        f"impulses of {where}",
+        ", ".join(_percent(claim) for claim in broken),
+        f"such that Klipper's {name} keeps what {row.kind.name} claims: "
+        + ", ".join(f"at most {100 * claim.limit:.4g} %" for claim in broken),
+    )
+
+
+def _judged(played: Impulses, row: Subject, claims: tuple[Claim, ...]) -> tuple[Claim, ...]:
+    """Return what impulses leave where the design claims something."""
+    promises = tuple(
+        Promise(
+            quantity=claim.quantity,
+            limit=READ_AS_ZERO if claim.is_zero else claim.limit,
+            mode=claim.mode,
+            band=claim.band,
+        )
+        for claim in claims
+    )
+    return certify_modes(played, row.plant.modes, row.actuator, promises).claims
+
+
+def _told(judged: tuple[Claim, ...]) -> list[str]:
+    return [f"Klipper's fit leaves {', '.join(_percent(claim) for claim in judged)}"]
+
+
+def _percent(claim: Claim) -> str:
+    where = "at the frequency of the row"
+    if claim.band is not None:
+        where = f"at most from {claim.band[0]:.4g} to {claim.band[1]:.4g} of it"
+    return f"{100 * claim.value:.4g} % {where}"
 
 
 KLIPPER = Export(

@@ -14,7 +14,7 @@ import numpy as np
 from design.errors import InvalidInputError
 from design.export.header import FACTS, facts, head_of
 from design.export.kind import Export
-from design.tables.description import names_of
+from design.tables.columns import names_of
 from design.tables.rows import STATUSES, Rows, TableHead
 
 LARGEST_MATRIX_BYTES = 2**31 - 1
@@ -37,9 +37,9 @@ def write_mat(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     """Write a table as .mat, in one piece, with no date in it.
 
     Variables: ``fields`` and ``results``, matrices with a row for each row of the table and names
-    and units in ``field_names``, ``field_units``, ``result_names``, ``result_units``; ``status``, 0
-    for verified, by ``status_names``; ``reason_rows`` (from 1) and ``reasons``; the facts of the
-    head as texts of JSON.
+    and units in ``field_names``, ``field_units``, ``result_names``, ``result_units``; ``status``,
+    from 0, by ``status_names``; ``reason_rows`` (from 1) and ``reasons``; the facts of the head as
+    texts of JSON.
     """
     from scipy.io import savemat  # noqa: PLC0415
 

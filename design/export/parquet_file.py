@@ -12,7 +12,7 @@ import numpy as np
 from design.errors import InvalidInputError
 from design.export.header import facts, head_of
 from design.export.kind import Export, takes_all
-from design.tables.description import names_of
+from design.tables.columns import names_of
 from design.tables.rows import STATUSES, Rows, TableHead
 
 

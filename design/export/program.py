@@ -2,6 +2,7 @@
 
 import math
 import re
+import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -10,9 +11,11 @@ import numpy as np
 from design.actuators import FirstOrder, SecondOrder
 from design.errors import InvalidInputError
 from design.export.header import comment_lines
+from design.export.live import live_remarks
 from design.fits import Fit
-from design.tables.description import amplitudes_of, described, require_times, times_of
-from design.tables.rows import STATUSES, Rows, TableHead
+from design.impulses import Impulses
+from design.tables.columns import amplitudes_of, names_of, require_times, times_of
+from design.tables.rows import STATUSES, WITH_DESIGN, Rows, TableHead, subject_of
 from design.types import FloatArray
 
 MOST_NUMBERS = 200_000
@@ -20,6 +23,12 @@ MOST_NUMBERS = 200_000
 
 LONGEST_NAME = 20
 """Of a title in names: NAME_evaluator, the longest block, has 30 letters, as PLC editors take."""
+
+HASH_DIGITS = 7
+"""Of the specification's hash in names: two of a thousand tables share it once in 500 times."""
+
+DEFAULT_TITLE = "shaper table"
+"""Title of a table that was given none."""
 
 RANGE_MARGIN = 1e-6
 """By how much of itself a range is widened in a program: what float makes of an end of it [-]."""
@@ -38,9 +47,33 @@ def check_program(head: TableHead) -> None:
 
 
 def name_of(head: TableHead) -> str:
-    """Return the title as the start of names: lower case, letters, digits, single underscores."""
-    words = "_".join(re.findall(r"[a-z0-9]+", head.title.lower()))[:LONGEST_NAME].strip("_")
-    return words if words[:1].isalpha() else f"table_{words}".rstrip("_")
+    """Return the start of names: a letter, then small letters, digits and single underscores.
+
+    It is the head's name or else the title; with digits of the specification's hash where that is
+    not told apart from others: no title was given, or it is too long, or is written in letters that
+    are not among a to z. What names are made of it always ends in more, so that none is a reserved
+    word of C or Structured Text.
+
+    Examples
+    --------
+    >>> from design.tables.rows import TableHead
+    >>> told = TableHead(
+    ...     version="0", specification_json="", specification_sha256="4f7a90c2", title="2nd crane",
+    ...     columns=(), rows=0, impulses=0, amplitudes=(),
+    ... )
+    >>> name_of(told)
+    'table_2nd_crane'
+    """
+    given = head.name or head.title
+    plain = unicodedata.normalize("NFKD", given).casefold()
+    plain = "".join(letter for letter in plain if not unicodedata.combining(letter))
+    words = "_".join(re.findall(r"[a-z0-9]+", plain))
+    if not words[:1].isalpha():
+        words = f"table_{words}".rstrip("_")
+    if given != DEFAULT_TITLE and plain.isascii() and len(words) <= LONGEST_NAME:
+        return words
+    start = words[: LONGEST_NAME - HASH_DIGITS - 1].rstrip("_")
+    return f"{start}_{head.specification_sha256[:HASH_DIGITS]}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -89,7 +122,9 @@ def remarks(head: TableHead, rows: Listing) -> list[str]:
         residuals = rows.numbers[:, names.index("residual")]
         known = residuals[~np.isnan(residuals)]
         worst = f"{float(known.max()):.3g}" if known.size else "none"
-        lines.append(f"worst residual of the rows: {worst} of one unshaped step")
+        lines.append(
+            f"worst residual of the rows: {worst} of one unshaped step, with the actuator given"
+        )
     else:
         lines.append("worst residual of the rows: not known, the table has no column residual")
     if head.fit is not None:
@@ -99,8 +134,32 @@ def remarks(head: TableHead, rows: Listing) -> list[str]:
             f"{head.fit.worst_timing_error_s:.3g} s, all but x as the specification's design says"
         )
     counts = [f"{rows.status.count(code)} {name}" for code, name in enumerate(STATUSES)]
-    lines.append(f"status: 0 verified, 1 infeasible, 2 failed; rows: {', '.join(counts)}")
+    lines.append(
+        "status: 0 verified, 1 infeasible, 2 failed, 3 verified for an ideal actuator only"
+    )
+    lines.append(f"rows: {', '.join(counts)}")
+    lines += _of_live_commands(head, rows)
     return lines
+
+
+def _of_live_commands(head: TableHead, rows: Listing) -> list[str]:
+    """Return what the delay line of the program does to a command that changes at any time."""
+    designed = np.flatnonzero(np.isin(rows.status, WITH_DESIGN))
+    if not designed.size:
+        return []
+    subject, paths = subject_of(head), [name.split(".") for name in names_of(head, "field")]
+    first = int(designed[0])
+    plant, drive, _ = subject.at(paths, rows.numbers[first, : len(paths)].tolist())
+    drives = [drive]
+    if any(path[0] == "actuator" for path in paths):
+        fields = rows.numbers[designed, : len(paths)].tolist()
+        drives += [subject.at(paths, values)[1] for values in fields]
+    return live_remarks(
+        Impulses(times_s=rows.times_s[first], amplitudes=rows.amplitudes[first]),
+        plant,
+        drives,
+        positive=bool((rows.amplitudes[designed] > 0).all()),
+    )
 
 
 def unit_of_frequency(head: TableHead, fit: Fit) -> float | None:
@@ -109,7 +168,7 @@ def unit_of_frequency(head: TableHead, fit: Fit) -> float | None:
         return 1.0
     if fit.variable.meaning == "damping_ratio":
         return None
-    actuator = described(head).actuator
+    actuator = subject_of(head).actuator
     if isinstance(actuator, SecondOrder):
         return actuator.accel.natural_frequency_rad_s
     if isinstance(actuator, FirstOrder) and actuator.accel_time_constant_s > 0:

@@ -8,7 +8,9 @@
   duration of each of those.
 
 Both lines are written, the older one in a comment. Firmware of either age holds four numbers of
-each, hence five impulses.
+each, hence five impulses. It holds them in single precision, and 3.6 holds delays as whole counts
+of a step clock. What the impulses leave as it holds them stands with each row; a row of which they
+leave `ROUNDED_AWAY` more than the row itself does is refused.
 
 References
 ----------
@@ -21,15 +23,19 @@ References
 from collections.abc import Iterable, Iterator
 from itertools import accumulate, pairwise
 
+import numpy as np
+
+from design.analysis.residual import residual_vibration
 from design.errors import InvalidInputError
 from design.export.firmware import (
     firmware_lines,
-    positive_amplitudes,
+    require_positive_row,
     require_positive_shaper,
 )
 from design.export.kind import Export
-from design.tables.description import require_times, times_of
-from design.tables.rows import Rows, TableHead
+from design.impulses import Impulses
+from design.tables.columns import names_of, require_times
+from design.tables.rows import Rows, TableHead, subject_of
 
 MOST_IMPULSES = 5
 """``MaxImpulses`` of AxisShaper.h."""
@@ -37,8 +43,15 @@ MOST_IMPULSES = 5
 DECIMALS = 9
 """The firmware reads single precision: seven digits of a time of 10 ms."""
 
+CLOCK_HZ = 750_000
+"""Slowest step clock of the boards (StepTimer.h, StepClockRate) [Hz]."""
+
 SHORTEST_GAP_S = 2e-6
-"""Delays must strictly increase, as counts of a step clock of 750 kHz or faster [s]."""
+"""Delays must strictly increase, as counts of that clock [s]."""
+
+ROUNDED_AWAY = 1e-3
+"""What rounding may add to a residual, a tenth of a percent of an unshaped step: the clock alone
+adds so much for modes above a kilohertz [-]."""
 
 
 def check_reprap(head: TableHead) -> None:
@@ -52,22 +65,45 @@ def check_reprap(head: TableHead) -> None:
 
 
 def write_reprap(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
-    """Write a table as lines for RepRapFirmware."""
+    """Write a table as lines for RepRapFirmware.
+
+    Raises
+    ------
+    InvalidInputError
+        If the firmware cannot take the impulses of a row, or rounds them too far.
+    """
+    subject = subject_of(head)
+    paths = [name.split(".") for name in names_of(head, "field")]
 
     def commands(rows: Rows, index: int) -> list[str]:
-        amplitudes = positive_amplitudes(head, rows, index, "RepRapFirmware")
-        times = times_of(head, rows)[index].tolist()
+        where = f"row {rows.first + index}"
+        shaped = require_positive_row(head, rows, index, "RepRapFirmware")
+        times, amplitudes = shaped.times_s.tolist(), shaped.amplitudes.tolist()
         delays = [time - times[0] for time in times[1:]]
         gaps = [after - before for before, after in pairwise(times)]
         if min(gaps) < SHORTEST_GAP_S:
             raise InvalidInputError(
-                f"times_s of row {rows.first + index}",
+                f"times_s of {where}",
                 times,
                 f"{SHORTEST_GAP_S:g} s or more apart for RepRapFirmware",
             )
+        plant, actuator, _ = subject.at(paths, rows.fields[index].tolist())
+        left, played = (
+            max(residual_vibration(one, mode, actuator) for mode in plant.modes)
+            for one in (shaped, held_impulses(amplitudes[:-1], delays))
+        )
+        if not played <= left + ROUNDED_AWAY:
+            raise InvalidInputError(
+                f"times_s of {where}",
+                times,
+                f"such that RepRapFirmware, which counts {CLOCK_HZ} a second, leaves at most "
+                f"{100 * ROUNDED_AWAY:g} % more than {100 * left:.3g} %; it leaves "
+                f"{100 * played:.3g} %",
+            )
         newer = _command(amplitudes[:-1], delays)
         older = _command(list(accumulate(amplitudes[:-1])), gaps)
-        return [newer, f"; 3.4 to 3.5: {older}"]
+        told = f"; rounded as the firmware does, it leaves {100 * played:.3g} %"
+        return [told, newer, f"; 3.4 to 3.5: {older}"]
 
     remarks = [
         'take the line of your row; M593 P"custom" as of RepRapFirmware 3.6, below it in a comment',
@@ -76,8 +112,22 @@ def write_reprap(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     return firmware_lines(head, runs, remarks, commands)
 
 
+def held_impulses(heights: list[float], delays_s: list[float]) -> Impulses:
+    """Return the impulses that firmware 3.6 holds for the numbers of a line."""
+    held = np.array([float(np.float32(_text(height))) for height in heights])
+    counts = [round(float(np.float32(_text(delay))) * CLOCK_HZ) for delay in delays_s]
+    return Impulses(
+        times_s=np.array([0, *counts]) / CLOCK_HZ,
+        amplitudes=np.append(held, 1 - held.sum()),
+    )
+
+
+def _text(value: float) -> str:
+    return f"{value:.{DECIMALS}f}"
+
+
 def _command(amplitudes: list[float], times_s: list[float]) -> str:
-    heights, times = (":".join(f"{x:.{DECIMALS}f}" for x in xs) for xs in (amplitudes, times_s))
+    heights, times = (":".join(map(_text, numbers)) for numbers in (amplitudes, times_s))
     return f'M593 P"custom" H{heights} T{times}'
 
 

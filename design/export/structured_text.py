@@ -21,15 +21,15 @@ from design.export.program import (
     unit_of_frequency,
 )
 from design.fits import Fit
-from design.tables.rows import Rows, TableHead
+from design.tables.rows import WITH_DESIGN, Rows, TableHead
 from design.types import FloatArray
 
 NUMBERS_A_LINE = 8
 
 TABLE = Template("""\
-(* Times and amplitudes of one row. status 0: verified; others: no design, the times are
-   zeros and the amplitudes 1, 0, ..., which let the command pass; -1: no such row, the outputs
-   stay. *)
+(* Times and amplitudes of one row. status 0: verified; 3: verified for an ideal actuator only;
+   1, 2: no design, the times are zeros and the amplitudes 1, 0, ..., which let the command pass;
+   -1: no such row, the outputs stay. *)
 FUNCTION_BLOCK ${NAME}_table
 VAR_INPUT
     row : DINT;
@@ -196,7 +196,7 @@ def write_st(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
 
 
 def _table(head: TableHead, name: str, rows: Listing) -> str:
-    without = np.array(rows.status) != 0
+    without = ~np.isin(rows.status, WITH_DESIGN)
     amplitudes = np.where(without[:, None], np.eye(1, head.impulses), rows.amplitudes)
     return TABLE.substitute(
         NAME=name,

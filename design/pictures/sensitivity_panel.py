@@ -2,7 +2,7 @@
 
 from matplotlib.axes import Axes
 
-from design.analysis.sensitivity import Sensitivity
+from design.analysis.sensitivity import Insensitivity, Sensitivity
 from design.pictures.style import (
     BRIGHT,
     DEEP,
@@ -31,11 +31,13 @@ def draw_sensitivity(axes: Axes, sensitivity: Sensitivity, nominal_residual: flo
     if band is None:
         note = f"no insensitivity: nominal {percent(nominal_residual)} is above tolerance"
     else:
-        edges = (band.lower_ratio, band.upper_ratio)
-        note = f"insensitivity {edges[0]:.4f} to {edges[1]:.4f}, width {band.width:.4f}"
-        axes.axvspan(*edges, ymax=BAND_TOP, color=WASH, linewidth=0, zorder=0.5, gid="band")
-        for edge in edges:
-            axes.axvline(edge, ymax=BAND_TOP, color=DEEP, linewidth=0.9, linestyle=(0, (1, 1.6)))
+        within = (band.searched_from_ratio, band.searched_to_ratio)
+        note = _told(band)
+        axes.axvspan(*within, ymax=BAND_TOP, color=WASH, linewidth=0, zorder=0.5, gid="band")
+        for edge in (band.lower_ratio, band.upper_ratio):
+            if edge is not None:
+                dotted = (0, (1, 1.6))
+                axes.axvline(edge, ymax=BAND_TOP, color=DEEP, linewidth=0.9, linestyle=dotted)
     axes.axhline(
         100 * sensitivity.tolerance,
         color=BRIGHT,
@@ -68,3 +70,15 @@ def draw_sensitivity(axes: Axes, sensitivity: Sensitivity, nominal_residual: flo
     axes.set_xlabel("true over nominal frequency [-]")
     axes.set_ylabel("residual vibration [%]")
     legend_above(axes)
+
+
+def _told(band: Insensitivity) -> str:
+    """Return the band in words; an edge that was not found is told as none."""
+    lowest, highest = band.searched_from_ratio, band.searched_to_ratio
+    if band.width is not None:
+        return f"insensitivity {lowest:.4f} to {highest:.4f}, width {band.width:.4f}"
+    if band.upper_ratio is not None:
+        return f"insensitivity up to {highest:.4f}, no lower edge down to {lowest:.3g} times"
+    if band.lower_ratio is not None:
+        return f"insensitivity from {lowest:.4f}, no upper edge up to {highest:.3g} times"
+    return f"insensitivity: no edge from {lowest:.3g} to {highest:.3g} times"

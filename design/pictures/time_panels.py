@@ -6,6 +6,7 @@ from matplotlib.ticker import MaxNLocator
 
 from design.actuators import Actuator
 from design.analysis.certificate import LIMITS
+from design.analysis.residual import unshaped_deflection_s
 from design.impulses import Impulses
 from design.pictures.style import BRIGHT, DEEP, GREY, INK, PALE, SMALL_PT, legend_above, name_panel
 from design.plants import Mode
@@ -121,7 +122,8 @@ def draw_payload(
     name_panel(axes, "payload", "Payload")
     start, last = impulses.times_s[:1], float(impulses.times_s[-1])
     step = Impulses(times_s=start, amplitudes=np.ones(1))
-    unit = abs(actuator.accel_lag.denominator(mode.pole_rad_s))
+    # What `history` returns is over speed and natural frequency.
+    unit = 1 / (mode.natural_frequency_rad_s * unshaped_deflection_s(mode, actuator))
     unshaped = unit * history(step, mode, actuator, times_s).deflection
     shaped = unit * history(impulses, mode, actuator, times_s).deflection
     if residual > LIMITS["residual"]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from design.analysis.high_modes import HIGH_MODES, high_mode_gain
 from design.analysis.residual import residual_vibration
-from design.analysis.sensitivity import Insensitivity, insensitivity
+from design.analysis.sensitivity import Insensitivity, common_interval, insensitivity
 from design.analysis.smoothing import Smoothing, smoothing
 from design.impulses import Impulses
 from design.recommendations.candidates import WITHIN, Designed
@@ -106,8 +106,11 @@ class Candidate:
 
     @property
     def width(self) -> float:
-        """Width of its insensitivity, 0 where it has none [-]."""
-        return 0.0 if self.insensitivity is None else self.insensitivity.width
+        """Width of its insensitivity: 0 where it has none, infinite where that has no end [-]."""
+        if self.insensitivity is None:
+            return 0.0
+        width = self.insensitivity.width
+        return math.inf if width is None else width
 
 
 def judged(designed: Designed, question: Question) -> Candidate:
@@ -115,14 +118,6 @@ def judged(designed: Designed, question: Question) -> Candidate:
     impulses, actuator = designed.found.impulses, question.actuator
     tolerance = question.requirements.tolerance
     intervals = [insensitivity(impulses, mode, actuator, tolerance) for mode in question.nominal]
-    known = [interval for interval in intervals if interval is not None]
-    common = None
-    if len(known) == len(intervals):
-        common = Insensitivity(
-            tolerance=tolerance,
-            lower_ratio=max(interval.lower_ratio for interval in known),
-            upper_ratio=min(interval.upper_ratio for interval in known),
-        )
     highest = max(question.nominal, key=lambda mode: mode.natural_frequency_rad_s)
     if question.requirements.damping is not None:
         highest = replace(highest, damping_ratio=question.requirements.damping[0])
@@ -130,7 +125,7 @@ def judged(designed: Designed, question: Question) -> Candidate:
     candidate = Candidate(
         designed=designed,
         residual=max(residual_vibration(impulses, mode, actuator) for mode in question.nominal),
-        insensitivity=common,
+        insensitivity=common_interval(intervals),
         high_mode_gain=high_mode_gain(impulses, highest, actuator),
         lowest_command=float(levels.min()),
         highest_command=float(levels.max()),

@@ -2,7 +2,7 @@
 
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,14 @@ from design.errors import (
     DesignError,
     InfeasibleDesignError,
     InvalidInputError,
+    SolverFailedError,
 )
 from design.pipeline import Design, design
-from design.plants import Plant
+from design.plants import Mode, Pendulum, Plant, SpringMass
 from design.shapers.kind import NoOptions, SettleOptions, ShaperKind
 from design.tables.parameters import RowParameters, of_one_mode_and_lags, row_parameters
-from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, Rows
-from design.tables.specification import TableSpecification, amplitudes_of
+from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL, Rows
+from design.tables.specification import TableSpecification
 from design.types import BoolArray, FloatArray
 
 IndexArray = NDArray[np.int_]
@@ -72,19 +73,40 @@ class _Table:
     natural_frequencies_rad_s: FloatArray  # (m,)
     residuals: FloatArray  # (m,)
     slopes: FloatArray  # (m,)
-    verified: BoolArray  # (m,)
+    designed: BoolArray  # (m,), what they claim is proven
+    for_ideal: BoolArray  # (m,), but not with the actuator given
     wants_slopes: bool
 
     def take(self, row: int, plant: Plant, actuator: Actuator, found: Design) -> None:
-        """Enter a single design."""
+        """Enter a single design.
+
+        Raises
+        ------
+        SolverFailedError
+            If it has another number of impulses than the rest.
+        """
+        wanted = self.times_s.shape[1]
+        if found.impulses.times_s.size != wanted:
+            raise SolverFailedError(
+                f"the design has {found.impulses.times_s.size} impulses, the table's rows {wanted}"
+            )
         self.times_s[row] = found.impulses.times_s
         self.amplitudes[row] = found.impulses.amplitudes
-        self.natural_frequencies_rad_s[row] = plant.mode.natural_frequency_rad_s
+        if isinstance(plant, Mode | Pendulum | SpringMass):  # only there a phase is asked for
+            self.natural_frequencies_rad_s[row] = plant.mode.natural_frequency_rad_s
         self.residuals[row] = found.residual
         if self.wants_slopes:
-            claims = certify(found.impulses, plant.mode, actuator, zeros(["slope"])).claims
-            self.slopes[row] = claims[0].value
-        self.verified[row] = True
+            slopes = [
+                certify(found.impulses, mode, actuator, zeros(["slope"])).claims[0].value
+                for mode in plant.modes
+            ]
+            self.slopes[row] = max(slopes)
+        self.designed[row] = True
+        self.for_ideal[row] = found.for_ideal
+
+    def status(self) -> NDArray[np.int8]:
+        """Return what has become of the rows that have a design, shape (m,)."""
+        return np.where(self.for_ideal, VERIFIED_IDEAL, VERIFIED).astype(np.int8)
 
     def results(self, columns: tuple[str, ...]) -> FloatArray:
         """Return the columns asked for, shape (m, r)."""
@@ -97,7 +119,7 @@ class _Table:
             "slope": lambda: self.slopes[:, None],
         }
         results = np.concatenate([of_name[name]() for name in columns], axis=1)
-        results[~self.verified] = np.nan
+        results[~self.designed] = np.nan
         return results
 
 
@@ -118,7 +140,8 @@ def compute_rows(specification: TableSpecification, start: int, stop: int) -> Ro
     Returns
     -------
     Rows
-        Every row with a status; a row marked verified holds what its shaper claims.
+        Every row with a status. A row marked verified holds what its shaper claims with the
+        actuator given; one marked verified_ideal does with an ideal one alone.
     """
     return counted_rows(specification, start, stop)[0]
 
@@ -127,18 +150,19 @@ def counted_rows(
     specification: TableSpecification, start: int, stop: int
 ) -> tuple[Rows, RowCounts]:
     """Return what `compute_rows` does, and how the rows came about."""
+    specification = counted(specification)
     values = specification.field_values(start, stop)
     table = _empty(specification, len(values))
     guarded = corrected = compiled_rows = 0
     if _square(specification):
         _compile_rows(specification, row_parameters(specification, values), table)
-        compiled_rows = int(table.verified.sum())
-        for row in np.flatnonzero(table.verified & _guarded(specification, start, stop)).tolist():
+        compiled_rows = int(table.designed.sum())
+        for row in np.flatnonzero(table.designed & _guarded(specification, start, stop)).tolist():
             guarded += 1
             corrected += _correct(specification, values[row], table, row)
-    status = np.full(len(values), VERIFIED, dtype=np.int8)
+    without = np.zeros(len(values), dtype=np.int8)
     reasons = {}
-    for row in np.flatnonzero(~table.verified).tolist():
+    for row in np.flatnonzero(~table.designed).tolist():
         try:
             plant, actuator, options = specification.at(values[row])
             found = design(plant, actuator, specification.kind, options)
@@ -146,13 +170,13 @@ def counted_rows(
         except DesignError as error:
             # Values that break a rule only together: no such design exists either.
             none_exists = isinstance(error, InfeasibleDesignError | InvalidInputError)
-            status[row] = INFEASIBLE if none_exists else FAILED
+            without[row] = INFEASIBLE if none_exists else FAILED
             reasons[row] = str(error)
     rows = Rows(
         first=start,
         fields=values,
         results=table.results(specification.columns),
-        status=status,
+        status=np.where(table.designed, table.status(), without).astype(np.int8),
         reasons=reasons,
     )
     single = len(values) - compiled_rows
@@ -161,15 +185,31 @@ def counted_rows(
     )
 
 
+def counted(specification: TableSpecification) -> TableSpecification:
+    """Return a specification that says how many impulses a row has, by its one design if need be.
+
+    Raises
+    ------
+    DesignError
+        If there is no such design.
+    """
+    if specification.impulses is not None:
+        return specification
+    plant, actuator, options = specification.at(specification.field_values(0, 1)[0])
+    found = design(plant, actuator, specification.kind, options)
+    return replace(specification, impulses=found.impulses.times_s.size)
+
+
 def _empty(specification: TableSpecification, rows: int) -> _Table:
-    impulses = len(amplitudes_of(specification.kind, specification.options))
+    impulses = specification.impulses or 0  # `counted` has been here
     return _Table(
         times_s=np.full((rows, impulses), np.nan),
         amplitudes=np.full((rows, impulses), np.nan),
         natural_frequencies_rad_s=np.full(rows, np.nan),
         residuals=np.full(rows, np.nan),
         slopes=np.full(rows, np.nan),
-        verified=np.zeros(rows, dtype=np.bool_),
+        designed=np.zeros(rows, dtype=np.bool_),
+        for_ideal=np.zeros(rows, dtype=np.bool_),
         wants_slopes="slope" in specification.columns,
     )
 
@@ -246,7 +286,10 @@ def _enter_proven(
     times: FloatArray,
     table: _Table,
 ) -> None:
-    """Enter the rows of ``index`` whose claims hold, and what they leave with the drive given."""
+    """Enter the rows of ``index`` whose claims hold, and what they leave with the drive given.
+
+    Whether the claims hold with that as well is entered too.
+    """
     from design.tables.proofs import proven  # noqa: PLC0415
 
     of_rows = w[index]
@@ -259,20 +302,31 @@ def _enter_proven(
         switched=designed_for.switched,
         slopes=claimed or (table.wants_slopes and not apart),
     )
-    holds = left[:, 0] <= LIMITS["residual"]
-    if claimed:
-        holds &= left[:, 1] <= LIMITS["slope"]
+    holds = as_given = _zeros_hold(left, slopes=claimed)
     if apart:
         left = proven(
-            given.lags[index], of_rows, times, switched=given.switched, slopes=table.wants_slopes
+            given.lags[index],
+            of_rows,
+            times,
+            switched=given.switched,
+            slopes=claimed or table.wants_slopes,
         )
+        as_given = _zeros_hold(left, slopes=claimed)
+        holds = holds | as_given
     index = index[holds]
     table.times_s[index] = times[holds]
     table.amplitudes[index] = np.where(np.arange(times.shape[1]) % 2 == 0, 1.0, -1.0)
     table.natural_frequencies_rad_s[index] = w[index]
     table.residuals[index] = left[holds, 0]
     table.slopes[index] = left[holds, 1]
-    table.verified[index] = True
+    table.designed[index] = True
+    table.for_ideal[index] = ~as_given[holds]
+
+
+def _zeros_hold(left: FloatArray, *, slopes: bool) -> BoolArray:
+    """Return which rows of residuals and slopes are within the certificate's limits."""
+    holds: BoolArray = left[:, 0] <= LIMITS["residual"]
+    return holds & (left[:, 1] <= LIMITS["slope"]) if slopes else holds
 
 
 def _guarded(specification: TableSpecification, start: int, stop: int) -> BoolArray:

@@ -19,9 +19,9 @@ from design.actuators import Actuator
 from design.analysis.residual import residuals_of_many
 from design.errors import InvalidInputError
 from design.maps import varied
-from design.plants import Plant
-from design.tables.description import amplitudes_of, described, mode_of, names_of, times_of
-from design.tables.rows import Rows, TableHead
+from design.plants import Mode, Pendulum, Plant, SpringMass
+from design.tables.columns import amplitudes_of, names_of, times_of
+from design.tables.rows import Rows, TableHead, subject_of
 from design.types import BoolArray, FloatArray
 
 IndexArray = NDArray[np.signedinteger[Any]]
@@ -31,6 +31,10 @@ STENCIL = 4
 
 INVERTED = (".natural_frequency_rad_s", "_limit_m_s2")
 """Ends of the actuator's fields whose inverses the phases are smooth in."""
+
+SLOWING = ("plant.cable_length_m", "plant.mass_kg")
+QUICKENING = ("plant.gravity_m_s2", "plant.stiffness_n_m")
+"""Fields under the root of the plant's frequency, as its divisor and over it."""
 
 BOUND_MARGIN = 1.25
 """Over the worst residual at the middles. The error of a cubic at the middle of its cell is the
@@ -119,27 +123,29 @@ def interpolant(head: TableHead, rows: Rows) -> Interpolant:
         row, or vary what is no field of plant or actuator.
     """
     names = tuple(names_of(head, "field"))
-    description = described(head)
+    subject = subject_of(head)
     foreign = [name for name in names if name.partition(".")[0] not in {"plant", "actuator"}]
     if foreign:
         raise InvalidInputError("fields", foreign, "fields of plant or actuator, to interpolate")
     if not names:
         raise InvalidInputError("fields", [], "one or more, to interpolate")
-    amplitudes = amplitudes_of(head, rows)[rows.status == 0]
+    if not isinstance(subject.plant, Mode | Pendulum | SpringMass):
+        raise InvalidInputError("plant", subject.plant, "of one mode and frequency, to interpolate")
+    amplitudes = amplitudes_of(head, rows)[rows.designed]
     if not len(amplitudes):
         raise InvalidInputError("rows", "none verified", "one or more verified, to interpolate")
     if np.any(amplitudes != amplitudes[:1]):
         raise InvalidInputError("amplitudes", "other ones from row to row", "the same in all rows")
     axes, order = _grid(rows.fields)
-    frequencies, _ = mode_of(description.plant, list(names), rows.fields)
+    frequencies, _ = _mode_of(subject.plant, list(names), rows.fields)
     phases = (times_of(head, rows) * frequencies[:, None])[order]
     made = Interpolant(
         names=names,
         axes=axes,
         phases=phases.reshape(*(axis.size for axis in axes), head.impulses),
         amplitudes=amplitudes[0],
-        plant=description.plant,
-        actuator=description.actuator,
+        plant=subject.plant,
+        actuator=subject.actuator,
         closed=np.zeros([max(axis.size - 1, 1) for axis in axes], dtype=bool),
         residual_bound=np.nan,
     )
@@ -147,6 +153,36 @@ def interpolant(head: TableHead, rows: Rows) -> Interpolant:
     closed = worst > CLOSED_ABOVE
     bound = BOUND_MARGIN * float(np.max(worst[worst <= CLOSED_ABOVE], initial=-np.inf))
     return replace(made, closed=closed, residual_bound=bound if bound >= 0 else np.nan)
+
+
+def _mode_of(plant: Plant, names: list[str], values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return natural frequency and damping ratio of the plant at many values of fields.
+
+    Parameters
+    ----------
+    plant
+        What the fields are varied in.
+    names
+        Names of the fields, as ``plant.cable_length_m``; those of other parts are passed over.
+    values
+        Their values, shape (m, len(names)).
+
+    Returns
+    -------
+    tuple of FloatArray
+        Natural frequencies, shape (m,) [rad/s], and damping ratios, shape (m,) [-].
+    """
+
+    def of(field: str) -> FloatArray:
+        if f"plant.{field}" in names:
+            return values[:, names.index(f"plant.{field}")]
+        return np.full(len(values), float(getattr(plant, field)))
+
+    if isinstance(plant, Pendulum):
+        return np.sqrt(of("gravity_m_s2") / of("cable_length_m")), of("damping_ratio")
+    if isinstance(plant, SpringMass):
+        return np.sqrt(of("stiffness_n_m") / of("mass_kg")), of("damping_ratio")
+    return of("natural_frequency_rad_s"), of("damping_ratio")
 
 
 def _grid(fields: FloatArray) -> tuple[tuple[FloatArray, ...], IndexArray]:
@@ -164,12 +200,13 @@ def _grid(fields: FloatArray) -> tuple[tuple[FloatArray, ...], IndexArray]:
 def _coordinate(name: str, values: FloatArray) -> FloatArray:
     """Return in what the phases are smooth, up to a factor that a polynomial does not see.
 
-    The plant's frequency goes as the root of gravity over length. It is measured against the
-    actuator's, and a ramp lasts the inverse of its limit: hence the inverses of those.
+    The plant's frequency goes as the root of gravity over length, or of stiffness over mass. It is
+    measured against the actuator's, and a ramp lasts the inverse of its limit: hence the inverses
+    of those.
     """
-    if name == "plant.cable_length_m":
+    if name in SLOWING:
         return values**-0.5
-    if name == "plant.gravity_m_s2":
+    if name in QUICKENING:
         return np.sqrt(values)
     if name.startswith("actuator.") and name.endswith(INVERTED):
         return 1 / values
@@ -200,7 +237,7 @@ def _times_s(made: Interpolant, points: FloatArray) -> FloatArray:
         # A point that lies on a row has no use for its neighbours, which may have no design.
         phases += np.where(share[:, None] == 0, 0.0, share[:, None] * made.phases[place])
     phases[made.closed[tuple(cells)] & ~on_row] = np.nan
-    frequencies, _ = mode_of(made.plant, list(made.names), points)
+    frequencies, _ = _mode_of(made.plant, list(made.names), points)
     return phases / frequencies[:, None]
 
 
@@ -218,7 +255,7 @@ def _weights(nodes: FloatArray, at: FloatArray, cell: IndexArray) -> tuple[Index
 
 def _residuals(made: Interpolant, points: FloatArray) -> FloatArray:
     times = _times_s(made, points)
-    frequencies, dampings = mode_of(made.plant, list(made.names), points)
+    frequencies, dampings = _mode_of(made.plant, list(made.names), points)
     poles = frequencies * (-dampings + 1j * np.sqrt(1 - dampings**2))
     drive = [index for index, name in enumerate(made.names) if name.startswith("actuator.")]
     drives, of = np.unique(points[:, drive], axis=0, return_inverse=True)
@@ -262,9 +299,9 @@ def _worst_of_cells(made: Interpolant) -> FloatArray:
 
 def _field(name: str, coordinates: FloatArray) -> FloatArray:
     """Return the values of a field from its coordinates: the inverse of `_coordinate`."""
-    if name == "plant.cable_length_m":
+    if name in SLOWING:
         return coordinates**-2
-    if name == "plant.gravity_m_s2":
+    if name in QUICKENING:
         return coordinates**2
     if name.startswith("actuator.") and name.endswith(INVERTED):
         return 1 / coordinates

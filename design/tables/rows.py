@@ -1,18 +1,29 @@
 """A table in pieces: its head, and runs of its rows by column."""
 
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from design.actuators import Actuator
+from design.errors import InvalidInputError
 from design.fits import Fit
-from design.types import FloatArray
+from design.maps import varied
+from design.plants import Plant
+from design.shapers.kind import ShaperKind
+from design.types import BoolArray, FloatArray
 
-STATUSES = ("verified", "infeasible", "failed")
-"""What may become of a row: a design and its proof; none exists; the solver or the proof failed."""
+STATUSES = ("verified", "infeasible", "failed", "verified_ideal")
+"""What may become of a row: a design whose claims are proven for the actuator given; none exists;
+the solver or the proof failed; a design whose claims are proven for an ideal actuator alone. In the
+order in which they came: a code means the same in files of any age."""
 
-VERIFIED, INFEASIBLE, FAILED = range(len(STATUSES))
+VERIFIED, INFEASIBLE, FAILED, VERIFIED_IDEAL = range(len(STATUSES))
+
+WITH_DESIGN = (VERIFIED, VERIFIED_IDEAL)
+"""Codes of the rows that hold impulses."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,7 +37,7 @@ class Column:
     unit
         In words of SI, ``1`` for a ratio; empty where it has none.
     kind
-        A varied field, a result, the row's status, or why it is not verified.
+        A varied field, a result, the row's status, or why it has no design.
     """
 
     name: str
@@ -45,11 +56,12 @@ class Rows:
     fields
         Value of each varied field, shape (m, f), in the order of the specification.
     results
-        Shape (m, r); not a number where a row has no design.
+        Shape (m, r); not a number where a row has no design. The residual is with the actuator
+        given, whatever the claims are proven for.
     status
         Index in `STATUSES`, shape (m,).
     reasons
-        Why a row is not verified, by its number within this run; all rows that are not.
+        Why a row has no design, by its number within this run; all rows that have none.
     """
 
     first: int
@@ -57,6 +69,47 @@ class Rows:
     results: FloatArray
     status: NDArray[np.int8]
     reasons: dict[int, str]
+
+    @property
+    def designed(self) -> BoolArray:
+        """Which rows hold impulses, shape (m,)."""
+        held: BoolArray = np.isin(self.status, WITH_DESIGN)
+        return held
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Subject:
+    """What the rows of a table are designs of, before a field is varied.
+
+    Attributes
+    ----------
+    plant, actuator, kind, options
+        As for `design.pipeline.design`.
+    """
+
+    plant: Plant
+    actuator: Actuator
+    kind: ShaperKind
+    options: Any
+
+    def at(
+        self, paths: Iterable[Sequence[str]], values: Iterable[float]
+    ) -> tuple[Plant, Actuator, Any]:
+        """Return plant, actuator and options with numbers, named by their paths, replaced.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is no such number, or it breaks its rule.
+        """
+        parts: dict[str, Any] = {
+            "plant": self.plant,
+            "actuator": self.actuator,
+            "shaper": self.options,
+        }
+        for (part, *rest), value in zip(paths, values, strict=True):
+            parts[part] = varied(parts[part], rest, value)
+        return parts["plant"], parts["actuator"], parts["shaper"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,9 +133,14 @@ class TableHead:
     impulses
         Impulses of the shaper, all rows alike.
     amplitudes
-        Their amplitudes, all rows alike [-].
+        Their amplitudes, all rows alike [-]; none where each row has its own, in columns.
+    name
+        What names in programs begin with; made from the title where empty.
     fit
         Polynomials for the times, where the specification asks for them.
+    subject
+        What the rows are designs of; None in a head that was read back from a file, of which
+        `schemas.tables.with_subject` makes it anew.
     """
 
     version: str
@@ -93,4 +151,21 @@ class TableHead:
     rows: int
     impulses: int
     amplitudes: tuple[float, ...]
+    name: str = ""
     fit: Fit | None = None
+    subject: Subject | None = field(default=None, compare=False)
+
+
+def subject_of(head: TableHead) -> Subject:
+    """Return what the rows of a table are designs of.
+
+    Raises
+    ------
+    InvalidInputError
+        If the head was read back from a file and nobody has made it anew.
+    """
+    if head.subject is None:
+        raise InvalidInputError(
+            "subject", None, "made from the specification first, by schemas.tables.with_subject"
+        )
+    return head.subject

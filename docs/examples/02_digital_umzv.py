@@ -54,7 +54,7 @@ for panel, (case, (mode, sample_s)) in zip(panels, CASES.items(), strict=True):
         left = residual_vibration(shaper, mode, Ideal())
         samples = " ".join(f"{time:.4g}" for time in shaper.times_s / sample_s)
         sys.stdout.write(f"{case:<33} {name:<20} {100 * left:6.2f} %   {samples}\n")
-        swing = history(shaper, mode, Ideal(), times).deflection
+        swing = mode.unit_pole.imag * history(shaper, mode, Ideal(), times).deflection
         panel.plot(times, swing, style, label=f"{name}: leaves {100 * left:.2f} %")
     panel.set_title(f"{case}, a sample every {1000 * sample_s:g} ms")
     panel.set_xlabel("time [s]")

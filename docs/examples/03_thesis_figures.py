@@ -231,8 +231,8 @@ def robustness() -> Iterator[Drawn]:
     for name, command in (("NUMZV2", zv), ("NUMZVD2, mirrored stop", zvd)):
         curve = sensitivity(command, CRANE.mode, drive(), SensitivityRange(points=401))
         curves.append(Curve(name, curve.frequency_ratios, 100 * curve.residuals))
-        band = curve.insensitivity
-        told.append(f"{name} 5 % width {0.0 if band is None else band.width:.4f}")
+        width = None if curve.insensitivity is None else curve.insensitivity.width
+        told.append(f"{name} 5 % width {width or 0.0:.4f}")
     figure = curve_sheet(
         "Whole moves off the frequency; pulse 2.5 s", "true over nominal frequency [-]",
         "residual vibration [%]", curves, level=5,

@@ -36,7 +36,7 @@ HALF_WIDTHS += [0.2, 0.22, 0.25, 0.28, 0.31, 0.335, 0.35, 0.38, 0.41, 0.44]
 def guaranteed(shaper: Impulses) -> float:
     """Return the half width of the centred band within the tolerance, 0 if there is none [-]."""
     found = insensitivity(shaper, CRANE.mode, ACTUATOR, TOLERANCE)
-    return 0.0 if found is None else min(1 - found.lower_ratio, found.upper_ratio - 1)
+    return 0.0 if found is None else found.half_width
 
 
 figure, panel = plt.subplots(figsize=(9.0, 6.0), layout="constrained")

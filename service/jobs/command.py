@@ -61,6 +61,9 @@ def run_table(options: argparse.Namespace, content: bytes) -> int | Problem:
         if check is not None:
             return _check(options, plan, path, name)
         return _write(options, plan, path, name)
+    except DesignError as error:
+        # What a format finds in the rows, as a damping ratio that a firmware does not take.
+        return problem_of_design(error)
     except KeyboardInterrupt:
         raise CommandError("stopped; the same command goes on where it was") from None
     except (StoreError, SchedulerError) as error:
@@ -106,7 +109,7 @@ def _write(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
                 ended = _computed(options, store, job)
                 if ended.state == "failed":
                     return Problem(SOLVER_FAILED, ended.reason)
-                write_result(store, ended, name, path)
+                write_result(store, ended, name, path, named=True)
             finally:
                 store.close()
             _remove(file)
@@ -117,8 +120,11 @@ def _write(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
 
 
 def _counts(job: Job) -> str:
-    failed = job.done - job.verified - job.infeasible
-    return f"{job.verified:,} verified, {job.infeasible:,} infeasible, {failed:,} failed"
+    ideal = f"{job.verified_ideal:,} verified for an ideal actuator only, "
+    return (
+        f"{job.verified:,} verified, {ideal if job.verified_ideal else ''}"
+        f"{job.infeasible:,} infeasible, {job.failed:,} failed"
+    )
 
 
 def _resumed(file: Path, plan: Plan) -> tuple[Store, str]:
@@ -206,7 +212,7 @@ def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
                 head, rows = head_for(job, name), rows_of_job(store, job)
                 drifts = drifts_of_file(path, name, head, rows, tolerances)
             else:
-                drifts = drifts_of_text(path, pieces(store, job, name))
+                drifts = drifts_of_text(path, pieces(store, job, name, path))
         except InvalidInputError as error:
             raise CommandError(f"{path} cannot be checked: {error}") from None
     if not drifts.count:

@@ -27,12 +27,13 @@ def export_of(name: str) -> Export:
     return EXPORTS[name]
 
 
-def head_for(job: Job | NewJob, name: str) -> TableHead:
+def head_for(job: Job | NewJob, name: str, path: Path | None = None) -> TableHead:
     """Return the head of a job's file in a format, whether the format takes it or not.
 
-    Polynomials are only for the formats that are programs, which cannot be read back.
+    Polynomials are only for the formats that are programs, which cannot be read back. ``path``: of
+    the file, where a person has named it.
     """
-    return head_of(job, fitted=name not in READERS)
+    return head_of(job, fitted=name not in READERS, name="" if path is None else path.stem)
 
 
 def require_taken(job: Job | NewJob, name: str) -> None:
@@ -46,14 +47,14 @@ def rows_of_job(store: Store, job: Job) -> Iterator[Rows]:
     return map(from_blob, store.blobs(job.id))
 
 
-def pieces(store: Store, job: Job, name: str) -> Iterator[bytes]:
-    """Yield the bytes of a job's file."""
-    return export_of(name).write(head_for(job, name), rows_of_job(store, job))
+def pieces(store: Store, job: Job, name: str, path: Path | None = None) -> Iterator[bytes]:
+    """Yield the bytes of a job's file; ``path`` as for `head_for`."""
+    return export_of(name).write(head_for(job, name, path), rows_of_job(store, job))
 
 
-def write_result(store: Store, job: Job, name: str, path: Path) -> None:
-    """Write the file of a job: whole, or not at all."""
-    write_pieces(path, pieces(store, job, name))
+def write_result(store: Store, job: Job, name: str, path: Path, *, named: bool) -> None:
+    """Write the file of a job: whole, or not at all; ``named``: whether by a person."""
+    write_pieces(path, pieces(store, job, name, path if named else None))
 
 
 def write_result_of(url: str, job: str, name: str, path: str) -> None:
@@ -62,6 +63,6 @@ def write_result_of(url: str, job: str, name: str, path: str) -> None:
     try:
         found = store.job(job)
         if found is not None:
-            write_result(store, found, name, Path(path))
+            write_result(store, found, name, Path(path), named=False)
     finally:
         store.close()

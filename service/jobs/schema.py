@@ -16,6 +16,7 @@ JOBS = sa.Table(
     sa.Column("version", sa.String(64), nullable=False),
     sa.Column("rows", sa.BigInteger, nullable=False),
     sa.Column("chunks", sa.Integer, nullable=False),
+    sa.Column("impulses", sa.Integer),
 )
 
 CHUNKS = sa.Table(
@@ -31,5 +32,6 @@ CHUNKS = sa.Table(
     sa.Column("rows", sa.Integer, nullable=False),
     sa.Column("verified", sa.Integer, nullable=False, default=0),
     sa.Column("infeasible", sa.Integer, nullable=False, default=0),
+    sa.Column("verified_ideal", sa.Integer, nullable=False, default=0),
     sa.Column("blob", sa.LargeBinary),
 )

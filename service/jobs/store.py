@@ -31,7 +31,10 @@ BLOBS_AT_ONCE = 8
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NewJob:
-    """What a job is made of: its specification as canonical JSON, and its size."""
+    """What a job is made of: its specification as canonical JSON, and its size.
+
+    ``impulses``: of each row; None where the kind of shaper says.
+    """
 
     id: str
     specification: str
@@ -39,6 +42,7 @@ class NewJob:
     version: str
     rows: int
     chunk_rows: int
+    impulses: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,7 +51,7 @@ class Job:
 
     Attributes
     ----------
-    done, verified, infeasible
+    done, verified, verified_ideal, infeasible
         Rows that are computed, and what became of them.
     rate_rows_s
         Rows done lately [1/s].
@@ -66,8 +70,15 @@ class Job:
     chunks: int
     done: int
     verified: int
+    verified_ideal: int
     infeasible: int
     rate_rows_s: float
+    impulses: int | None = None
+
+    @property
+    def failed(self) -> int:
+        """Rows whose solver or proof failed."""
+        return self.done - self.verified - self.verified_ideal - self.infeasible
 
     @property
     def ended(self) -> bool:
@@ -97,6 +108,7 @@ class Done:
     blob: bytes
     verified: int
     infeasible: int
+    verified_ideal: int = 0
 
 
 class Store:
@@ -140,6 +152,7 @@ class Store:
             "version": job.version,
             "rows": job.rows,
             "chunks": chunks,
+            "impulses": job.impulses,
         }
         with self._engine.begin() as connection:
             connection.execute(JOBS.insert().values(new))
@@ -248,6 +261,7 @@ class Store:
                     finished=self._now,
                     blob=done.blob,
                     verified=done.verified,
+                    verified_ideal=done.verified_ideal,
                     infeasible=done.infeasible,
                 )
             )
@@ -332,11 +346,12 @@ class Store:
         newest = sa.select(JOBS).order_by(JOBS.c.created.desc(), JOBS.c.id).limit(most)
         return self._jobs(newest)
 
-    def specification(self, job: str) -> str:
-        """Return the specification of a job as canonical JSON."""
+    def specification(self, job: str) -> tuple[str, int | None]:
+        """Return the specification of a job as canonical JSON, and the impulses of each row."""
         with self._reading.connect() as connection:
-            wanted = sa.select(JOBS.c.specification).where(JOBS.c.id == job)
-            return str(connection.execute(wanted).scalar_one())
+            wanted = sa.select(JOBS.c.specification, JOBS.c.impulses).where(JOBS.c.id == job)
+            canonical, impulses = connection.execute(wanted).one()
+            return canonical, impulses
 
     def _jobs(self, wanted: sa.Select[Any]) -> list[Job]:
         with self._reading.connect() as connection:
@@ -350,6 +365,7 @@ class Store:
         sums = [
             sa.func.sum(CHUNKS.c.rows),
             sa.func.sum(CHUNKS.c.verified),
+            sa.func.sum(CHUNKS.c.verified_ideal),
             sa.func.sum(CHUNKS.c.infeasible),
             sa.func.sum(sa.case((recent, CHUNKS.c.rows), else_=0)),
             sa.func.min(CHUNKS.c.finished),
@@ -358,12 +374,13 @@ class Store:
         row = connection.execute(
             sa.select(*sums).where(CHUNKS.c.job == job, CHUNKS.c.state == "done")
         ).one()
-        done, verified, infeasible, lately = (int(value or 0) for value in row[:4])
+        done, verified, ideal, infeasible, lately = (int(value or 0) for value in row[:5])
         # The first chunk marks the start: its own rows took the time before it.
-        seconds = min(RATE_WINDOW_S, row[5] - row[4]) if done else 0.0
+        seconds = min(RATE_WINDOW_S, row[6] - row[5]) if done else 0.0
         return {
             "done": done,
             "verified": verified,
+            "verified_ideal": ideal,
             "infeasible": infeasible,
             "rate_rows_s": lately / seconds if seconds > 0 else 0.0,
         }

@@ -9,7 +9,7 @@ import warnings
 from dataclasses import replace
 
 from design.tables.compute import compute_rows
-from design.tables.rows import INFEASIBLE, VERIFIED
+from design.tables.rows import INFEASIBLE, VERIFIED, VERIFIED_IDEAL
 from design.tables.specification import TableSpecification
 from service.jobs.blobs import to_blob
 from service.jobs.store import Done
@@ -39,6 +39,7 @@ def compute_chunk(part: TableSpecification, start: int, stop: int) -> Done:
     return Done(
         blob=to_blob(rows),
         verified=int((rows.status == VERIFIED).sum()),
+        verified_ideal=int((rows.status == VERIFIED_IDEAL).sum()),
         infeasible=int((rows.status == INFEASIBLE).sum()),
     )
 

@@ -139,7 +139,7 @@ def _designed_for(case: Case) -> Actuator:
 
 def _has_formula(impulses: Impulses, actuator: Actuator) -> bool:
     """Whether each step excites a response of its own, by a known set."""
-    rising = increases(impulses.amplitudes)
+    rising = increases(impulses)
     if actuator.model == "switched" and not all(rising):
         return False
     if not isinstance(actuator, RateLimited):

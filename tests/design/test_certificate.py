@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from design.actuators import Actuator, FirstOrder, SecondOrder
+from design.actuators import Actuator, FirstOrder, SecondOrder, SecondOrderSet
 from design.analysis.certificate import LIMITS, METHOD, Certificate, Claim, certify, zeros
+from design.analysis.residual import residual_vectors
 from design.impulses import Impulses
 from design.pipeline import design
 from design.plants import Mode, Plant
@@ -159,3 +160,95 @@ def test_higher_derivatives_of_any_command_are_those_of_the_formula(z: float) ->
             # Rounding: 1e-11 p^3 for phases p of up to 8.
             assert claim.value == pytest.approx(expected, abs=5e-9)
             assert claim.holds == (expected <= LIMITS[claim.quantity])
+
+
+ALL_ORDERS: tuple[Quantity, ...] = ("residual", "slope", "second_derivative", "third_derivative")
+
+
+def derivatives_by_cauchy(
+    impulses: Impulses, mode: Mode, actuator: Actuator, radius: float
+) -> list[float]:
+    """Sizes of V and its derivatives by ln w, of the closed form on a circle without a pole.
+
+    By Cauchy's integral: aliasing is the 64th power of the radius over the nearest pole's distance.
+    """
+    turns = np.exp(2j * np.pi * np.arange(64) / 64)
+    poles = mode.pole_rad_s * np.exp(radius * turns)
+    turned = np.exp((mode.pole_rad_s - poles) * impulses.duration_s)
+    gains = actuator.accel_lag.denominator(poles) / actuator.accel_lag.denominator(mode.pole_rad_s)
+    vectors = residual_vectors(impulses, poles, actuator) / gains * turned
+    return [
+        abs(math.factorial(order) * np.mean(vectors * turns**-order) / radius**order)
+        for order in range(len(ALL_ORDERS))
+    ]
+
+
+def beside_the_pole(
+    seed: int, distances: tuple[float, float]
+) -> tuple[Mode, list[Actuator], float]:
+    """Return a mode, drives of both models with poles near its own, and how near the nearer is."""
+    random = np.random.default_rng(seed)
+    while True:
+        w, z = float(random.uniform(0.5, 20.0)), float(random.uniform(0.0, 0.5))
+        mode = Mode(natural_frequency_rad_s=w, damping_ratio=z)
+        sets, apart = [], []
+        for _ in range(2):
+            distance = math.exp(random.uniform(*np.log(distances)))
+            pole = mode.pole_rad_s * (1 + distance * np.exp(2j * np.pi * random.uniform()))
+            sets.append((abs(pole), -pole.real / abs(pole)))
+            apart.append(abs(np.log(pole / mode.pole_rad_s)))
+        if all(damping >= 0.1 for _, damping in sets):
+            accel, decel = (
+                SecondOrderSet(natural_frequency_rad_s=float(wa), damping_ratio=float(za))
+                for wa, za in sets
+            )
+            both: list[Actuator] = [
+                SecondOrder(accel=accel, decel=decel, model="superposed"),
+                SecondOrder(accel=accel, decel=decel, model="switched"),
+            ]
+            return mode, both, min(apart)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_derivatives_are_right_beside_a_pole_of_the_drive(seed: int) -> None:
+    mode, actuators, nearest = beside_the_pole(seed, (1e-3, 0.3))
+    for actuator in actuators:
+        for times, amplitudes in COMMANDS.values():
+            command = Impulses(
+                times_s=times / mode.natural_frequency_rad_s * 3.5, amplitudes=amplitudes
+            )
+            expected = derivatives_by_cauchy(command, mode, actuator, nearest / 2)
+            claims = certify(command, mode, actuator, zeros(ALL_ORDERS)).claims
+            for order, (claim, value) in enumerate(zip(claims, expected, strict=True)):
+                # A part in 1e8 of what the nearer pole makes of rounding in lower derivatives.
+                scale = max(
+                    expected[lower] / nearest ** (order - lower) for lower in range(order + 1)
+                )
+                assert claim.value == pytest.approx(value, abs=1e-8 * scale), claim.quantity
+            alone = certify(command, mode, actuator, zeros(["slope"])).claims[0].value
+            assert alone == pytest.approx(expected[1], abs=1e-7 * max(expected[:2]) / nearest)
+
+
+@pytest.mark.parametrize("name", ["zv", "zvd", "zvdd", "zvddd"])
+@pytest.mark.parametrize("seed", range(15))
+def test_zeros_of_any_order_are_verified_beside_a_pole_of_the_drive(seed: int, name: str) -> None:
+    mode, actuators, _ = beside_the_pole(seed, (2e-3, 0.3))
+    for actuator in actuators:
+        made = design(mode, actuator, SHAPERS[name])
+        assert made.certificate.verified
+        assert not made.for_ideal
+        wrong = moved(made.impulses, 1, 1e-4 / mode.natural_frequency_rad_s)
+        promises = zeros(made.certificate.zeros)
+        assert not certify(wrong, mode, actuator, promises).verified
+
+
+def test_a_plant_between_the_poles_of_its_drive_has_all_zeros_proven() -> None:
+    mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=0.08)
+    drive = SecondOrder(
+        accel=SecondOrderSet(natural_frequency_rad_s=1.0, damping_ratio=0.1),
+        decel=SecondOrderSet(natural_frequency_rad_s=1.1, damping_ratio=3.0),
+    )
+    for name, order in (("zvdd", 3), ("zvddd", 4)):
+        made = design(mode, drive, SHAPERS[name])
+        assert (made.certificate.verified, made.for_ideal) == (True, False)
+        assert [claim.quantity for claim in made.certificate.claims] == list(ALL_ORDERS[:order])

@@ -1,5 +1,7 @@
 """Commands as steps."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -43,4 +45,36 @@ def test_a_shaped_step_is_the_shaper_and_a_shaped_pulse_ends_at_rest() -> None:
     shaped = convolved(pulse(0.5), shaper)
     assert np.all(np.diff(shaped.times_s) >= 0)
     assert np.cumsum(shaped.amplitudes)[-1] == pytest.approx(0, abs=1e-15)
-    assert shaped.times_s.tolist() == pytest.approx([0.0, 0.4, 0.5, 0.9, 0.9, 1.4])
+    # 0.5 + 0.4 is 0.9, where the shaper's own last step is: one step, down by 0.25.
+    assert shaped.times_s.tolist() == pytest.approx([0.0, 0.4, 0.5, 0.9, 1.4])
+    assert shaped.amplitudes.tolist() == [0.25, 0.5, -0.25, -0.25, -0.25]
+
+
+def test_of_velocities_at_one_time_the_last_counts() -> None:
+    told = listed(np.array([0.0, 0.0, 1.0, 1.0, 1.0]), np.array([9.0, 0.5, 7.0, -3.0, 0.0]))
+    assert told.times_s.tolist() == [0.0, 1.0]
+    assert told.amplitudes.tolist() == [0.5, -0.5]
+
+
+def test_a_velocity_that_stays_is_no_step() -> None:
+    told = listed(np.array([0.0, 1.0, 2.0, 3.0, 4.0]), np.array([0.0, 0.5, 0.5, 1.0, 1.0]))
+    assert told.times_s.tolist() == [1.0, 3.0]
+    assert told.amplitudes.tolist() == [0.5, 0.5]
+    with pytest.raises(InvalidInputError, match=r"^velocity_m_s must be not all zero, the last"):
+        listed(np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]))
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 1e12])
+def test_a_velocity_of_no_size_is_named_by_its_place(value: float) -> None:
+    with pytest.raises(
+        InvalidInputError, match=r"^velocity_m_s\.1 must be a number, at most 5e\+11"
+    ):
+        listed(np.array([0.0, 1.0]), np.array([0.5, value]))
+
+
+def test_steps_of_a_shaped_pulse_that_meet_and_cancel_are_none() -> None:
+    # In numbers, 0.1 + 0.2 is not 0.3.
+    shaper = Impulses(times_s=np.array([0.0, 0.1, 0.3]), amplitudes=np.array([0.5, 0.25, 0.25]))
+    shaped = convolved(pulse(0.2), shaper)
+    assert shaped.times_s.tolist() == pytest.approx([0.0, 0.1, 0.2, 0.5])  # up, down at 0.3
+    assert shaped.amplitudes.tolist() == [0.5, 0.25, -0.5, -0.25]

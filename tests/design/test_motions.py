@@ -1,19 +1,35 @@
 """Commands played on plants, against an integrator that shares no code."""
 
+import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from design.actuators import FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder, SecondOrderSet
 from design.commands import pulse, step
+from design.impulses import Impulses
+from design.maps import Axis, MapCase, field_map
 from design.motions import motion
 from design.plants import Mode
 from design.simulation import simulated_history
 from tests.design.test_switched import random_case
 from tests.routes import integrate
 from tests.shaper_table import CRANE, THESIS
+
+TWO_SETS = SecondOrder(
+    accel=SecondOrderSet(natural_frequency_rad_s=20.0, damping_ratio=0.8),
+    decel=SecondOrderSet(natural_frequency_rad_s=30.0, damping_ratio=0.7),
+)
+DRIVES: list[Actuator] = [
+    Ideal(),
+    FirstOrder(accel_time_constant_s=0.08, decel_time_constant_s=0.03),
+    FirstOrder(accel_time_constant_s=0.08, decel_time_constant_s=0.03, model="switched"),
+    TWO_SETS,
+    replace(TWO_SETS, model="switched"),
+    RateLimited(accel_limit_m_s2=2.0, decel_limit_m_s2=3.0, speed_m_s=0.3, then=TWO_SETS),
+]
 
 
 @pytest.mark.parametrize("model", ["superposed", "switched"])
@@ -47,6 +63,28 @@ def test_the_remaining_swing_is_the_one_that_goes_on() -> None:
     assert played.remaining.deflection_m == pytest.approx(played.peak.deflection_m, rel=1e-6)
     assert played.residual == pytest.approx(1.0)
     assert played.peak.angle_rad == pytest.approx(played.peak.deflection_m / 0.8)
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.05, 0.2, 0.5])
+@pytest.mark.parametrize("drive", DRIVES, ids=lambda drive: f"{drive.kind} {drive.model}")
+def test_what_remains_is_the_amplitude_of_the_free_swing_by_integration(
+    drive: Actuator, damping_ratio: float
+) -> None:
+    mode = Mode(natural_frequency_rad_s=2.0, damping_ratio=damping_ratio)
+    command = Impulses(times_s=np.array([0.0, 0.9, 2.0]), amplitudes=np.array([1.0, -0.6, 0.3]))
+    later = 3.5  # the slowest set, 12 /s, has e^-42 left then, the payload e^-3.5 at least
+    deflection, rate, _ = integrate(command, mode, drive, 2.0 + later)
+    # d = a exp(-z w t) cos(wd t + phase): amplitude from the state, then back to the last step.
+    decay, turn = -mode.pole_rad_s.real, mode.pole_rad_s.imag
+    amplitude = math.hypot(deflection, (rate + decay * deflection) / turn) * math.exp(decay * later)
+    played = motion(mode, drive, command, 0.3, np.array([0.0]))
+    assert played.remaining is not None
+    assert played.remaining.deflection_m == pytest.approx(0.3 * amplitude, rel=1e-8)
+    case = MapCase(
+        plant=mode, actuator=drive, shaper=command, quantity="deflection_m", speed_m_s=0.3
+    )
+    over = Axis(path=("plant", "damping_ratio"), values=np.array([damping_ratio]))
+    assert field_map(case, over, None).values.item() == pytest.approx(0.3 * amplitude, rel=1e-8)
 
 
 def test_an_ideal_step_swings_by_speed_over_frequency() -> None:

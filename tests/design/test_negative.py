@@ -117,6 +117,7 @@ def test_zero_slope_widens_the_band(b: float) -> None:
     for name in ("sna_zv", "sna_zvd"):
         found = insensitivity(of_amplitude(b, 0.0, name), hertz(), IDEAL, 0.05)
         assert found is not None
+        assert found.width is not None
         widths.append(found.width)
     # .0637 and .2871 for the positive ones, .0552 and .2586 at unity magnitude.
     assert widths[1] > 4 * widths[0]

@@ -46,8 +46,8 @@ def test_the_crane_gets_more_robustness_than_numzvd_in_its_time(
     found = insensitivity(made.impulses, CRANE.mode, actuator, 0.05)
     assert found is not None
     # By design.analysis, which the certificate does not use; the edges lie on the tolerance.
-    assert found.lower_ratio <= 1 - half_width + 1e-7
-    assert found.upper_ratio >= 1 + half_width - 1e-7
+    assert found.searched_from_ratio <= 1 - half_width + 1e-7
+    assert found.searched_to_ratio >= 1 + half_width - 1e-7
     (claim,) = made.certificate.claims
     assert claim.quantity == "band"
     assert claim.band == (1 - half_width, 1 + half_width)

@@ -18,11 +18,13 @@ from matplotlib.image import imread
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
-from design.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder, SecondOrderSet
 from design.analysis.residual import residual_vibration
 from design.analysis.sensitivity import Sensitivity, SensitivityRange, sensitivity
 from design.impulses import Impulses
 from design.pictures.design_sheet import design_sheet, figure_bytes
+from design.pictures.sensitivity_panel import draw_sensitivity
+from design.pictures.time_panels import draw_payload
 from design.pictures.vector_panel import vibration_vectors
 from design.pipeline import Design, design
 from design.plants import Mode, Pendulum
@@ -36,6 +38,7 @@ CRANE_DRIVE = SecondOrder(
     decel=SecondOrderSet(natural_frequency_rad_s=50.0, damping_ratio=1.5),
 )
 LAG = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.04)
+RAMPS = RateLimited(accel_limit_m_s2=4.0, decel_limit_m_s2=3.0, speed_m_s=0.4)
 WHOLE_RANGE = SensitivityRange()
 ROUNDING = 1e-13
 """Sums of a few numbers of magnitude one, each right to double precision."""
@@ -212,6 +215,27 @@ def test_a_design_above_tolerance_has_no_band_and_the_sheet_says_so() -> None:
     assert "no insensitivity: nominal 7.34 % is above tolerance" in _words(figure)
 
 
+@pytest.mark.parametrize(
+    ("times", "amplitudes", "tolerance", "note", "edges"),
+    [
+        ([0.0, 1.0], [0.3, 0.3], 0.7, "insensitivity: no edge from 0.001 to 100 times", 0),
+        ([0.0, 0.3], [1.0, -0.55], 0.8, "no lower edge down to 0.001 times", 1),
+    ],
+)
+def test_an_edge_that_is_none_is_told_and_not_drawn(
+    times: list[float], amplitudes: list[float], tolerance: float, note: str, edges: int
+) -> None:
+    steps = Impulses(times_s=np.array(times), amplitudes=np.array(amplitudes))
+    mode = Mode(natural_frequency_rad_s=1.0)
+    curve = sensitivity(steps, mode, Ideal(), SensitivityRange(tolerance=tolerance))
+    figure = Figure()
+    draw_sensitivity(figure.add_subplot(), curve, residual_vibration(steps, mode, Ideal()))
+    (axes,) = figure.axes
+    assert note in _words(figure)
+    drawn = [line for line in axes.lines if line.get_linewidth() == pytest.approx(0.9)]
+    assert len(drawn) == edges
+
+
 def test_a_band_beyond_the_range_asked_for_does_not_widen_it() -> None:
     inside = SensitivityRange(from_ratio=1.05, to_ratio=1.1)
     figure, _, _ = _sheet("numzvd", CRANE, CRANE_DRIVE, inside)
@@ -265,6 +289,24 @@ def test_the_payload_drawn_rings_on_by_the_residual_and_no_more() -> None:
         # The slowest actuator pole is at 16 rad/s: after 1 s it has left 1e-6 of a step.
         late = deflection[times > made.impulses.times_s[-1] + 1.0]
         assert abs(np.abs(late).max() - made.residual) < 1e-4
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.2, 0.5])
+@pytest.mark.parametrize("actuator", [Ideal(), LAG, RAMPS], ids=lambda drive: drive.kind)
+def test_a_payload_rings_within_its_envelope_and_touches_it(
+    actuator: Actuator, damping_ratio: float
+) -> None:
+    mode = Mode(natural_frequency_rad_s=3.0, damping_ratio=damping_ratio)
+    halves = Impulses(times_s=np.array([0.0, 0.4]), amplitudes=np.array([0.5, 0.5]))
+    times = np.linspace(0.0, 4.0, 8001)
+    axes = Figure().add_subplot()
+    left = residual_vibration(halves, mode, actuator)
+    draw_payload(axes, halves, mode, actuator, left, times)
+    (shaped,) = [line for line in axes.lines if line.get_gid() == "shaped"]
+    late = times > 2.4  # transients have e^-20 left
+    envelope = left * np.exp(-3.0 * damping_ratio * (times[late] - 0.4))
+    shares = np.abs(np.asarray(shaped.get_ydata()))[late] / envelope
+    assert shares.max() == pytest.approx(1.0, abs=1e-6)  # a maximum between two of the times
 
 
 @pytest.mark.parametrize("case", CASES)

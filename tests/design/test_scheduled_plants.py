@@ -179,8 +179,8 @@ def test_the_worst_of_curves_is_the_larger_and_common_to_both() -> None:
     ("start", "stop", "match"),
     [
         (0.2, 0.1, r"damping\.to must be greater than from"),
-        (0.0, 0.6, r"damping\.to must be between 0 and 0\.5"),
-        (-0.1, 0.1, r"damping\.from must be between 0 and 0\.5"),
+        (0.0, 1.0, r"damping\.to must be between 0 and 0\.99"),
+        (-0.1, 0.1, r"damping\.from must be between 0 and 0\.99"),
     ],
 )
 def test_bad_ranges_of_damping_are_refused(start: float, stop: float, match: str) -> None:

@@ -11,6 +11,7 @@ from design.analysis.sensitivity import (
     WIDEST_RATIOS,
     Insensitivity,
     SensitivityRange,
+    common_interval,
     insensitivity,
     sensitivity,
 )
@@ -49,7 +50,7 @@ def edges(curve: FloatArray, tolerance: float) -> tuple[float, float]:
     outside = curve > tolerance * (1 + 1e-9)
     below, above = DENSE[outside & (DENSE < 1)], DENSE[outside & (DENSE > 1)]
     return (
-        float(below[-1]) if below.size else WIDEST_RATIOS[0],
+        float(below[-1]) if below.size else 0.0,
         float(above[0]) if above.size else math.inf,
     )
 
@@ -61,7 +62,7 @@ def test_the_edges_of_zv_have_a_closed_form(tolerance: float) -> None:
     reach = 2 / math.pi * math.asin(tolerance * (1 + 1e-9))
     assert result.lower_ratio == pytest.approx(1 - reach, abs=1e-12)  # root-found to 1e-13
     assert result.upper_ratio == pytest.approx(1 + reach, abs=1e-12)
-    assert result.width == result.upper_ratio - result.lower_ratio
+    assert result.width == result.searched_to_ratio - result.searched_from_ratio
     assert result.tolerance == tolerance
 
 
@@ -69,6 +70,7 @@ def test_the_residual_at_an_edge_is_the_tolerance() -> None:
     shaper = design(CRANE, THESIS, SHAPERS["numzvd"]).impulses
     result = found(shaper, CRANE.mode, THESIS, 0.05)
     for edge in (result.lower_ratio, result.upper_ratio):
+        assert edge is not None
         at_edge = claims_by_formula(shaper, CRANE.mode, THESIS, edge)["residual"]
         assert at_edge == pytest.approx(0.05, rel=2e-9)  # the margin, once
 
@@ -138,15 +140,60 @@ def test_edges_are_those_of_a_dense_scan_for_any_command(seed: int) -> None:
             if math.isfinite(high):
                 assert result.upper_ratio == pytest.approx(high, abs=2 * STEP)
             else:
-                assert result.upper_ratio > 2.5 - 2 * STEP
+                assert result.searched_to_ratio > 2.5 - 2 * STEP
 
 
-def test_an_interval_without_an_edge_is_cut_at_the_widest_ratios() -> None:
-    # Steps of 0.3 and 0.3 sum to 0.6 at most.
-    result = found(impulses([0, 1.0], [0.3, 0.3]), UNIT, IDEAL, 0.7)
-    assert (result.lower_ratio, result.upper_ratio) == WIDEST_RATIOS
-    one = found(impulses([0.0], [0.3]), UNIT, IDEAL, 0.7)
-    assert (one.lower_ratio, one.upper_ratio) == WIDEST_RATIOS
+# Steps of 0.3 and 0.3 sum to 0.6 at most; 1 and 20 turns apart, and together.
+@pytest.mark.parametrize("times", [[0.0], [0.0, 1.0], [0.0, 2 * math.pi], [0.0, 40 * math.pi]])
+@pytest.mark.parametrize("actuator", [IDEAL, FIRST_ORDER], ids=lambda drive: drive.kind)
+def test_an_edge_that_is_none_is_told_as_none(times: list[float], actuator: Actuator) -> None:
+    result = found(impulses(times, [0.3] * len(times)), UNIT, actuator, 0.7)
+    assert (result.lower_ratio, result.upper_ratio, result.width) == (None, None, None)
+    assert (result.searched_from_ratio, result.searched_to_ratio) == WIDEST_RATIOS
+
+
+def test_a_long_search_without_an_edge_says_where_it_ended() -> None:
+    # Of steps through either set nothing is proven; 20 turns are looked at for 20,000 points.
+    command = impulses([0.0, 40 * math.pi], [0.4, -0.2])
+    result = found(command, UNIT, FIRST_ORDER, 0.9)
+    assert (result.lower_ratio, result.upper_ratio, result.width) == (None, None, None)
+    assert result.searched_from_ratio == WIDEST_RATIOS[0]
+    assert 15 < result.searched_to_ratio < WIDEST_RATIOS[1]
+    ratios = np.linspace(0.01, result.searched_to_ratio, 10_001)
+    assert residual_curve(command, UNIT, FIRST_ORDER, ratios).max() <= 0.9
+
+
+def test_an_interval_with_an_edge_on_one_side_has_no_width() -> None:
+    # Steps of 1 and -0.55 leave 0.45 near no frequency at all, and 1.55 half a turn apart.
+    result = found(impulses([0.0, 0.3], [1.0, -0.55]), UNIT, IDEAL, 0.8)
+    assert result.lower_ratio is None
+    assert result.searched_from_ratio == WIDEST_RATIOS[0]
+    assert result.upper_ratio == result.searched_to_ratio
+    # |1 - 0.55 exp(-j 0.3 r)|^2 = 1 + 0.55^2 - 1.1 cos(0.3 r) = 0.8^2, and the margin
+    limit = 0.8 * (1 + 1e-9)
+    edge = math.acos((1 + 0.55**2 - limit**2) / 1.1) / 0.3
+    assert result.upper_ratio == pytest.approx(edge, rel=1e-12)
+    assert result.width is None
+
+
+def test_what_is_common_to_several_modes_ends_where_the_first_ends() -> None:
+    def interval(
+        lower: float | None, upper: float | None, low: float, high: float
+    ) -> Insensitivity:
+        return Insensitivity(
+            tolerance=0.05,
+            lower_ratio=lower,
+            upper_ratio=upper,
+            searched_from_ratio=low,
+            searched_to_ratio=high,
+        )
+
+    edged, open_above = interval(0.8, 1.4, 0.8, 1.4), interval(0.7, None, 0.7, 100.0)
+    assert common_interval([edged, open_above]) == edged
+    # An edge at 1.4 is none of both where the other was not searched as far.
+    short = interval(0.9, None, 0.9, 1.3)
+    assert common_interval([edged, short]) == short
+    assert common_interval([edged, None]) is None
 
 
 @pytest.mark.parametrize("scale", [0.01, 300.0])
@@ -177,9 +224,9 @@ def test_edges_depend_neither_on_waiting_nor_on_the_direction() -> None:
 
 def test_a_wider_tolerance_has_a_wider_interval() -> None:
     shaper = design(CRANE, FIRST_ORDER, SHAPERS["numzvd"]).impulses
-    widths = [
-        found(shaper, CRANE.mode, FIRST_ORDER, v).width for v in (1e-6, 1e-3, 0.01, 0.05, 0.2)
-    ]
+    intervals = [found(shaper, CRANE.mode, FIRST_ORDER, v) for v in (1e-6, 1e-3, 0.01, 0.05, 0.2)]
+    widths = [interval.width for interval in intervals if interval.width is not None]
+    assert len(widths) == len(intervals)
     assert widths == sorted(widths)
     assert widths[0] > 0
 
@@ -237,28 +284,30 @@ def test_a_narrow_peak_of_the_actuator_far_below_the_nominal_is_seen() -> None:
 def test_no_edge_lies_beyond_the_widest_ratios() -> None:
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=0.5)
     result = found(impulses([0.0, 0.3], [0.5, 0.48]), mode, Ideal(), 0.981)
-    assert result.lower_ratio >= WIDEST_RATIOS[0]
+    assert result.searched_from_ratio >= WIDEST_RATIOS[0]
 
 
 def test_an_actuator_alone_shapes_the_curve_of_a_short_command() -> None:
-    # Two simultaneous steps turn no phase; the slow braking set alone decides.
+    # Two steps at nearly one time turn no phase; the slow braking set alone decides.
     actuator = FirstOrder(accel_time_constant_s=0.0, decel_time_constant_s=1.0)
-    both = impulses([0.0, 0.0], [1.0, -0.7])
+    both = impulses([0.0, 1e-12], [1.0, -0.7])
     # |1 - 0.7 / (1 + j r)| = V
     result = found(both, UNIT, actuator, 0.75)
     for edge in (result.lower_ratio, result.upper_ratio):
-        if edge not in WIDEST_RATIOS:
+        if edge is not None:
             assert abs(1 - 0.7 / (1 + 1j * edge)) == pytest.approx(0.75, rel=1e-8)
     low, high = edges(residual_curve(both, UNIT, actuator, DENSE), 0.75)
-    assert result.lower_ratio == pytest.approx(low, abs=2 * STEP)
+    assert (result.lower_ratio, low) == (None, 0.0)
     assert result.upper_ratio == pytest.approx(high, abs=2 * STEP)
 
 
 def test_a_long_quiet_command_ends_its_search() -> None:
     # Never above the tolerance: without a bound the search would take 2e8 points to its end.
-    quiet = impulses([0.0, 1e5], [1e-3, 1e-3])
-    result = found(quiet, UNIT, Ideal(), 0.05)
-    assert WIDEST_RATIOS[0] <= result.lower_ratio < 1 < result.upper_ratio <= WIDEST_RATIOS[1]
+    quiet = impulses([0.0, 1e5], [1e-3, -1e-3])
+    result = found(quiet, UNIT, FIRST_ORDER, 0.05)
+    assert (result.lower_ratio, result.upper_ratio) == (None, None)
+    assert WIDEST_RATIOS[0] <= result.searched_from_ratio < 1
+    assert 1 < result.searched_to_ratio <= WIDEST_RATIOS[1]
 
 
 def test_a_command_beyond_the_digits_of_its_phase_is_refused() -> None:

@@ -39,6 +39,7 @@ def by_hand(name: str) -> Impulses:
 def width(impulses: Impulses, tolerance: float) -> float:
     interval = insensitivity(impulses, UNIT, Ideal(), tolerance)
     assert interval is not None
+    assert interval.width is not None
     return interval.width
 
 

@@ -90,6 +90,7 @@ def left_behind(times: FloatArray, w: float, actuator: Actuator = THESIS) -> flo
 def width(times: FloatArray) -> float:
     interval = insensitivity(command(times), CRANE.mode, THESIS, 0.05)
     assert interval is not None
+    assert interval.width is not None
     return interval.width
 
 

@@ -70,6 +70,28 @@ def test_sensitivity_and_fit_take_the_same_json() -> None:
     )
 
 
+def test_an_edge_that_is_none_is_null_and_told_as_none() -> None:
+    never_above = {
+        "impulses": {"times_s": [0, 20.943951], "amplitudes": [0.3, 0.3]},
+        "plant": {"kind": "mode", "natural_frequency_rad_s": 3, "damping_ratio": 0},
+        "actuator": {"kind": "ideal"},
+        "tolerance": 0.7,
+    }
+    band = json.loads(shapersmith("sensitivity", "-", given=never_above).stdout)["sensitivity"][
+        "insensitivity"
+    ]
+    assert band == {
+        "tolerance": 0.7,
+        "lower_ratio": None,
+        "upper_ratio": None,
+        "width": None,
+        "searched_from_ratio": 1e-3,
+        "searched_to_ratio": 100.0,
+    }
+    told = shapersmith("sensitivity", "-", "--format", "table", given=never_above).stdout
+    assert "no lower edge down to 0.001 times, no upper edge up to 100 times" in told
+
+
 def test_shapers_lists_every_kind() -> None:
     listed = json.loads(shapersmith("shapers").stdout)["shapers"]
     assert "numzvd" in {entry["kind"] for entry in listed}

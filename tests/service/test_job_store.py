@@ -54,7 +54,7 @@ def job(rows: int = 10, chunk_rows: int = 4) -> NewJob:
 
 
 def done(blob: bytes = b"rows") -> Done:
-    return Done(blob=blob, verified=1, infeasible=1)
+    return Done(blob=blob, verified=1, infeasible=1, verified_ideal=1)
 
 
 def test_chunks_are_claimed_once_and_in_order(store: Store) -> None:
@@ -74,6 +74,7 @@ def test_a_job_is_done_when_its_chunks_are_and_its_rows_come_in_order(store: Sto
     found = store.job(new.id)
     assert found is not None
     assert (found.state, found.done, found.verified, found.infeasible) == ("done", 10, 3, 3)
+    assert (found.verified_ideal, found.failed) == (3, 1)
     assert list(store.blobs(new.id)) == [b"0", b"1", b"2"]
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from tests.conftest import CRANE, free_port
-from tests.service.test_tables_over_http import TABLE
+from tests.service.test_tables_over_http import HEAVILY_DAMPED, TABLE
 
 COMMAND = (sys.executable, "-m", "service.cli", "table")
 
@@ -396,3 +396,12 @@ def test_a_worker_killed_in_a_chunk_costs_nothing_but_time(spec: Path, tmp_path:
     assert "failed: BrokenProcessPool" in told
     assert table(spec, "-o", undisturbed).returncode == 0
     assert path.read_bytes() == undisturbed.read_bytes()
+
+
+def test_what_a_format_finds_in_the_rows_is_invalid_input(tmp_path: Path) -> None:
+    spec, path = tmp_path / "spec.json", tmp_path / "x.gcode"
+    spec.write_text(json.dumps(HEAVILY_DAMPED))
+    done = table(spec, "-o", path, "--workers", "1")
+    assert done.returncode == 2, done.stderr
+    assert "damping_ratio of row 1: must be at most 0.3 for Klipper's 2hump_ei" in done.stderr
+    assert not path.exists()

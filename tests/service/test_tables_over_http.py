@@ -192,9 +192,9 @@ GRID = [
             "a number",
         ),
         (
-            {"axes": None, "designs": [{"plant": {"damping_ratio": 0.7}}]},
+            {"axes": None, "designs": [{"plant": {"damping_ratio": 1.5}}]},
             "/designs/0",
-            "between 0 and 0.5",
+            "between 0 and 0.99",
         ),
         ({"chunk_rows": 0}, "/chunk_rows", "greater than"),
     ],
@@ -254,3 +254,37 @@ def test_a_table_that_has_been_kept_long_enough_goes_with_its_file(tmp_path: Pat
         while client.get(location).status_code != 404 or list(files.iterdir()):
             assert time.monotonic() < deadline
             time.sleep(0.1)
+
+
+HEAVILY_DAMPED: dict[str, Any] = {
+    "design": {
+        "plant": {"kind": "mode", "natural_frequency_rad_s": 250.0, "damping_ratio": 0.0},
+        "actuator": {"kind": "ideal"},
+        "shaper": {"kind": "two_hump_ei", "tolerance": 0.055},
+    },
+    "axes": [{"field": "/plant/damping_ratio", "values": [0.02, 0.35]}],
+    "columns": ["times_s", "amplitudes", "residual"],
+}
+
+
+def test_what_a_format_finds_in_the_rows_is_refused_by_name(client: httpx.Client) -> None:
+    location = client.post("/v1/tables", json=HEAVILY_DAMPED).headers["location"]
+    ended(client, location)
+    refused = client.get(f"{location}/result", params={"format": "klipper"})
+    assert refused.status_code == 422, refused.text
+    assert (
+        "damping_ratio of row 1: must be at most 0.3 for Klipper's 2hump_ei, got 0.35"
+        in (refused.json()["detail"])
+    )
+    assert client.get(f"{location}/result", params={"format": "rrf"}).status_code == 200
+
+
+def test_rows_that_are_verified_for_an_ideal_actuator_only_are_counted_apart(
+    client: httpx.Client,
+) -> None:
+    design = {**CRANE, "shaper": {"kind": "umzv"}}
+    location = client.post("/v1/tables", json={**TABLE, "design": design}).headers["location"]
+    job = ended(client, location)
+    assert (job["verified"], job["verified_ideal"], job["failed"]) == (0, 8, 0)
+    text = client.get(f"{location}/result").text
+    assert text.count(",verified_ideal,\n") == 8

@@ -12,8 +12,8 @@ from design.errors import InvalidInputError
 from design.export.c_header import C
 from design.fits import Fit, FitRange, fit
 from design.shapers.registry import SHAPERS
-from design.tables.description import described, times_of
-from design.tables.rows import Rows, TableHead
+from design.tables.columns import times_of
+from design.tables.rows import Rows, TableHead, subject_of
 from design.types import FloatArray
 from tests.tables import CRANE, designed_table, head_of, made_up_table
 
@@ -114,7 +114,7 @@ def table() -> tuple[TableHead, Rows]:
 
 @pytest.fixture(scope="module")
 def polynomials() -> Fit:
-    request = described(made_up_table(0, 1)[0])
+    request = subject_of(made_up_table(0, 1)[0])
     wanted = FitRange(over="cable_length_m", start=0.3, stop=1.4, degree=5)
     return fit(request.plant, request.actuator, SHAPERS["numzvd"], wanted)
 
@@ -217,7 +217,7 @@ def test_every_kind_of_fit_evaluates_up_to_its_ends(
     tmp_path: Path, actuator: dict[str, Any], over: Any, start: float, stop: float, form: Any
 ) -> None:
     request = {**MODE, "actuator": actuator}
-    described_by = described(head_of(request, (), 1, (1.0,) * 5))
+    described_by = subject_of(head_of(request, (), 1, (1.0,) * 5))
     wanted = FitRange(over=over, start=start, stop=stop, degree=2, form=form)
     made = fit(described_by.plant, described_by.actuator, SHAPERS["numzvd"], wanted)
     head, rows = designed_table(request, {"plant.damping_ratio": [0.0]}, fit=made)

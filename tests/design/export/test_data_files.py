@@ -14,7 +14,7 @@ from design.export.mat_file import LARGEST_MATRIX_BYTES, check_mat
 from design.export.reading import READERS, rows_of
 from design.export.registry import EXPORTS
 from design.tables.rows import STATUSES
-from tests.tables import head_of, joined, made_up_table, same
+from tests.tables import CRANE, head_of, joined, made_up_table, same
 
 ROWS, RUN_ROWS = 2_500, 1_000
 
@@ -157,9 +157,9 @@ def test_mat_holds_matrices_and_names_for_matlab() -> None:
 def test_mat_refuses_what_its_sizes_cannot_count() -> None:
     most = LARGEST_MATRIX_BYTES // (8 * 6)
     amplitudes = (1.0, -1.0, 1.0, -1.0, 1.0)
-    check_mat(head_of({}, ("plant.cable_length_m",), most, amplitudes))
+    check_mat(head_of(CRANE, ("plant.cable_length_m",), most, amplitudes))
     with pytest.raises(InvalidInputError, match="rows must be at most 44739242 for a"):
-        check_mat(head_of({}, ("plant.cable_length_m",), most + 1, amplitudes))
+        check_mat(head_of(CRANE, ("plant.cable_length_m",), most + 1, amplitudes))
 
 
 PEAK = """
@@ -181,3 +181,13 @@ def test_parquet_needs_no_more_memory_for_ten_times_the_rows() -> None:
         peaks.append(peak)
     # The rows take 76 MB more; a tenth of the whole process is noise of the allocator.
     assert peaks[1] < 1.1 * peaks[0], peaks
+
+
+@pytest.mark.parametrize("name", ["csv", "json"])
+def test_a_specification_that_was_changed_in_the_file_is_refused(name: str) -> None:
+    text = written(name, 3).decode().replace('"cable_length_m":0.8', '"cable_length_m":0.9')
+    with pytest.raises(
+        InvalidInputError,
+        match=r"specification_sha256 must be the hash of the file's specification",
+    ):
+        rows_of(name, io.BytesIO(text.encode()))

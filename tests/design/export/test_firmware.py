@@ -2,22 +2,29 @@
 
 import math
 import re
-from itertools import accumulate, pairwise
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
 import pytest
 
+from design.actuators import Ideal
 from design.errors import InvalidInputError
 from design.export.klipper import KLIPPER
 from design.export.reprap import REPRAP
+from design.pipeline import design
+from design.plants import Mode
+from design.shapers.registry import SHAPERS
 from design.tables.rows import Rows, TableHead
+from tests.firmware import lines_of, reprap_35_reads, reprap_36_reads
 from tests.tables import CRANE, designed_table, head_of
 
 PLANT = {"kind": "mode", "natural_frequency_rad_s": 250.0, "damping_ratio": 0.0}
 
 
-def zvd_table(kind: str = "zvd", actuator: dict[str, Any] | None = None) -> tuple[TableHead, Rows]:
+def zvd_table(
+    kind: str = "zvd", actuator: dict[str, Any] | None = None, scale: float = 1.0
+) -> tuple[TableHead, Rows]:
     """Return a table of undamped ZVD shapers, half a period apart, and one failure."""
     request = {
         "plant": PLANT,
@@ -25,7 +32,7 @@ def zvd_table(kind: str = "zvd", actuator: dict[str, Any] | None = None) -> tupl
         "shaper": {"kind": kind},
     }
     field = "plant.natural_frequency_rad_s"
-    frequencies = np.array([200.0, 250.0, 300.0])
+    frequencies = scale * np.array([200.0, 250.0, 300.0])
     half = math.pi / frequencies
     results = np.stack((0 * half, half, 2 * half, 0 * half), axis=1)
     results[2] = math.nan
@@ -66,42 +73,37 @@ def test_klipper_refuses_shapers_and_drives_that_it_does_not_know() -> None:
         KLIPPER.checks(zvd_table(actuator=lagging)[0])
 
 
-def test_klipper_gets_no_line_for_a_damping_ratio_beyond_its_own_limit() -> None:
-    head, rows = zvd_table("3hump_ei")
-    text = head.specification_json.replace('"damping_ratio":0.0', '"damping_ratio":0.3')
-    damped = head_of({}, ("plant.natural_frequency_rad_s",), 3, head.amplitudes)
-    object.__setattr__(damped, "specification_json", text)
-    lines = b"".join(KLIPPER.write(damped, [rows])).decode()
-    assert "SET_INPUT_SHAPER" not in lines
-    assert "; Klipper takes 3hump_ei up to a damping ratio of 0.2" in lines
-
-
-def impulses_of_36(heights: list[float], delays: list[float]) -> list[tuple[float, float]]:
-    """Read M593 as RepRapFirmware 3.6 does: own amplitudes, delays from the first impulse."""
-    return list(zip([*heights, 1 - sum(heights)], [0.0, *delays], strict=True))
-
-
-def impulses_of_35(heights: list[float], durations: list[float]) -> list[tuple[float, float]]:
-    """Read M593 as RepRapFirmware 3.4 does: acceleration in force, and for how long."""
-    levels = [0.0, *heights, 1.0]
-    steps = [after - before for before, after in pairwise(levels)]
-    return list(zip(steps, accumulate([0.0, *durations]), strict=True))
-
-
 def test_both_ages_of_reprapfirmware_read_the_same_impulses() -> None:
     head, rows = zvd_table()
     REPRAP.checks(head)
-    lines = b"".join(REPRAP.write(head, [rows])).decode().splitlines()
-    newer = [line for line in lines if line.startswith("M593")]
-    older = [line for line in lines if line.startswith("; 3.4 to 3.5: M593")]
+    text = b"".join(REPRAP.write(head, [rows])).decode()
+    newer = lines_of(text)
+    older = re.findall(r"^; 3.4 to 3.5: (M593.*)$", text, re.MULTILINE)
     assert len(newer) == len(older) == 2
-    for reader, found in ((impulses_of_36, newer), (impulses_of_35, older)):
+    for reader, found in ((reprap_36_reads, newer), (reprap_35_reads, older)):
         for row, line in enumerate(found):
-            match = re.search(r'M593 P"custom" H([\d.:]+) T([\d.:]+)$', line)
-            assert match is not None
-            heights, times = ([float(x) for x in group.split(":")] for group in match.groups())
-            expected = list(zip(head.amplitudes, rows.results[row, :3].tolist(), strict=True))
-            np.testing.assert_allclose(reader(heights, times), expected, atol=2e-9)
+            read = reader(line)
+            np.testing.assert_allclose(read.times_s, rows.results[row, :3], atol=2e-9)
+            np.testing.assert_allclose(read.amplitudes, head.amplitudes, atol=2e-9)
+
+
+def test_what_rounding_leaves_stands_with_the_row() -> None:
+    """Of 250 rad/s counts of 1.33 us are a thousandth of a radian at most."""
+    head, rows = zvd_table()
+    text = b"".join(REPRAP.write(head, [rows])).decode()
+    left = re.findall(
+        r"^; rounded as the firmware does, it leaves ([\d.e-]+) %$", text, re.MULTILINE
+    )
+    assert len(left) == 2
+    assert all(0 < float(one) < 0.01 for one in left)
+
+
+def test_a_mode_too_quick_for_the_step_clock_is_refused() -> None:
+    head, rows = zvd_table(scale=60.0)
+    with pytest.raises(
+        InvalidInputError, match=r"times_s of row 0 must be such that RepRapFirmware, which counts"
+    ):
+        list(REPRAP.write(head, [rows]))
 
 
 def test_reprapfirmware_refuses_negative_impulses_and_long_shapers() -> None:
@@ -110,7 +112,8 @@ def test_reprapfirmware_refuses_negative_impulses_and_long_shapers() -> None:
         InvalidInputError, match=r"shaper.kind must be a shaper of positive impulses for RepRap"
     ):
         REPRAP.checks(unity)
-    long = head_of({"shaper": {"kind": "x"}}, (), 1, (0.2, 0.2, 0.2, 0.2, 0.1, 0.1))
+    request = {"plant": PLANT, "actuator": {"kind": "ideal"}, "shaper": {"kind": "zvd"}}
+    long = head_of(request, (), 1, (0.2, 0.2, 0.2, 0.2, 0.1, 0.1))
     with pytest.raises(InvalidInputError, match="impulses must be 2 to 5 for RepRapFirmware"):
         REPRAP.checks(long)
 
@@ -135,3 +138,44 @@ def test_amplitudes_that_do_not_add_up_to_one_are_refused() -> None:
     object.__setattr__(head, "amplitudes", (0.25, 0.5, 0.2))
     with pytest.raises(InvalidInputError, match="amplitudes of row 0 must be above 0 and add up"):
         list(REPRAP.write(head, [rows]))
+
+
+def firmwares_own(kind: str, z: float, period_s: float) -> tuple[list[float], list[float]]:
+    """Return heights, the last left out, and their distance, as RepRapFirmware computes them.
+
+    src/Movement/AxisShaper.cpp, AxisShaper::Configure, cases zvd, zvdd, zvddd and mzv of branch
+    3.6-dev: ``1/j, 2k/j``; ``1/j, 3k/j, 3k^2/j``; ``1/j, 4k/j, 6k^2/j, 4k^3/j`` half a damped
+    period apart; ``a3/sum, a2/sum`` at 3/8 of it, which reads backward where damped.
+    """
+    d = math.sqrt(1 - z * z)
+    k, half = math.exp(-z * math.pi / d), 0.5 * period_s / d
+    if kind == "mzv":
+        a1 = 1 - 0.5 * math.sqrt(2)
+        a2 = math.sqrt(2) - 1
+        return [a1 / (2 * a1 + a2), a2 / (2 * a1 + a2)], [0.75 * half] * 2
+    powers = {"zvd": 2, "zvdd": 3, "zvddd": 4}[kind]
+    j = (1 + k) ** powers
+    return [math.comb(powers, number) * k**number / j for number in range(powers)], [half] * powers
+
+
+@pytest.mark.parametrize(
+    ("kind", "z"),
+    [("mzv", 0.0), *((kind, z) for kind in ("zvd", "zvdd", "zvddd") for z in (0.0, 0.1, 0.3))],
+)
+def test_the_readers_of_either_age_hold_the_shapers_that_the_firmware_computes_itself(
+    kind: str, z: float
+) -> None:
+    """116 numbers: heights and delays as 3.6 keeps them, sums and durations as 3.5 does."""
+    mode = Mode(natural_frequency_rad_s=250.0, damping_ratio=z)
+    wanted = design(mode, Ideal(), SHAPERS[kind]).impulses
+    heights, gaps = firmwares_own(kind, z, mode.period_s)
+    newer = reprap_36_reads(line_of(heights, list(accumulate(gaps))))
+    older = reprap_35_reads(line_of(list(accumulate(heights)), gaps))
+    for read in (newer, older):
+        np.testing.assert_allclose(read.times_s, wanted.times_s, rtol=1e-12, atol=1e-15)
+        np.testing.assert_allclose(read.amplitudes, wanted.amplitudes, atol=1e-12)
+
+
+def line_of(heights: list[float], times_s: list[float]) -> str:
+    numbers = (":".join(f"{one:.17f}" for one in listed) for listed in (heights, times_s))
+    return 'M593 P"custom" H{} T{}'.format(*numbers)

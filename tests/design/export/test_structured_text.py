@@ -7,8 +7,8 @@ from design.errors import InvalidInputError
 from design.export.structured_text import STRUCTURED_TEXT
 from design.fits import Fit, FitRange, fit
 from design.shapers.registry import SHAPERS
-from design.tables.description import described, times_of
-from design.tables.rows import Rows, TableHead
+from design.tables.columns import times_of
+from design.tables.rows import Rows, TableHead, subject_of
 from tests.structured_text import Block
 from tests.tables import CRANE, designed_table, made_up_table
 
@@ -19,7 +19,7 @@ LENGTHS_M = [0.3, 0.8, 1.4]
 
 @pytest.fixture(scope="module")
 def polynomials() -> Fit:
-    request = described(made_up_table(0, 1)[0])
+    request = subject_of(made_up_table(0, 1)[0])
     wanted = FitRange(over="cable_length_m", start=0.3, stop=1.4, degree=3)
     return fit(request.plant, request.actuator, SHAPERS["numzvd"], wanted)
 

@@ -1,0 +1,52 @@
+"""Columns of a table by their meaning."""
+
+import numpy as np
+
+from design.errors import InvalidInputError
+from design.tables.rows import Rows, TableHead
+from design.types import FloatArray
+
+
+def names_of(head: TableHead, kind: str) -> list[str]:
+    """Return the names of the columns of one kind, in order."""
+    return [column.name for column in head.columns if column.kind == kind]
+
+
+def times_of(head: TableHead, rows: Rows) -> FloatArray:
+    """Return the times of the impulses in every row, shape (m, impulses) [s].
+
+    Raises
+    ------
+    InvalidInputError
+        If the table has no columns of times.
+    """
+    wanted = [f"t{number}_s" for number in range(1, head.impulses + 1)]
+    return rows.results[:, _positions(head, wanted, "times_s")]
+
+
+def amplitudes_of(head: TableHead, rows: Rows) -> FloatArray:
+    """Return the heights of the impulses in every row, shape (m, impulses) [-].
+
+    Those of the head where all rows share them.
+
+    Raises
+    ------
+    InvalidInputError
+        If they neither are shared nor have columns.
+    """
+    if head.amplitudes and "a1" not in names_of(head, "result"):
+        return np.broadcast_to(np.array(head.amplitudes), (rows.status.size, head.impulses))
+    wanted = [f"a{number}" for number in range(1, head.impulses + 1)]
+    return rows.results[:, _positions(head, wanted, "amplitudes")]
+
+
+def _positions(head: TableHead, wanted: list[str], column: str) -> list[int]:
+    names = names_of(head, "result")
+    if not set(wanted) <= set(names):
+        raise InvalidInputError("columns", names, f"with {column!r} among them")
+    return [names.index(name) for name in wanted]
+
+
+def require_times(head: TableHead) -> None:
+    """Raise InvalidInputError unless the table has columns of times."""
+    _positions(head, [f"t{number}_s" for number in range(1, head.impulses + 1)], "times_s")

@@ -1,0 +1,255 @@
+"""A third route: drive and payload as one linear system from event to event, by SciPy's `expm`.
+
+It shares no code with the package but the records that hold parameters. The state is deflection
+and its rate, the way travelled, value and rate of the lag of either set, and what each of them
+follows with its slope: ``[d, d', p, v0, v0', v1, v1', r0, r1, s0, s1]``, set 0 decelerating. With
+``d'' + 2 z w d' + w^2 d = -v'``, all for a speed of 1.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import expm
+
+from design.actuators import Actuator, Ideal, RateLimited
+from design.impulses import Impulses
+from design.plants import Mode
+from design.types import FloatArray
+from tests.routes import denominator, increases
+
+SIZE = 11
+DECAYED = 40.0
+"""Time constants after which a lag is at rest: e^-40."""
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """A change of what the lags follow: when, of which set, the jump and the slope from then on."""
+
+    time_s: float
+    force: int
+    jump: float
+    slope: float
+
+
+def events_of(command: Impulses, actuator: Actuator) -> list[Event]:
+    """Return what a command makes the lags follow, event by event."""
+    rising = increases(command)
+    if not isinstance(actuator, RateLimited):
+        steps = zip(command.times_s.tolist(), rising, command.amplitudes.tolist(), strict=True)
+        return [Event(time, int(up), height, 0.0) for time, up, height in steps]
+    rates = [
+        limit / actuator.speed_m_s
+        for limit in (actuator.decel_limit_m_s2, actuator.accel_limit_m_s2)
+    ]
+    found: list[Event] = []
+    now = level = 0.0
+    total = float(np.abs(command.amplitudes).sum())
+    ends = [*command.times_s[1:].tolist(), math.inf]
+    for start, end, height in zip(
+        command.times_s.tolist(), ends, command.amplitudes.tolist(), strict=True
+    ):
+        level += height
+        level = 0.0 if abs(level) < 1e-12 * total else level
+        time = start
+        while now != level and time < end:
+            target = 0.0 if now * level < 0 else level
+            force = int(abs(target) > abs(now))
+            slope = math.copysign(rates[force], target - now)
+            arrives = time + (target - now) / slope
+            found.append(Event(time, force, 0.0, slope))
+            if arrives > end:
+                now, time = now + slope * (end - time), end
+            else:
+                now, time = target, arrives
+                found.append(Event(time, force, 0.0, 0.0))
+        if time < end and now == level and found:
+            found.append(Event(max(time, start), found[-1].force, 0.0, 0.0))
+    return found
+
+
+class Simulation:
+    """Drive and payload, moved from event to event."""
+
+    def __init__(self, mode: Mode, actuator: Actuator) -> None:
+        self.mode = mode
+        self.drive = actuator.then if isinstance(actuator, RateLimited) else actuator
+        self.lags = [denominator(self.drive, accel=accel) for accel in (False, True)]
+        ideal = isinstance(self.drive, Ideal)
+        self.switched = not ideal and self.drive.model == "switched"
+        self.state = np.zeros(SIZE)
+        self.force = 1
+        self.time_s = 0.0
+        self._matrices = [self._matrix(force) for force in (0, 1)]
+
+    def _matrix(self, force: int) -> FloatArray:
+        w, z = self.mode.natural_frequency_rad_s, self.mode.damping_ratio
+        a = np.zeros((SIZE, SIZE))
+        a[0, 1] = 1.0
+        a[1, 0], a[1, 1] = -w * w, -2 * z * w
+        a[7, 9] = a[8, 10] = 1.0
+        for index, (first, second) in enumerate(self.lags):
+            if self.switched and index != force:
+                continue
+            value, rate = 3 + 2 * index, 4 + 2 * index
+            followed = [7, 8] if self.switched else [7 + index]
+            slopes = [9, 10] if self.switched else [9 + index]
+            if second > 0:
+                a[value, rate] = 1.0
+                a[rate, followed] = 1 / second
+                a[rate, value], a[rate, rate] = -1 / second, -first / second
+            elif first > 0:
+                a[value, followed] = 1 / first
+                a[value, value] = -1 / first
+            else:
+                a[value, slopes] = 1.0
+            a[1] -= a[value]
+            a[2, value] = 1.0
+        return a
+
+    def move_to(self, time_s: float) -> None:
+        """Move on freely."""
+        if time_s > self.time_s:
+            flow = expm(self._matrices[self.force] * (time_s - self.time_s))
+            self.state = flow @ self.state
+            self.time_s = time_s
+
+    def take(self, event: Event) -> None:
+        """Move to an event and take it."""
+        self.move_to(event.time_s)
+        x, force = self.state, event.force
+        x[7 + force] += event.jump
+        x[9], x[10] = 0.0, 0.0
+        x[9 + force] = event.slope
+        if self.switched and force != self.force:
+            was, now = 3 + 2 * self.force, 3 + 2 * force
+            x[now : now + 2] = x[was : was + 2]
+            x[was : was + 2] = 0.0
+        if self.switched:
+            self.force = force
+        value = 3 + 2 * force
+        if self.lags[force] == (0.0, 0.0):
+            reached = x[7] + x[8] if self.switched else x[7 + force]
+            x[1] -= reached - x[value]
+            x[value], x[value + 1] = reached, 0.0
+
+    @property
+    def velocity(self) -> float:
+        """Velocity of the drive."""
+        return float(self.state[3] + self.state[5])
+
+    @property
+    def ringing(self) -> complex:
+        """The vibration, as a vector that turns with the pole."""
+        w, z = self.mode.natural_frequency_rad_s, self.mode.damping_ratio
+        conjugate = w * complex(-z, -math.sqrt(1 - z * z))
+        return complex(self.state[1] - conjugate * self.state[0])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """What a command leaves.
+
+    ``vector`` and ``unit`` are the vibrations of the command and of an unshaped step, seen at the
+    first step of each.
+    """
+
+    vector: complex
+    unit: complex
+    residual: float
+    travel: float
+
+
+def slowest_s(actuator: Actuator) -> float:
+    """Return the longest time constant of an actuator's lags [s]."""
+    drive = actuator.then if isinstance(actuator, RateLimited) else actuator
+    longest = 0.0
+    for accel in (False, True):
+        first, second = denominator(drive, accel=accel)
+        poles = (
+            np.roots([second, first, 1.0])
+            if second > 0
+            else np.array([-1 / first] if first else [])
+        )
+        longest = max([longest, *(-1 / poles.real).tolist()])
+    return longest
+
+
+def outcome(
+    command: Impulses,
+    mode: Mode,
+    actuator: Actuator,
+    initial: tuple[float, float] = (0.0, 0.0),
+) -> Outcome:
+    """Play a command; ``initial`` is the payload's deflection and rate, over the speed."""
+    wait_s = DECAYED * slowest_s(actuator)
+    if isinstance(actuator, RateLimited):
+        limits = (actuator.accel_limit_m_s2, actuator.decel_limit_m_s2)
+        wait_s += 2 * float(np.abs(command.amplitudes).sum()) * actuator.speed_m_s / min(limits)
+    pole = mode.pole_rad_s
+
+    def ringing(played: Impulses, begun: tuple[float, float]) -> tuple[complex, Simulation]:
+        moving = Simulation(mode, actuator)
+        moving.state[:2] = begun
+        moving.time_s = float(played.times_s[0])
+        for event in events_of(played, actuator):
+            moving.take(event)
+        end = max(moving.time_s, float(played.times_s[-1])) + wait_s
+        moving.move_to(end)
+        # Back to the last step; from there to the first.
+        return moving.ringing * np.exp(-pole * (end - float(played.times_s[-1]))), moving
+
+    left, moved = ringing(command, initial)
+    step = Impulses(times_s=np.zeros(1), amplitudes=np.ones(1))
+    unit, _ = ringing(step, (0.0, 0.0))
+    return Outcome(
+        vector=complex(left * np.exp(-pole * command.duration_s)),
+        unit=unit,
+        residual=abs(left) / abs(unit),
+        travel=float(moved.state[2]),
+    )
+
+
+def slope(
+    command: Impulses,
+    mode: Mode,
+    actuator: Actuator,
+    initial: tuple[float, float] = (0.0, 0.0),
+    *,
+    initial_power: int = 0,
+    step: float = 3e-6,
+) -> float:
+    """Return |dV/d ln w| over the unshaped step, as it has decayed by the last step.
+
+    The initial swing goes with the frequency to the power ``initial_power``: -2 where it is known
+    by the angle of a pendulum, whose length is ``g / w^2``.
+    """
+    vectors = []
+    for sign in (-1, 1):
+        shifted = replace(
+            mode, natural_frequency_rad_s=mode.natural_frequency_rad_s * (1 + sign * step)
+        )
+        scale = (1 + sign * step) ** initial_power
+        begun = (initial[0] * scale, initial[1] * scale)
+        vectors.append(outcome(command, shifted, actuator, begun).vector)
+    unit = abs(outcome(command, mode, actuator).unit)
+    decayed = math.exp(mode.pole_rad_s.real * command.duration_s)
+    return float(abs(vectors[1] - vectors[0]) / (2 * step) * decayed / unit)
+
+
+def history(
+    command: Impulses, mode: Mode, actuator: Actuator, times_s: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return deflection [s, over a speed of 1] and velocity at times, shape (n,) each."""
+    moving = Simulation(mode, actuator)
+    moving.time_s = min(float(command.times_s[0]), float(times_s.min()))
+    pending = events_of(command, actuator)
+    found = []
+    for time in np.sort(times_s).tolist():
+        while pending and pending[0].time_s <= time:
+            moving.take(pending.pop(0))
+        moving.move_to(time)
+        found.append((float(moving.state[0]), moving.velocity))
+    deflection, velocity = np.array(found).T
+    return deflection, velocity
