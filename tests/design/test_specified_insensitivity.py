@@ -325,7 +325,7 @@ def test_small_tolerances_and_wide_bands_take_a_part_of_the_budget(options: Any)
     mode, budget = Mode(natural_frequency_rad_s=3.0, damping_ratio=0.05), Budget()
     wanted = BandOptions(max_duration_periods=100.0, **options)
     made = design(mode, Ideal(), SHAPERS["si"], wanted, budget)
-    assert 0 < budget.done <= MOST_WORK / 2
+    assert 0 < budget.done < MOST_WORK
     assert made.certificate.verified
     assert made.solver.gap is not None
     assert made.solver.gap <= 1e-4
