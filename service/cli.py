@@ -140,9 +140,9 @@ def _table(options: argparse.Namespace) -> int:
         raise UsageError("table needs -o FILE to write, or --check FILE")
     if options.workers is not None and not 1 <= options.workers <= MOST_WORKERS:
         raise UsageError(f"--workers must be between 1 and {MOST_WORKERS}, got {options.workers}")
+    content, read = _read(options.request)
     if options.check is None:
-        _require_file(options.output)
-    content = _read(options.request)
+        _require_file(options.output, read, "the specification itself")
 
     from service.jobs import executors  # noqa: PLC0415
 
@@ -161,9 +161,9 @@ def _table(options: argparse.Namespace) -> int:
 
 def _answer(options: argparse.Namespace) -> int:
     plot: Path | None = getattr(options, "plot", None)
+    body, read = _read(options.request)
     if plot is not None:
-        _require_writable(plot)
-    body = _read(options.request)
+        _require_picture(plot, read)
 
     # --help must not wait for it
     from service.answers import OPERATIONS, design_file, respond  # noqa: PLC0415
@@ -222,25 +222,37 @@ def _serve(options: argparse.Namespace) -> int:
     return OK
 
 
-def _read(name: str) -> bytes:
+def _read(name: str) -> tuple[bytes, os.stat_result]:
+    """Return what a file holds, or standard input, and which file it is."""
     if name == "-":
-        return sys.stdin.buffer.read()
+        return sys.stdin.buffer.read(), os.fstat(sys.stdin.fileno())
     try:
-        return Path(name).read_bytes()
+        with Path(name).open("rb") as file:
+            return file.read(), os.fstat(file.fileno())
     except OSError as error:
         raise UsageError(f"cannot read {name}: {error.strerror}") from None
 
 
-def _require_writable(path: Path) -> None:
+def _require_picture(path: Path, read: os.stat_result) -> None:
     """Refuse a picture that could not be written, before the work is done."""
     if path.suffix not in PICTURES:
         raise UsageError(f"--plot takes a name ending in .png or .svg, got {str(path)!r}")
-    _require_file(path)
+    _require_file(path, read, "the request itself")
 
 
-def _require_file(path: Path) -> None:
-    if path.is_dir():
-        raise UsageError(f"cannot write {path}: it is a folder")
+def _require_file(path: Path, read: os.stat_result, what: str) -> None:
+    """Refuse an output that could not be written, or would overwrite what was read."""
+    from service.files import (  # noqa: PLC0415
+        NotReplaceableError,
+        require_not_input,
+        require_replaceable,
+    )
+
+    try:
+        require_not_input(path, read, what)
+        require_replaceable(path)
+    except NotReplaceableError as error:
+        raise UsageError(str(error)) from None
     if not path.parent.is_dir():
         raise UsageError(f"cannot write {path}: there is no folder {path.parent}")
     if not os.access(path.parent, os.W_OK):

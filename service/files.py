@@ -3,10 +3,58 @@
 import fcntl
 import glob
 import os
-import tempfile
+import secrets
+import stat
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+KINDS = {
+    stat.S_IFDIR: "a folder",
+    stat.S_IFCHR: "a device",
+    stat.S_IFBLK: "a device",
+    stat.S_IFIFO: "a FIFO",
+    stat.S_IFSOCK: "a socket",
+}
+"""What is no file that could be replaced, in words."""
+
+
+class NotReplaceableError(Exception):
+    """What stands at a path is not to be replaced by a file; the message says why."""
+
+
+def require_replaceable(path: Path) -> None:
+    """Raise NotReplaceableError unless a path is free, or a regular file that may be written.
+
+    A link is not followed: whoever means the file behind it names that.
+    """
+    try:
+        found = path.lstat()
+    except FileNotFoundError:
+        return
+    if stat.S_ISLNK(found.st_mode):
+        raise NotReplaceableError(
+            f"cannot write {path}: it is a link to {path.readlink()}; name the file itself"
+        )
+    if not stat.S_ISREG(found.st_mode):
+        kind = KINDS.get(stat.S_IFMT(found.st_mode), "no file")
+        raise NotReplaceableError(f"cannot write {path}: it is {kind}")
+    # Root may write what is marked as not to be written.
+    if not (found.st_mode & 0o222 and os.access(path, os.W_OK)):
+        raise NotReplaceableError(f"cannot write {path}: it is read-only")
+
+
+def require_not_input(path: Path, given: os.stat_result | None, what: str) -> None:
+    """Raise NotReplaceableError if a path leads to a file that was read, by whatever name.
+
+    ``given``: the file that was read, None where it was none; ``what`` it is, for the message.
+    """
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        return
+    if given is not None and os.path.samestat(found, given):
+        raise NotReplaceableError(f"cannot write {path}: it is {what}")
 
 
 def write_whole(path: Path, content: bytes) -> None:
@@ -15,18 +63,30 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
-    """Write a file piece by piece, by way of a temporary one beside it, renamed when complete."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+    """Write a file piece by piece, by way of a temporary one beside it, renamed when complete.
+
+    A file that is replaced hands its permissions on.
+
+    Raises
+    ------
+    NotReplaceableError
+        If something else than a file that may be written stands there.
+    """
+    require_replaceable(path)
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(8)}.part")
+    handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)  # less the umask
     try:
         with os.fdopen(handle, "wb") as file:
             for piece in pieces:
                 file.write(piece)
             file.flush()
             os.fsync(file.fileno())  # else a lost machine could leave the name without the content
-        Path(temporary).chmod(0o644)
-        Path(temporary).replace(path)
+        require_replaceable(path)  # as it is by now
+        if path.exists():
+            temporary.chmod(stat.S_IMODE(path.stat().st_mode))
+        temporary.replace(path)
     except BaseException:
-        Path(temporary).unlink()
+        temporary.unlink()
         raise
 
 

@@ -38,6 +38,7 @@ from design.export.klipper_shapers import (
     USUAL_TOLERANCE,
     klipper_impulses,
     older_klipper_impulses,
+    rounding_of_mzv,
 )
 from design.impulses import Impulses
 from design.pipeline import design
@@ -148,6 +149,14 @@ def _exact(name: str, mode: Mode, options: object, shaped: Impulses, where: str)
     if isinstance(options, MzvOptions) and options != MzvOptions():
         n, t = options.n, options.duration_periods
         shaper = f"mzv(n={n},t={t!r})"
+        rounding = rounding_of_mzv(n, t)
+        if not rounding <= SAME:
+            raise InvalidInputError(
+                f"t of {where}",
+                t,
+                f"shorter for Klipper, whose equations of {n} impulses are too near singular: "
+                f"rounding moves its heights by up to {rounding:.1g}, at most {SAME:g} is the same",
+            )
         played = klipper_impulses(name, hertz, damping, impulses=n, periods=t)
     else:
         shaper = name

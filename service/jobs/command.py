@@ -14,7 +14,13 @@ from sqlalchemy.exc import DBAPIError
 from design.errors import DesignError, InvalidInputError
 from design.export.registry import EXPORTS
 from schemas.tables import TableRequest
-from service.files import LockedError, locked, remove_parts
+from service.files import (
+    LockedError,
+    NotReplaceableError,
+    locked,
+    remove_parts,
+    require_not_input,
+)
 from service.jobs.checks import drifts_of_file, drifts_of_text, readable
 from service.jobs.database import StoreError, disk_full
 from service.jobs.executors import SchedulerError, starter
@@ -24,7 +30,7 @@ from service.jobs.reading import ReadingError, Source, read_source
 from service.jobs.results import head_for, pieces, require_taken, rows_of_job, write_result
 from service.jobs.runner import Runner
 from service.jobs.store import Job, Store
-from service.problems import SOLVER_FAILED, Problem, problem_of_design
+from service.problems import INVALID, SOLVER_FAILED, Problem, problem_of_design
 
 DRIFTED = 5
 """Exit status of a check that found a difference."""
@@ -52,6 +58,11 @@ def run_table(options: argparse.Namespace, content: bytes) -> int | Problem:
         require_taken(plan.job, name)
     except DesignError as error:
         return problem_of_design(error)
+    if check is None:
+        try:
+            require_not_input(path, source.read, f"{source.file}, which lists the designs")
+        except NotReplaceableError as error:
+            return Problem(INVALID, str(error))
     size = plan.size
     _say(
         f"{size.rows:,} rows in {size.chunks:,} chunks, about {size.estimated_bytes / 1e6:,.1f} MB "

@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import os
 import re
 import tomllib
 from dataclasses import dataclass, field, replace
@@ -25,10 +26,11 @@ class ReadingError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A specification as one JSON body, and on which line each of its listed designs stood."""
+    """A specification as one JSON body, and on which line of which file its designs stood."""
 
     body: bytes
     file: str = ""
+    read: os.stat_result | None = None
     lines: list[int] = field(default_factory=list)
 
     def located(self, problem: Problem) -> Problem:
@@ -67,7 +69,8 @@ def read_source(content: bytes, *, toml: bool, folder: Path) -> Source:
     if "designs" in body:
         _refuse("designs_file and designs: give one of them")
     try:
-        listed = (folder / name).read_text(encoding="utf-8-sig")
+        with (folder / name).open(encoding="utf-8-sig") as file:
+            listed, read = file.read(), os.fstat(file.fileno())
     except OSError as error:
         _refuse(f"cannot read {name}: {error.strerror}")
     except UnicodeDecodeError as error:
@@ -75,7 +78,8 @@ def read_source(content: bytes, *, toml: bool, folder: Path) -> Source:
     designs = _from_csv(name, listed) if name.lower().endswith(".csv") else _lines(name, listed)
     del body["designs_file"]
     body["designs"] = [design for _, design in designs]
-    return Source(json.dumps(body, default=str).encode(), name, [line for line, _ in designs])
+    lines = [line for line, _ in designs]
+    return Source(json.dumps(body, default=str).encode(), name, read, lines)
 
 
 def _refuse(detail: str) -> NoReturn:

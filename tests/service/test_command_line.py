@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -120,6 +121,48 @@ def test_a_picture_that_cannot_be_written_is_refused_before_the_work(
     assert (refused.returncode, refused.stdout) == (2, "")
     assert told in refused.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+def names_of(file: Path, name: str) -> list[Path]:
+    """Every name by which a file can be reached, the last by a link in its folder's name."""
+    hard, soft, folder = (file.parent / f"{kind}-{name}" for kind in ("hard", "soft", "folder"))
+    hard.hardlink_to(file)
+    soft.symlink_to(file)
+    folder.symlink_to(file.parent)
+    return [file, hard, soft, file.parent / ".." / file.parent.name / file.name, folder / file.name]
+
+
+@pytest.mark.parametrize("command", ["design", "map"])
+def test_a_picture_never_overwrites_its_request(tmp_path: Path, command: str) -> None:
+    request = tmp_path / "crane.png"
+    content = json.dumps(CRANE)
+    request.write_text(content)
+    for name in names_of(request, "x.png"):
+        refused = shapersmith(command, str(request), "--plot", str(name))
+        assert (refused.returncode, refused.stdout) == (2, "")
+        assert f"cannot write {name}: it is the request itself" in refused.stderr
+        assert request.read_text() == content
+    with request.open() as stdin:
+        piped = subprocess.run(
+            [sys.executable, "-m", "service.cli", command, "-", "--plot", str(request)],
+            stdin=stdin,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+    assert (piped.returncode, request.read_text()) == (2, content)
+
+
+def test_a_picture_replaces_no_device_fifo_or_link(tmp_path: Path) -> None:
+    os.mkfifo(fifo := tmp_path / "fifo.png")
+    (link := tmp_path / "link.png").symlink_to(tmp_path / "nowhere")
+    (fixed := tmp_path / "fixed.png").write_bytes(b"kept")
+    fixed.chmod(0o444)
+    for path, told in ((fifo, "a FIFO"), (link, "a link to"), (fixed, "read-only")):
+        refused = shapersmith("design", "-", "--plot", str(path), given=CRANE)
+        assert (refused.returncode, refused.stdout) == (2, "")
+        assert f"cannot write {path}: it is {told}" in refused.stderr
+    assert fixed.read_bytes() == b"kept"
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 
 from tests.conftest import CRANE, free_port
+from tests.service.test_command_line import names_of
 from tests.service.test_tables_over_http import HEAVILY_DAMPED, TABLE
 
 COMMAND = (sys.executable, "-m", "service.cli", "table")
@@ -139,6 +140,40 @@ def test_a_name_that_tells_no_format_is_refused(spec: Path, tmp_path: Path) -> N
     told = table(spec, "-o", tmp_path / "t.c")
     assert (told.returncode, "/format: must be given, or" in told.stderr) == (2, True)
     assert not (tmp_path / "t.c").exists()
+
+
+def test_a_table_never_overwrites_what_it_is_made_of(tmp_path: Path) -> None:
+    spec = tmp_path / "t.json"
+    content = json.dumps(TABLE)
+    spec.write_text(content)
+    for name in names_of(spec, "t.json"):
+        refused = table(spec, "-o", name)
+        assert (refused.returncode, refused.stdout) == (2, "")
+        assert f"cannot write {name}: it is the specification itself" in refused.stderr
+        assert spec.read_text() == content
+    listed = tmp_path / "designs.json"
+    lines = '{"plant": {"cable_length_m": 0.7}}\n{"plant": {"cable_length_m": 0.8}}\n'
+    listed.write_text(lines)
+    of_lines = {key: value for key, value in TABLE.items() if key != "axes"}
+    spec.write_text(json.dumps({**of_lines, "designs_file": "designs.json"}))
+    for name in names_of(listed, "designs.json"):
+        refused = table(spec, "-o", name)
+        assert (refused.returncode, refused.stdout) == (2, "")
+        told = "it is a link to" if name.is_symlink() else "it is designs.json, which lists"
+        assert f"cannot write {name}: {told}" in refused.stderr
+        assert listed.read_text() == lines
+    assert table(spec, "-o", tmp_path / "t.csv").returncode == 0
+
+
+def test_a_table_replaces_no_device_link_or_read_only_file(tmp_path: Path, spec: Path) -> None:
+    (link := tmp_path / "link.csv").symlink_to(tmp_path / "nowhere.csv")
+    (fixed := tmp_path / "fixed.csv").write_bytes(b"kept")
+    fixed.chmod(0o444)
+    for path, told in ((link, "a link to"), (fixed, "read-only"), (Path("/dev/null"), "a device")):
+        refused = table(spec, "-o", path, "--format", "csv")
+        assert (refused.returncode, refused.stdout) == (2, "")
+        assert f"cannot write {path}: it is {told}" in refused.stderr
+    assert fixed.read_bytes() == b"kept"
 
 
 def test_tolerances_are_those_of_the_specification(spec: Path, tmp_path: Path) -> None:

@@ -171,6 +171,13 @@ def test_a_damping_ratio_that_klipper_refuses_is_refused(shaper: str, damping: f
         written({"kind": shaper, "tolerance": 0.1}, damping)
 
 
+@pytest.mark.parametrize(("n", "t"), [(6, 2.443), (7, 2.85), (8, 3.4), (9, 3.55), (10, 3.9)])
+def test_an_mzv_that_klipper_cannot_solve_is_refused(n: int, t: float) -> None:
+    """For each of these Klipper says "Ill-formed shaper", or its heights are off."""
+    with pytest.raises(InvalidInputError, match=r"t of row 0 must be shorter for Klipper, whose"):
+        written({"kind": "mzv", "n": n, "t": t}, 0.05)
+
+
 def test_too_many_impulses_for_klipper_are_refused_before_any_row() -> None:
     with pytest.raises(InvalidInputError, match=r"shaper.n must be at most 10 for Klipper, got 12"):
         written({"kind": "mzv", "n": 12, "t": 1.0}, 0.0)
