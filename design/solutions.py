@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from design.analysis.shortest import excluded_rad
-from design.commands import convolved
 from design.errors import InfeasibleDesignError
 from design.fastest import fastest
 from design.impulses import Impulses
@@ -166,7 +165,7 @@ def _convolution(convolution: Convolution, budget: Budget) -> Solution:
     solved = [next(solutions(part, budget)) for part in convolution.parts]
     impulses = solved[0].impulses
     for further in solved[1:]:
-        impulses = merged(convolved(impulses, further.impulses))
+        impulses = _convolved(impulses, further.impulses)
     levels = np.cumsum(impulses.amplitudes)
     low, high = float(levels.min()), float(levels.max())
     if low < -OVER_RANGE or high > 1 + OVER_RANGE:
@@ -180,6 +179,14 @@ def _convolution(convolution: Convolution, budget: Budget) -> Solution:
         starts=sum(one.solver.starts for one in solved),
     )
     return Solution(impulses=impulses, solver=report)
+
+
+def _convolved(first: Impulses, second: Impulses) -> Impulses:
+    """Return each step of one shaper shaped by the other; small steps may count, see `NO_STEP`."""
+    times = np.add.outer(first.times_s, second.times_s).ravel()
+    amplitudes = np.multiply.outer(first.amplitudes, second.amplitudes).ravel()
+    order = np.argsort(times, kind="stable")
+    return merged(Impulses(times_s=times[order], amplitudes=amplitudes[order]))
 
 
 def merged(impulses: Impulses) -> Impulses:

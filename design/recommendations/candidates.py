@@ -42,7 +42,7 @@ LONGEST_PERIODS = {"positive": 12.0, "negative": 4.0}
 """Shapers over a band that are searched, in periods as of `_periods`, by their amplitudes: longer
 ones cost ten seconds and more each, as measured for bands to 0.9 and tolerances to 0.001."""
 
-MOST_WORK_A_SHAPER = 2_500_000
+MOST_WORK_A_SHAPER = 2_000_000
 """What one shaper may take of the budget, designed anew for smaller tolerances too [units]."""
 
 DESIGN_WORK = 20_000.0

@@ -15,13 +15,16 @@ from design.recommendations.judging import Candidate, judged, percent, ranges
 from design.recommendations.nearest import shortest_possible, unmet
 from design.recommendations.requirements import Question, Requirements, question_of
 from design.shapers.registry import SHAPERS
-from design.solvers.budget import MOST_WORK, Budget
+from design.solvers.budget import Budget
 
 NO_GAIN = 1 + 1e-6
 """High-mode gain of a shaper that is no worse there than none [-]."""
 
 SAME = 1e-6
 """Shapers whose times over their duration, and amplitudes, differ by less are the same [-]."""
+
+MOST_WORK = 3_000_000
+"""What all searches of one recommendation may take: judging takes a second besides [units]."""
 
 DIGITS = 6
 """Digits to which durations are compared: beyond, two ways to the same shaper differ [-]."""
