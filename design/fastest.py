@@ -8,11 +8,13 @@ from design.analysis.exclusion import excludes
 from design.errors import InfeasibleDesignError
 from design.shapers.problem import BandProblem, Obstacle
 from design.shapers.unity_magnitude import PERIOD_RAD
+from design.solvers.budget import Budget
 from design.solvers.convex_band.duration import EASIER, first_duration_rad, require_solvable
 from design.solvers.convex_band.search import (
     BandOptimum,
     candidates,
     obstacle_at,
+    obstacle_work,
     obstacles,
 )
 from design.types import FloatArray
@@ -61,27 +63,28 @@ class Fastest:
         return (duration - self.lower_bound_rad) / duration
 
 
-def fastest(problem: BandProblem) -> Iterator[Fastest]:
+def fastest(problem: BandProblem, budget: Budget | None = None) -> Iterator[Fastest]:
     """Yield optima within a gap of 1e-4; if there is none, the one with the smallest gap.
 
     Raises
     ------
     InfeasibleDesignError
         If the fastest is longer than the horizon; says what would be met instead. If it has more
-        impulses than can be solved for.
+        impulses than can be solved for, or the budget is spent before one is found.
     SolverFailedError
         If a cone program was not solved.
     """
-    _require_long_enough(problem)
+    budget = Budget() if budget is None else budget
+    _require_long_enough(problem, budget)
     require_solvable(problem)
     best: Fastest | None = None
     answered = False
     bound = 0.0  # nothing is shorter than no time
-    for found in candidates(problem):
+    for found in candidates(problem, budget):
         if isinstance(found, Obstacle):
             bound = max(bound, found.duration_rad if _stands(problem, found) else 0.0)
         else:
-            bound = max(bound, _lower_bound(problem, found))
+            bound = max(bound, _lower_bound(problem, found, budget))
             if best is None or found.times_rad[-1] < best.times_rad[-1]:
                 best = Fastest(
                     times_rad=found.times_rad,
@@ -94,18 +97,24 @@ def fastest(problem: BandProblem) -> Iterator[Fastest]:
             continue
         best = replace(best, lower_bound_rad=bound)
         if best.gap <= SMALL_GAP:
-            _require_in_time(problem, best)
+            _require_in_time(problem, best, budget)
             yield best
             best, answered = None, True
     if best is not None:
-        _require_in_time(problem, best)
+        _require_in_time(problem, best, budget)
         yield best
     elif not answered:
-        _require_more_than_waiting(problem)
+        _require_more_than_waiting(problem, budget)
+        if budget.spent:
+            lower, upper = problem.band
+            raise InfeasibleDesignError(
+                f"no shaper found that keeps a residual within {problem.tolerance:g} from "
+                f"{lower:g} to {upper:g} of the natural frequency: {budget.in_words}"
+            )
 
 
-def _lower_bound(problem: BandProblem, candidate: BandOptimum) -> float:
-    for obstacle in obstacles(problem, candidate):
+def _lower_bound(problem: BandProblem, candidate: BandOptimum, budget: Budget) -> float:
+    for obstacle in obstacles(problem, candidate, budget):
         if _stands(problem, obstacle):
             return obstacle.duration_rad
     return 0.0
@@ -122,12 +131,12 @@ def _stands(problem: BandProblem, obstacle: Obstacle) -> bool:
     )
 
 
-def _require_long_enough(problem: BandProblem) -> None:
+def _require_long_enough(problem: BandProblem, budget: Budget) -> None:
     """Raise InfeasibleDesignError where a horizon is far too short, by a proof of its own."""
     needed = first_duration_rad(problem)
     if needed < FAR_BEYOND * problem.horizon_rad:
         return
-    obstacle, least = obstacle_at(problem, problem.horizon_rad)
+    obstacle, least = obstacle_at(problem, problem.horizon_rad, budget)
     if not _stands(problem, obstacle):
         return
     lower, upper = problem.band
@@ -140,7 +149,7 @@ def _require_long_enough(problem: BandProblem) -> None:
     )
 
 
-def _require_more_than_waiting(problem: BandProblem) -> None:
+def _require_more_than_waiting(problem: BandProblem, budget: Budget) -> None:
     """Raise InfeasibleDesignError where nothing is faster than to wait for the mode's damping.
 
     A step and one of no height after it: what rings has decayed by then.
@@ -149,7 +158,9 @@ def _require_more_than_waiting(problem: BandProblem) -> None:
     if decay == 0:
         return
     wait = -math.log(problem.tolerance) / (decay * lower)
-    if _stands(problem, obstacle_at(problem, (1 - NO_FASTER) * wait)[0]):
+    if budget.done + obstacle_work(problem, wait) > budget.most:
+        return
+    if _stands(problem, obstacle_at(problem, (1 - NO_FASTER) * wait, budget)[0]):
         raise InfeasibleDesignError(
             f"no shaper keeps a residual within {problem.tolerance:g} from {lower:g} to "
             f"{problem.band[1]:g} of the natural frequency faster, by more than "
@@ -158,7 +169,7 @@ def _require_more_than_waiting(problem: BandProblem) -> None:
         )
 
 
-def _require_in_time(problem: BandProblem, found: Fastest) -> None:
+def _require_in_time(problem: BandProblem, found: Fastest, budget: Budget) -> None:
     duration = float(found.times_rad[-1])
     if duration <= problem.horizon_rad:
         return
@@ -168,7 +179,7 @@ def _require_in_time(problem: BandProblem, found: Fastest) -> None:
         if found.lower_bound_rad >= problem.horizon_rad
         else "no shorter one was found"
     )
-    tolerance = EASIER * obstacle_at(problem, problem.horizon_rad)[1]
+    tolerance = EASIER * obstacle_at(problem, problem.horizon_rad, budget)[1]
     # What a grid allows is found where an optimum is found.
     offered = tolerance < LARGEST_OFFERED and found.gap <= SMALL_GAP
     instead = f" or a tolerance of {tolerance:.4g}" if offered else ""

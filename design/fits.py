@@ -29,6 +29,7 @@ from design.shapers.problem import (
     JointProblem,
     Problem,
 )
+from design.solvers.budget import Budget
 from design.solvers.newton import roots
 from design.types import FloatArray, require_between
 
@@ -48,6 +49,9 @@ SAME_AMPLITUDE = 1e-12
 
 STARTING_DEGREE = 8
 """Of the fit that the exact curve is found from, by Newton's method."""
+
+DESIGN_WORK = 3_000.0
+"""Work of a design without a search: of its certificate [units]."""
 
 THESIS_POINTS = 31
 """Points of the thesis's least-squares fit: w = 1, 1.1 ... 4 rad/s (Kim 2011, table 3-2)."""
@@ -191,9 +195,12 @@ def fit(
         if tried.worst_residual <= limit:
             return tried
         best = min(best, (tried.worst_residual, degree))
+        if curve.budget.spent:
+            break
     raise InfeasibleDesignError(
-        f"no degree up to {HIGHEST_DEGREE} leaves a residual of at most max_residual = {limit:g}; "
+        f"no degree up to {degree} leaves a residual of at most max_residual = {limit:g}; "
         f"the best, degree {best[1]}, leaves {best[0]:.3g}"
+        f"{f'; {curve.budget.in_words}' if curve.budget.spent else ''}"
     )
 
 
@@ -337,12 +344,15 @@ class _Curve:
                 f"a field on which the amplitudes of {kind.name} do not depend: a fit is of times; "
                 "a table holds both",
             )
+        self.budget = Budget()
         self.exact_times_s = self._exact_times_s()
 
     def designed(self, x: float) -> Impulses:
         """Design at one x, by the pipeline."""
+        self.budget.spend(DESIGN_WORK)
+        plant = self.axis.plant_at(x)
         try:
-            return design(self.axis.plant_at(x), self.actuator, self.kind, self.options).impulses
+            return design(plant, self.actuator, self.kind, self.options, self.budget).impulses
         except InfeasibleDesignError as error:
             raise InfeasibleDesignError(
                 f"at {self.axis.variable.meaning} = {x:.6g}: {error}"
@@ -404,8 +414,9 @@ class _Curve:
         solved = [
             index for index, form in enumerate(self.formulations) if isinstance(form, Problem)
         ]
-        for index in sorted(set(range(CHECKED_POINTS)) - set(solved)):
-            times[index] = self.designed(float(self.checked[index])).times_s
+        for index, form in enumerate(self.formulations):
+            if isinstance(form, ClosedForm):
+                times[index] = form.impulses.times_s
         if not solved:
             return times
         problems = [form for form in self.formulations if isinstance(form, Problem)]

@@ -167,6 +167,12 @@ def varied(record: Any, path: Sequence[str], value: float) -> Any:  # noqa: ANN4
         If there is no such number, or it breaks its rule.
     """
     name, *rest = path
+    if isinstance(record, tuple) and rest:
+        numbers = [str(number) for number in range(len(record))]
+        if name not in numbers:
+            raise InvalidInputError("field", "/".join(path), f"one of {', '.join(numbers)}")
+        changed = varied(record[int(name)], rest, value)
+        return (*record[: int(name)], changed, *record[int(name) + 1 :])
     names = [field.name for field in fields(record) if field.init] if is_dataclass(record) else []
     if name not in names:
         raise InvalidInputError("field", "/".join(path), f"one of {', '.join(names) or 'none'}")

@@ -18,6 +18,7 @@ from design.plants import Mode, Plant, Scheduled
 from design.shapers.kind import ShaperKind
 from design.shapers.problem import Convolution, Formulation, Promise, within
 from design.solutions import Solution, SolverReport, solutions
+from design.solvers.budget import Budget
 
 BAND_MARGIN = 1e-6
 """Share by which a band is told narrower than found: its ends are within the tolerance [-]."""
@@ -63,7 +64,13 @@ class Design:
         return max(self.residuals)
 
 
-def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = None) -> Design:  # noqa: ANN401
+def design(
+    plant: Plant,
+    actuator: Actuator,
+    kind: ShaperKind,
+    options: Any = None,  # noqa: ANN401
+    budget: Budget | None = None,
+) -> Design:
     """Design a shaper and prove it.
 
     Parameters
@@ -76,6 +83,8 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
         Entry of the registry.
     options
         Its parameters, an instance of ``kind.options``; its defaults if not given.
+    budget
+        What its search may do; that of one design if not given.
 
     Returns
     -------
@@ -119,7 +128,7 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
     unverified: Certificate | None = None
     others = 0
     try:
-        for solution in solutions(formulation):
+        for solution in solutions(formulation, budget):
             impulses, designed_for = solution.impulses, formulation.designed_for
             told = [_with_its_band(one, solution, modes, designed_for) for one in promises]
             if None in told:
@@ -146,7 +155,7 @@ def design(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any = No
     except InfeasibleDesignError as error:
         if unverified is None and others:
             raise InfeasibleDesignError(
-                f"{error}; solutions that pass the tolerance between their own zeros: {others}"
+                f"{error}; solutions rejected, above the tolerance inside the band: {others}"
             ) from None
         if unverified is None:
             raise

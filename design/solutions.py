@@ -18,6 +18,7 @@ from design.shapers.problem import (
     Formulation,
     JointProblem,
 )
+from design.solvers.budget import Budget
 from design.solvers.joint import shortest
 from design.solvers.search import Candidate, candidates
 from design.solvers.unity_band.search import BandCandidate, band_candidates
@@ -88,16 +89,17 @@ class Solution:
     ratios: FloatArray = field(default_factory=lambda: np.zeros(0))
 
 
-def solutions(formulation: Formulation) -> Iterator[Solution]:
+def solutions(formulation: Formulation, budget: Budget | None = None) -> Iterator[Solution]:
     """Yield what solves a formulation, not yet verified; raises where no more is found.
 
-    No impulse of a solution is as small as rounding, and no two are at one time.
+    No impulse of a solution is as small as rounding, and no two are at one time. A search ends
+    where its budget is spent; that of one design if none is given.
     """
-    for solution in _by_its_solver(formulation):
+    for solution in _by_its_solver(formulation, Budget() if budget is None else budget):
         yield replace(solution, impulses=merged(solution.impulses))
 
 
-def _by_its_solver(formulation: Formulation) -> Iterator[Solution]:
+def _by_its_solver(formulation: Formulation, budget: Budget) -> Iterator[Solution]:
     if isinstance(formulation, ClosedForm):
         yield Solution(
             impulses=formulation.impulses,
@@ -111,19 +113,19 @@ def _by_its_solver(formulation: Formulation) -> Iterator[Solution]:
         )
         return
     if isinstance(formulation, JointProblem):
-        yield from _joint_solutions(formulation)
+        yield from _joint_solutions(formulation, budget)
         return
     if isinstance(formulation, Convolution):
-        yield _convolution(formulation)
+        yield _convolution(formulation, budget)
         return
     if isinstance(formulation, BandProblem):
-        yield from _band_solutions(formulation)
+        yield from _band_solutions(formulation, budget)
         return
     w = formulation.natural_frequency_rad_s
     found: Iterator[Candidate | BandCandidate] = (
-        band_candidates(formulation)
+        band_candidates(formulation, budget)
         if isinstance(formulation, BandSearch)
-        else candidates(formulation)
+        else candidates(formulation, budget)
     )
     for candidate in found:
         phases = np.concatenate(([0.0], np.cumsum(candidate.gaps_rad)))
@@ -140,9 +142,9 @@ def _by_its_solver(formulation: Formulation) -> Iterator[Solution]:
         )
 
 
-def _joint_solutions(problem: JointProblem) -> Iterator[Solution]:
+def _joint_solutions(problem: JointProblem, budget: Budget) -> Iterator[Solution]:
     w = problem.natural_frequency_rad_s
-    for found in shortest(problem):
+    for found in shortest(problem, budget):
         duration = float(found.times_rad[-1])
         bound = excluded_rad(problem.unit_poles, found.vectors, duration, positive=problem.positive)
         yield Solution(
@@ -159,9 +161,9 @@ def _joint_solutions(problem: JointProblem) -> Iterator[Solution]:
         )
 
 
-def _convolution(convolution: Convolution) -> Solution:
+def _convolution(convolution: Convolution, budget: Budget) -> Solution:
     """Convolve the first solution of each part, and refuse what leaves the range of the command."""
-    solved = [next(solutions(part)) for part in convolution.parts]
+    solved = [next(solutions(part, budget)) for part in convolution.parts]
     impulses = solved[0].impulses
     for further in solved[1:]:
         impulses = merged(convolved(impulses, further.impulses))
@@ -199,9 +201,9 @@ def merged(impulses: Impulses) -> Impulses:
     return Impulses(times_s=times - times[0], amplitudes=summed[kept] / summed[kept].sum())
 
 
-def _band_solutions(problem: BandProblem) -> Iterator[Solution]:
+def _band_solutions(problem: BandProblem, budget: Budget) -> Iterator[Solution]:
     w = problem.natural_frequency_rad_s
-    for found in fastest(problem):
+    for found in fastest(problem, budget):
         yield Solution(
             impulses=Impulses(times_s=found.times_rad / w, amplitudes=found.amplitudes),
             solver=SolverReport(

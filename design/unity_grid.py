@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from design.actuators import Actuator
+from design.actuators import Actuator, unit_ramps_s
 from design.analysis.residual import require_workable, vectors_of_many
 from design.errors import InvalidInputError
 from design.impulses import Impulses
@@ -28,6 +28,10 @@ WIDEST_REACH = 4
 
 MOST_CANDIDATES = 50_000
 """Largest number of rounded shapers that one search compares; it narrows for more impulses."""
+
+MOST_ONE_BY_ONE = 1_000
+"""The same where ramps are cut, so that the formula of many commands at once does not hold: each
+takes some half a millisecond then."""
 
 FREQUENCY_ERROR = 0.05
 """Relative error in frequency that a shaper with zero slope is to stand [-]."""
@@ -89,10 +93,10 @@ def unity_on_grid(
     """Return the impulses with amplitudes unchanged, at the best whole samples around them.
 
     Compared is every choice of samples, up to four on each side of the nearest (fewer for more
-    than five impulses), in order. The first impulse stays at its nearest sample: all of them later
-    by a sample leave the same. What is minimised is the residual |V|, and with ``slope``
-    ``|V| + 0.05 |dV/d ln w|``: to first order the most that 5 % of error in frequency leaves. With
-    a band it is the largest residual over that.
+    than five impulses, or where ramps are cut), in order. The first impulse stays at its nearest
+    sample: all of them later by a sample leave the same. What is minimised is the residual |V|, and
+    with ``slope`` ``|V| + 0.05 |dV/d ln w|``: to first order the most that 5 % of error in
+    frequency leaves. With a band it is the largest residual over that.
 
     Parameters
     ----------
@@ -121,7 +125,9 @@ def unity_on_grid(
     """
     require_workable(mode, actuator)
     require_gaps(impulses, sample_time_s)
-    samples = _choices(rounded(impulses.times_s / sample_time_s))
+    cut = cuts_ramps(impulses, actuator, sample_time_s)
+    most = MOST_ONE_BY_ONE if cut else MOST_CANDIDATES
+    samples = _choices(rounded(impulses.times_s / sample_time_s), most)
     times = samples * sample_time_s
     if band is None:
         left = left_of_many(times, impulses.amplitudes, mode, actuator, slope=slope)
@@ -129,6 +135,26 @@ def unity_on_grid(
         left = _left_over_band(times, impulses.amplitudes, mode, actuator, band)
     chosen = samples[_shortest(samples, np.flatnonzero(left <= left.min() + TIE))]
     return Impulses(times_s=chosen * sample_time_s, amplitudes=impulses.amplitudes)
+
+
+def cuts_ramps(impulses: Impulses, actuator: Actuator, sample_time_s: float) -> bool:
+    """Return whether steps moved by a sample may begin before the ramp of the last one is over.
+
+    Or a step reverses the command, whose two ramps a formula of many commands does not know.
+    """
+    accelerating, braking = unit_ramps_s(actuator)
+    if max(accelerating, braking) == 0:
+        return False
+    sizes, rising = np.abs(impulses.amplitudes), impulses.accelerates
+    ramps = sizes * np.where(rising, accelerating, braking)
+    levels = np.cumsum(impulses.amplitudes)
+    reversed_steps = bool((levels * impulses.amplitudes.sum() < -REVERSED).any())
+    gaps = np.diff(impulses.times_s)
+    return reversed_steps or bool((gaps - 2 * sample_time_s < ramps[:-1]).any())
+
+
+REVERSED = 1e-9
+"""Level on the other side of zero that is no rounding [-]."""
 
 
 def is_unity(impulses: Impulses) -> bool:
@@ -183,8 +209,10 @@ def more_impulses_on_grid(
             continue
         left_of = partial(_left_at, sample_time_s, signs, mode, actuator, slope)
         left = left_of(samples)
+        # Where ramps are cut, thousands of moves would be computed one by one.
+        descents = 0 if cuts_ramps(impulses, actuator, sample_time_s) else DESCENTS
         if not listed.exact:
-            for best in samples[np.argsort(left, kind="stable")[:DESCENTS]]:
+            for best in samples[np.argsort(left, kind="stable")[:descents]]:
                 moved = _descended(best, listed.longest, left_of)
                 samples = np.concatenate((samples, moved[None]))
             left = left_of(samples)
@@ -277,11 +305,11 @@ def _left_at(
     return left_of_many(samples * sample_time_s, amplitudes, mode, actuator, slope=slope)
 
 
-def _choices(centres: IntArray) -> IntArray:
+def _choices(centres: IntArray, most: int) -> IntArray:
     """Every ordered choice of samples around the centres, in lexical order, shape (m, n)."""
     free = centres.size - 1
     reach = WIDEST_REACH
-    while (2 * reach + 1) ** free > MOST_CANDIDATES:
+    while (2 * reach + 1) ** free > (most if reach > 1 else MOST_CANDIDATES):
         reach -= 1
     if reach == 0:
         raise InvalidInputError("impulses", centres.size, "few enough to search: at most 10")

@@ -1,5 +1,6 @@
 """What all wire models share."""
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Annotated, Any
@@ -15,6 +16,11 @@ class Wire(BaseModel):
     """A JSON object: unknown fields, NaN, infinity, and numbers in strings or booleans refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+    def canonical(self) -> str:
+        """Return it as canonical JSON: on one line, keys sorted, defaults told."""
+        told = self.model_dump(mode="json", by_alias=True, exclude_none=True)
+        return json.dumps(told, sort_keys=True, separators=(",", ":"))
 
 
 def _says_nothing(value: object) -> bool:

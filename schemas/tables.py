@@ -1,7 +1,6 @@
 """Wire form of tables: the specification in, the state of a job out."""
 
 import hashlib
-import json
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -182,11 +181,6 @@ class TableRequest(Wire):
             chunk_rows=self.chunk_rows,
         )
 
-    def canonical(self) -> str:
-        """Return it as canonical JSON: on one line, keys sorted, defaults told."""
-        told = self.model_dump(mode="json", by_alias=True, exclude_none=True)
-        return json.dumps(told, sort_keys=True, separators=(",", ":"))
-
 
 def sha256_of(specification: str) -> str:
     """Return the hash that files name a specification by."""
@@ -221,13 +215,15 @@ def _listed(designs: list[dict[str, Any]], subject: Subject) -> tuple[tuple[Path
     lines = [dict(_numbers(design, (), number)) for number, design in enumerate(designs)]
     parts = {"plant": subject.plant, "actuator": subject.actuator, "shaper": subject.options}
     paths = tuple(dict.fromkeys(path for line in lines for path in line))
-    if not paths:
-        raise InvalidInputError("designs", len(designs), "one or more, which vary something")
+    if not paths and len(designs) != 1:
+        raise InvalidInputError(
+            "designs", len(designs), "one or more; where more than one, they vary something"
+        )
     values = np.empty((len(lines), len(paths)))
     for column, path in enumerate(paths):
         inner: Any = parts.get(path[0])
         for name in path[1:]:
-            inner = getattr(inner, name, None)
+            inner = _inner(inner, name)
         # What a line does not name stays as it is in the design; a wrong name is found later.
         usual = float(inner) if isinstance(inner, int | float) else np.nan
         values[:, column] = [line.get(path, usual) for line in lines]
@@ -239,10 +235,19 @@ def _listed(designs: list[dict[str, Any]], subject: Subject) -> tuple[tuple[Path
     return paths, values
 
 
+def _inner(record: Any, name: str) -> Any:  # noqa: ANN401
+    if isinstance(record, tuple):
+        return record[int(name)] if name.isdecimal() and int(name) < len(record) else None
+    return getattr(record, name, None)
+
+
 def _numbers(here: Any, path: Path, number: int) -> Iterator[tuple[Path, float]]:  # noqa: ANN401
     if isinstance(here, dict):
         for name, inner in here.items():
             yield from _numbers(inner, (*path, name), number)
+    elif isinstance(here, list):
+        for place, inner in enumerate(here):
+            yield from _numbers(inner, (*path, str(place)), number)
     elif isinstance(here, int | float) and not isinstance(here, bool):
         yield path, float(here)
     else:

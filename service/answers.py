@@ -126,6 +126,18 @@ def respond(operation: str, body: bytes) -> BaseModel | Problem:
         return problem_of_design(error)
 
 
+def design_file(body: bytes, format_name: str) -> bytes | Problem:
+    """Validate a request for a design and return its shaper as a file."""
+    try:
+        request = DesignRequest.model_validate_json(body)
+    except ValidationError as error:
+        return problem_of_validation(error, body)
+    try:
+        return operations.design_file(request, format_name)
+    except DesignError as error:
+        return problem_of_design(error)
+
+
 def answer_lines(operation: str, lines: list[bytes]) -> list[Answer]:
     """Answer each line of a part of a batch."""
     return [answer(operation, line) for line in lines]

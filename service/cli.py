@@ -35,7 +35,10 @@ TABLE = "a table of designs over axes or a list, into a file (POST /v1/tables)"
 DRAWN = ("design", "map")
 """Commands whose answer can be drawn."""
 
-FORMATS = ("csv", "json", "parquet", "mat", "c", "st", "klipper", "rrf")
+PROGRAMS = ("c", "st", "klipper", "rrf")
+"""Formats of a table that a single design has too."""
+
+FORMATS = ("csv", "json", "parquet", "mat", *PROGRAMS)
 MOST_WORKERS = 1024
 
 PICTURES = {".png": "png", ".svg": "svg"}
@@ -85,7 +88,7 @@ def _parser() -> argparse.ArgumentParser:
     for name, (_, summary) in COMMANDS.items():
         command = commands.add_parser(name, help=summary, description=summary)
         command.add_argument("request", metavar="REQUEST.json", help="the request; - reads stdin")
-        _add_format(command)
+        _add_format(command, PROGRAMS if name == "design" else ())
         if name in DRAWN:
             command.add_argument(
                 "--plot", metavar="FILE", type=Path, help="draw it: FILE.png or FILE.svg"
@@ -98,11 +101,13 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _add_format(command: argparse.ArgumentParser) -> None:
+def _add_format(command: argparse.ArgumentParser, more: tuple[str, ...] = ()) -> None:
+    programs = "; c, st, klipper, rrf: the shaper as a program or a line of firmware"
     command.add_argument(
         "--format",
-        choices=("json", "table", "csv"),
-        help="of the answer: json if not given; given, json also holds for errors",
+        choices=("json", "table", "csv", *more),
+        help="of the answer: json if not given; given, json also holds for errors"
+        + (programs if more else ""),
     )
 
 
@@ -160,10 +165,19 @@ def _answer(options: argparse.Namespace) -> int:
     if plot is not None:
         _require_picture(plot, read)
 
-    from service.answers import OPERATIONS, respond  # noqa: PLC0415 - --help must not wait for it
+    # --help must not wait for it
+    from service.answers import OPERATIONS, design_file, respond  # noqa: PLC0415
     from service.problems import Problem  # noqa: PLC0415
 
     operation = COMMANDS[options.command][0]
+    if options.format in PROGRAMS:
+        if plot is not None:
+            raise UsageError(f"--plot goes with json, table or csv, not with {options.format}")
+        written = design_file(body, options.format)
+        if isinstance(written, Problem):
+            return _tell(written, as_json=False)
+        sys.stdout.write(written.decode())
+        return OK
     response = respond(operation, body)
     if isinstance(response, Problem):
         return _tell(response, as_json=options.format == "json")

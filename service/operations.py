@@ -118,6 +118,33 @@ def design_shaper(request: DesignRequest) -> DesignResponse:
     )
 
 
+def design_file(request: DesignRequest, format_name: str) -> bytes:
+    """Design one shaper and return it as a file of a format of tables, a table of one row."""
+    from design.export.registry import EXPORTS  # noqa: PLC0415 - answers need none
+    from design.export.single import single_table  # noqa: PLC0415
+    from design.tables.rows import Subject as Designed  # noqa: PLC0415
+
+    plant, found, _, _ = _designed(request)
+    actuator, kind, options = (
+        request.actuator.to_design(),
+        request.shaper.registered(),
+        request.shaper.options(),
+    )
+    polynomials = None
+    if request.fit is not None:
+        polynomials = fit(plant, actuator, kind, request.fit.to_design(request.plant.kind), options)
+    head, rows = single_table(
+        found,
+        Designed(plant=plant, actuator=actuator, kind=kind, options=options),
+        request_json=request.canonical(),
+        version=version(),
+        fit=polynomials,
+    )
+    export = EXPORTS[format_name]
+    export.checks(head)
+    return b"".join(export.write(head, [rows]))
+
+
 def design_picture(request: DesignRequest, image_format: Literal["png", "svg"]) -> bytes:
     """Draw one design: impulses, command, response and sensitivity."""
     from design.pictures.design_sheet import (  # noqa: PLC0415 - matplotlib takes a second

@@ -75,7 +75,8 @@ M593 = re.compile(r'M593 P"custom" H([\d.:]+) T([\d.:]+)\Z')
 MOST_NUMBERS = 4
 
 
-def _numbers(line: str) -> list[list[float]]:
+def m593_numbers(line: str) -> list[list[float]]:
+    """Return the numbers behind H and behind T."""
     match = M593.match(line)
     if match is None:
         raise RefusedError(line)
@@ -87,7 +88,7 @@ def _numbers(line: str) -> list[list[float]]:
 
 def reprap_36_reads(line: str) -> Impulses:
     """Read M593 as RepRapFirmware 3.6 does: own amplitudes, delays from the first impulse."""
-    heights, delays = _numbers(line)
+    heights, delays = m593_numbers(line)
     return Impulses(
         times_s=np.array([0.0, *delays]), amplitudes=np.array([*heights, 1 - sum(heights)])
     )
@@ -95,7 +96,7 @@ def reprap_36_reads(line: str) -> Impulses:
 
 def reprap_35_reads(line: str) -> Impulses:
     """Read M593 as RepRapFirmware 3.4 does: acceleration in force, and for how long."""
-    heights, durations = _numbers(line)
+    heights, durations = m593_numbers(line)
     steps = [after - before for before, after in pairwise([0.0, *heights, 1.0])]
     return Impulses(
         times_s=np.array(list(accumulate([0.0, *durations]))), amplitudes=np.array(steps)

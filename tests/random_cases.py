@@ -22,7 +22,16 @@ from design.actuators import (
     Unlimited,
 )
 from design.errors import InvalidInputError
-from design.plants import Mode, Modes, Pendulum, Plant, Scheduled, SpringMass
+from design.plants import (
+    LARGEST_DAMPING_RATIO,
+    WIDEST_SPREAD,
+    Mode,
+    Modes,
+    Pendulum,
+    Plant,
+    Scheduled,
+    SpringMass,
+)
 from design.shapers.kind import ShaperKind
 from design.shapers.registry import SHAPERS
 
@@ -46,6 +55,12 @@ ROUND: tuple[str, ...] = tuple(
 
 MANY_FOLD = 50.0
 """Bounds so many times apart are drawn between by their logarithm."""
+
+UNDAMPED_SHARE, HEAVY_SHARE = 0.15, 0.1
+"""How many modes are not damped, and how many heavily [-]."""
+
+WIDE_SHARE = 0.2
+"""How many plants of several modes are spread up to the widest [-]."""
 
 DRAWS = 50
 """Draws of options until they are valid together."""
@@ -94,11 +109,17 @@ def _between(rng: np.random.Generator, low: float, high: float) -> float:
 
 
 def _damping(rng: np.random.Generator) -> float:
-    return 0.0 if rng.random() < 0.15 else float(rng.uniform(0, 0.2))
+    """Draw mostly light damping, sometimes none, sometimes up to the heaviest."""
+    share = rng.random()
+    if share < UNDAMPED_SHARE:
+        return 0.0
+    if share < 1 - HEAVY_SHARE:
+        return float(rng.uniform(0, 0.2))
+    return float(rng.uniform(0.2, LARGEST_DAMPING_RATIO))
 
 
 def random_plant(rng: np.random.Generator, *, several: bool = False) -> Plant:
-    """Draw w .5-60 rad/s, z 0-.2; two to six modes, if wanted, within a factor of 10."""
+    """Draw w .5-60 rad/s and damping; two to six modes, if wanted, mostly within a factor of 10."""
     w, z = _between(rng, 0.5, 60.0), _damping(rng)
     form = rng.choice(["mode", "pendulum", "spring_mass", "scheduled"], p=[0.4, 0.2, 0.2, 0.2])
     if several and rng.random() < 0.75:
@@ -121,7 +142,8 @@ def random_modes(rng: np.random.Generator, count: int) -> Modes:
     """Draw several modes, no two of them alike."""
     while True:
         lowest = _between(rng, 0.5, 60.0)
-        spread = [1.0, *(_between(rng, 1.05, 10.0) for _ in range(count - 1))]
+        widest = WIDEST_SPREAD if rng.random() < WIDE_SHARE else 10.0
+        spread = [1.0, *(_between(rng, 1.05, widest) for _ in range(count - 1))]
         try:
             return Modes(
                 modes=tuple(

@@ -8,7 +8,15 @@ from design.errors import InvalidInputError
 from design.export.header import comment_lines
 from design.impulses import Impulses
 from design.tables.columns import amplitudes_of, names_of, times_of
-from design.tables.rows import STATUSES, VERIFIED_IDEAL, WITH_DESIGN, Rows, TableHead
+from design.tables.rows import (
+    STATUSES,
+    VERIFIED_IDEAL,
+    WITH_DESIGN,
+    Rows,
+    TableHead,
+    subject_of,
+)
+from design.tables.specification import undamped_amplitudes
 
 UNIT_SUM = 1e-12
 """How far the sum of amplitudes may be from 1: roundings, far below what a firmware resolves."""
@@ -18,12 +26,17 @@ def require_positive_shaper(head: TableHead, firmware: str) -> None:
     """Raise InvalidInputError if an amplitude is not above 0.
 
     Both firmwares convolve an acceleration that they have planned within the machine's limits with
-    the impulses; only impulses above 0 that add up to 1 keep it within.
+    the impulses; only impulses above 0 that add up to 1 keep it within. Where each row has its own
+    the rows tell, in `require_positive_row`; what those of an undamped mode tell is told before.
     """
-    if not all(amplitude > 0 for amplitude in head.amplitudes):
+    amplitudes = head.amplitudes
+    if not amplitudes:
+        subject = subject_of(head)
+        amplitudes = undamped_amplitudes(subject.kind, subject.options)
+    if not all(amplitude > 0 for amplitude in amplitudes):
         raise InvalidInputError(
             "shaper.kind",
-            list(head.amplitudes),
+            list(amplitudes),
             f"a shaper of positive impulses for {firmware}: all amplitudes > 0",
         )
 
@@ -52,7 +65,7 @@ def firmware_lines(
         for index, status in enumerate(rows.status.tolist()):
             values = zip(fields, rows.fields[index].tolist(), strict=True)
             where = ", ".join(f"{name} {value!r}" for name, value in values)
-            lines.append(f"; row {rows.first + index}: {where}")
+            lines.append(f"; row {rows.first + index}{': ' if where else ''}{where}")
             if status == VERIFIED_IDEAL:
                 lines.append("; verified for an ideal actuator only")
             if status in WITH_DESIGN:

@@ -1,5 +1,6 @@
 """What every file tells of itself: tool, specification, units."""
 
+import hashlib
 import json
 from typing import Any
 
@@ -46,14 +47,23 @@ def head_of(texts: dict[str, str]) -> TableHead:
     Raises
     ------
     InvalidInputError
-        If a fact is missing or is no JSON of its kind.
+        If a fact is missing or is no JSON of its kind, or the specification is another than that of
+        its hash.
     """
+    specification = texts.get("specification", "")
+    sha256 = hashlib.sha256(specification.encode()).hexdigest()
     try:
         values: dict[str, Any] = {name: json.loads(text) for name, text in texts.items()}
+        if values["specification_sha256"] != sha256:
+            raise InvalidInputError(
+                "specification_sha256",
+                values["specification_sha256"],
+                f"the hash of the file's specification, {sha256}",
+            )
         return TableHead(
             version=values["tool"].removeprefix(f"{TOOL} "),
-            specification_json=texts["specification"],
-            specification_sha256=values["specification_sha256"],
+            specification_json=specification,
+            specification_sha256=sha256,
             title=values["title"],
             columns=tuple(
                 Column(name=name, unit=unit, kind=kind) for name, unit, kind in values["columns"]
@@ -70,10 +80,11 @@ def head_of(texts: dict[str, str]) -> TableHead:
 
 def comment_lines(head: TableHead) -> list[str]:
     """Return the head as lines of a comment, for files that programs or machines read."""
+    count = "1 row" if head.rows == 1 else f"{head.rows} rows"
     units = ", ".join(f"{column.name} [{column.unit}]" for column in head.columns if column.unit)
     return [
         # On one line, whatever the title: what follows a comment is run by a machine.
-        f"{' '.join(head.title.split())}: {head.rows} rows, by {TOOL} {head.version}",
+        f"{' '.join(head.title.split())}: {count}, by {TOOL} {head.version}",
         f"specification sha256 {head.specification_sha256}",
         f"units: {units}",
     ]

@@ -38,6 +38,7 @@ from design.export.klipper_shapers import (
     USUAL_TOLERANCE,
     klipper_impulses,
     older_klipper_impulses,
+    rounding_of_mzv,
 )
 from design.impulses import Impulses
 from design.pipeline import design
@@ -66,6 +67,11 @@ READ_AS_ZERO = 1e-3
 
 TOLERANCE_DECIMALS = 6
 """Klipper reads digits and a point in brackets, no exponent."""
+
+LEAST_TOLERANCE = 10.0**-TOLERANCE_DECIMALS
+
+ROUNDING = 1e-6
+"""Of a tolerance over the least one: 0.29 over 1e-6 is 289999.99999999994 [-]."""
 
 LOWERINGS = 12
 """More often the tolerance of ``ei`` is not lowered: where the fit serves, four times do."""
@@ -115,7 +121,7 @@ def write_klipper(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
         shaped = require_positive_row(head, rows, index, "Klipper")
         if isinstance(options, ToleranceOptions):
             row = Subject(plant=plant, actuator=Ideal(), kind=subject.kind, options=options)
-            shaper, remarks = _fitted(row, name, where)
+            shaper, remarks = _fitted(row, name, shaped, where)
         else:
             shaper, remarks = _exact(name, mode, options, shaped, where), []
         frequency, damping = repr(_frequency_hz(mode)), repr(mode.damping_ratio)
@@ -143,15 +149,20 @@ def _exact(name: str, mode: Mode, options: object, shaped: Impulses, where: str)
     if isinstance(options, MzvOptions) and options != MzvOptions():
         n, t = options.n, options.duration_periods
         shaper = f"mzv(n={n},t={t!r})"
+        rounding = rounding_of_mzv(n, t)
+        if not rounding <= SAME:
+            raise InvalidInputError(
+                f"t of {where}",
+                t,
+                f"shorter for Klipper, whose equations of {n} impulses are too near singular: "
+                f"rounding moves its heights by up to {rounding:.1g}, at most {SAME:g} is the same",
+            )
         played = klipper_impulses(name, hertz, damping, impulses=n, periods=t)
     else:
         shaper = name
         played = klipper_impulses(name, hertz, damping)
-    if played.times_s.size == shaped.times_s.size:
-        late = float(np.abs(played.times_s - (shaped.times_s - shaped.times_s[0])).max())
-        high = float(np.abs(played.amplitudes - shaped.amplitudes).max())
-        if late <= SAME * shaped.duration_s and high <= SAME:
-            return shaper
+    if _same(shaped, played):
+        return shaper
     raise InvalidInputError(
         f"impulses of {where}",
         [shaped.times_s.tolist(), shaped.amplitudes.tolist()],
@@ -160,31 +171,58 @@ def _exact(name: str, mode: Mode, options: object, shaped: Impulses, where: str)
     )
 
 
-def _fitted(row: Subject, name: str, where: str) -> tuple[str, list[str]]:
-    """Return the shaper as Klipper writes it, whose impulses keep what is claimed, and remarks."""
-    mode, tolerance = row.plant.modes[0], row.options.tolerance
+def _floored(tolerance: float) -> float:
+    """Return a tolerance that is written in full with `TOLERANCE_DECIMALS`."""
+    steps = math.floor(tolerance / LEAST_TOLERANCE + ROUNDING)
+    return float(f"{steps * LEAST_TOLERANCE:.{TOLERANCE_DECIMALS}f}")
+
+
+def _read_by_most(row: Subject, name: str, told: float, claims: tuple[Claim, ...]) -> str:
+    """Return the shaper as Klipper writes it, plainly where older ones keep the claims too."""
+    mode = row.plant.modes[0]
     hertz, damping = _frequency_hz(mode), mode.damping_ratio
-    claims = design(row.plant, row.actuator, row.kind, row.options).certificate.claims
-    older = older_klipper_impulses(name, hertz, damping)
-    told = tolerance
+    text = f"{told:.{TOLERANCE_DECIMALS}f}"
+    plain = {
+        "ei": told == USUAL_TOLERANCE,
+        "2hump_ei": True,
+        "3hump_ei": damping == 0,  # else the missing comma matters
+    }
+    older = _judged(older_klipper_impulses(name, hertz, damping), row, claims)
+    if plain[name] and all(claim.holds for claim in older):
+        return name
+    return f"{name}(v_tol={text})" if name == "ei" else f"{name}()"
+
+
+def _same(one: Impulses, other: Impulses) -> bool:
+    if one.times_s.size != other.times_s.size:
+        return False
+    late = (one.times_s - one.times_s[0]) - (other.times_s - other.times_s[0])
+    high = one.amplitudes - other.amplitudes
+    return bool(np.abs(late).max() <= SAME * one.duration_s and np.abs(high).max() <= SAME)
+
+
+def _fitted(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str, list[str]]:
+    """Return the shaper as Klipper writes it, whose impulses keep what is claimed, and remarks."""
+    mode = row.plant.modes[0]
+    hertz, damping = _frequency_hz(mode), mode.damping_ratio
+    made = design(row.plant, row.actuator, row.kind, row.options)
+    if not _same(shaped, made.impulses):
+        raise InvalidInputError(
+            f"impulses of {where}",
+            [shaped.times_s.tolist(), shaped.amplitudes.tolist()],
+            f"those of {row.kind.name} in continuous time, which Klipper fits",
+        )
+    claims = made.certificate.claims
+    told = _floored(row.options.tolerance)
+    judged: tuple[Claim, ...] = ()
     for _ in range(LOWERINGS):
-        new = klipper_impulses(name, hertz, damping, tolerance=told)
-        judged = _judged(new, row, claims)
+        judged = _judged(klipper_impulses(name, hertz, damping, tolerance=told), row, claims)
         if all(claim.holds for claim in judged):
-            anywhere = (name != "3hump_ei" or damping == 0) and told == USUAL_TOLERANCE
-            if name == "2hump_ei":
-                anywhere = True
-            if anywhere and all(claim.holds for claim in _judged(older, row, claims)):
-                return name, _told(judged)
-            brackets = f"v_tol={told:.{TOLERANCE_DECIMALS}f}" if name == "ei" else ""
-            return f"{name}({brackets})", _told(judged)
-        worst = max(claim.value / claim.limit for claim in judged)
-        if name != "ei":
-            break
+            return _read_by_most(row, name, told, claims), _told(judged)
         # Klipper's fit leaves a little more than it is told to: told less, it leaves the tolerance.
-        lower = math.floor(told / worst * 10**TOLERANCE_DECIMALS) / 10**TOLERANCE_DECIMALS
-        told = min(lower, told - 10**-TOLERANCE_DECIMALS)
-        if told <= 0:
+        worst = max(claim.value / claim.limit for claim in judged)
+        told = _floored(min(told / worst, told - LEAST_TOLERANCE))
+        if name != "ei" or told < LEAST_TOLERANCE:
             break
     broken = [claim for claim in judged if not claim.holds]
     raise InvalidInputError(

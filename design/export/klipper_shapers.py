@@ -29,6 +29,7 @@ from collections.abc import Callable
 import numpy as np
 
 from design.impulses import Impulses
+from design.types import FloatArray
 
 LARGEST_DAMPING_RATIOS = {
     "zv": 0.99,
@@ -163,20 +164,34 @@ def _in_both(fit: tuple[tuple[float, ...], ...], z: float, tolerance: float) -> 
     return _polynomial(tuple(_polynomial(powers, tolerance) for powers in fit), z)
 
 
-def _even(impulses: int, periods: float) -> list[float]:
-    """Return the heights of ``mzv`` undamped: zeros at 1, 1 + 1/tau, 1 + 2/tau, ...
+def rounding_of_mzv(impulses: int, periods: float) -> float:
+    """Return about what rounding does to the heights of ``mzv`` in Klipper [-].
 
-    They and the sum of 1 are more equations than heights, but not in conflict.
+    It solves the normal equations (klippy/mathutil.py, pseudo_inverse), whose condition is the
+    square of that of its equations; near singular ones it refuses.
+    """
+    return float(np.finfo(float).eps * np.linalg.cond(_zeros_of_mzv(impulses, periods)) ** 2)
+
+
+def _even(impulses: int, periods: float) -> list[float]:
+    """Return the heights of ``mzv`` undamped."""
+    system = _zeros_of_mzv(impulses, periods)
+    wanted = np.zeros(len(system))
+    wanted[0] = 1
+    heights: list[float] = (np.linalg.pinv(system) @ wanted).tolist()
+    return heights
+
+
+def _zeros_of_mzv(impulses: int, periods: float) -> FloatArray:
+    """Return the equations of its heights: a sum of 1, and zeros at 1, 1 + 1/tau, 1 + 2/tau, ...
+
+    They are more than there are heights, but not in conflict.
     """
     tau = periods * (impulses - 2) / (impulses - 2 * periods - 1)
     ratios = 1 + np.arange(impulses - 1) / tau
     times = periods * np.arange(impulses) / (impulses - 1)
     turns = 2 * np.pi * np.outer(ratios, times)
-    system = np.vstack((np.ones(impulses), np.cos(turns), np.sin(turns)))
-    wanted = np.zeros(len(system))
-    wanted[0] = 1
-    heights: list[float] = (np.linalg.pinv(system) @ wanted).tolist()
-    return heights
+    return np.vstack((np.ones(impulses), np.cos(turns), np.sin(turns)))
 
 
 def _decaying(spacing: float, undamped: list[float], z: float) -> Listed:

@@ -11,9 +11,11 @@ import numpy as np
 from design.actuators import FirstOrder, SecondOrder
 from design.errors import InvalidInputError
 from design.export.header import comment_lines
+from design.export.live import live_remarks
 from design.fits import Fit
-from design.tables.columns import amplitudes_of, require_times, times_of
-from design.tables.rows import STATUSES, Rows, TableHead, subject_of
+from design.impulses import Impulses
+from design.tables.columns import amplitudes_of, names_of, require_times, times_of
+from design.tables.rows import STATUSES, WITH_DESIGN, Rows, TableHead, subject_of
 from design.types import FloatArray
 
 MOST_NUMBERS = 200_000
@@ -136,7 +138,28 @@ def remarks(head: TableHead, rows: Listing) -> list[str]:
         "status: 0 verified, 1 infeasible, 2 failed, 3 verified for an ideal actuator only"
     )
     lines.append(f"rows: {', '.join(counts)}")
+    lines += _of_live_commands(head, rows)
     return lines
+
+
+def _of_live_commands(head: TableHead, rows: Listing) -> list[str]:
+    """Return what the delay line of the program does to a command that changes at any time."""
+    designed = np.flatnonzero(np.isin(rows.status, WITH_DESIGN))
+    if not designed.size:
+        return []
+    subject, paths = subject_of(head), [name.split(".") for name in names_of(head, "field")]
+    first = int(designed[0])
+    plant, drive, _ = subject.at(paths, rows.numbers[first, : len(paths)].tolist())
+    drives = [drive]
+    if any(path[0] == "actuator" for path in paths):
+        fields = rows.numbers[designed, : len(paths)].tolist()
+        drives += [subject.at(paths, values)[1] for values in fields]
+    return live_remarks(
+        Impulses(times_s=rows.times_s[first], amplitudes=rows.amplitudes[first]),
+        plant,
+        drives,
+        positive=bool((rows.amplitudes[designed] > 0).all()),
+    )
 
 
 def unit_of_frequency(head: TableHead, fit: Fit) -> float | None:

@@ -7,6 +7,7 @@ damping ratios it may leave more. It is then designed for a smaller one.
 import math
 from dataclasses import dataclass, replace
 
+from design.actuators import Actuator
 from design.analysis.band import largest_in_band
 from design.errors import DesignError
 from design.pipeline import Design, design
@@ -14,8 +15,10 @@ from design.plants import Modes, Plant
 from design.recommendations.choices import Choice
 from design.recommendations.requirements import Question
 from design.sampled import SAMPLE_TOLERANCE, sampled_design
-from design.shapers.problem import Convolution
-from design.shapers.several_modes import impulses_of
+from design.shapers.problem import ClosedForm, Convolution, Problem
+from design.shapers.several_modes import FREQUENCIES_A_RADIAN, PROOF_WORK, impulses_of
+from design.solvers.budget import Budget
+from design.unity_grid import cuts_ramps
 
 TIGHTENED, TIGHTENED_ON_SAMPLES = 6, 2
 """How often a shaper that misses the tolerance is designed anew for a smaller one, at most.
@@ -38,6 +41,15 @@ SLOWER = 1.01
 LONGEST_PERIODS = {"positive": 12.0, "negative": 4.0}
 """Shapers over a band that are searched, in periods as of `_periods`, by their amplitudes: longer
 ones cost ten seconds and more each, as measured for bands to 0.9 and tolerances to 0.001."""
+
+MOST_WORK_A_SHAPER = 2_500_000
+"""What one shaper may take of the budget, designed anew for smaller tolerances too [units]."""
+
+DESIGN_WORK = 20_000.0
+"""Work of a design and its judgement, without a search [units]."""
+
+SAMPLED_WORK, UNITY_SAMPLED_WORK, CUT_SAMPLED_WORK = 30_000.0, 400_000.0, 2_000_000.0
+"""Work of bringing a shaper to samples: of one sign, of both, with ramps that are cut [units]."""
 
 MOST_CONVOLVED = 130
 """Impulses of a convolved shaper that is asked, at most: three modes with five each [-]."""
@@ -78,8 +90,11 @@ class Refused:
     searched: bool = True
 
 
-def designed(choice: Choice, question: Question) -> Designed | Refused:
-    """Design one shaper and tell what it leaves, or why there is none."""
+def designed(choice: Choice, question: Question, budget: Budget) -> Designed | Refused:
+    """Design one shaper and tell what it leaves, or why there is none.
+
+    What that takes is spent from the budget; none is searched where that is spent already.
+    """
     kind, asked = choice.kind, question.requirements
     if question.actuator.kind not in kind.actuators:
         return Refused(
@@ -107,16 +122,27 @@ def designed(choice: Choice, question: Question) -> Designed | Refused:
                 "band takes too long",
                 searched=False,
             )
-        first = made(choice, question)
+        if budget.spent:
+            return Refused(
+                choice=choice,
+                reason=f"is not searched: of the recommendation {budget.in_words} by shapers that "
+                "take less",
+                searched=False,
+            )
+        own = budget.part(MOST_WORK_A_SHAPER)
+        try:
+            first = made(choice, question, own)
+            over = first.worst_residual / asked.tolerance
+            if "tolerance" in choice.options and WITHIN < over <= NEARLY:
+                return _tightened(first, question, own) or first
+        finally:
+            budget.spend(own.done)
     except DesignError as error:
         return Refused(choice=choice, reason=str(error))
-    over = first.worst_residual / asked.tolerance
-    if "tolerance" in choice.options and WITHIN < over <= NEARLY:
-        return _tightened(first, question) or first
     return first
 
 
-def _tightened(first: Designed, question: Question) -> Designed | None:
+def _tightened(first: Designed, question: Question, budget: Budget) -> Designed | None:
     """Return the shaper for a tolerance so small that it keeps the one asked; None if none does.
 
     The first step takes the excess off the tolerance, further ones are by false position.
@@ -133,8 +159,10 @@ def _tightened(first: Designed, question: Question) -> Designed | None:
                 misses.worst_residual - keeps.worst_residual
             )
             smaller = _own(keeps) + share * (_own(misses) - _own(keeps))
+        if budget.spent:
+            break
         try:
-            again = made(with_tolerance(first.choice, smaller), question)
+            again = made(with_tolerance(first.choice, smaller), question, budget)
         except DesignError:
             break
         if again.worst_residual <= WITHIN * asked:
@@ -164,6 +192,35 @@ def with_tolerance(choice: Choice, tolerance: float) -> Choice:
     )
 
 
+def effort(choice: Choice, question: Question) -> float:
+    """Return about how much it takes to search a shaper, to begin with those that take least [-].
+
+    Closed forms take least, then equations by the number of their unknowns, then what needs
+    programs; of convolved ones, those of the fewest impulses.
+    """
+    modes, actuator = question.designed_for, question.actuator
+    kind = choice.kind
+    try:
+        options = kind.options(**choice.options)
+        if kind.formulate_jointly is not None:
+            found = kind.formulate_jointly(modes, actuator, options)
+        else:
+            found = kind.formulate(modes[0], actuator, options)
+    except DesignError:
+        return 0.0  # what is refused at once
+    if isinstance(found, ClosedForm):
+        return 0.0
+    if isinstance(found, Problem):
+        return float(found.bounds[0].size)
+    if isinstance(found, Convolution):
+        return float(impulses_of(found.parts))
+    return PROGRAMS_EFFORT
+
+
+PROGRAMS_EFFORT = 20.0
+"""Effort of what needs programs: more than that of any equations here [-]."""
+
+
 def _convolved_impulses(choice: Choice, question: Question) -> int:
     """Return how many impulses a convolved shaper has, 0 for another."""
     formulate = choice.kind.formulate_jointly
@@ -184,14 +241,16 @@ def _periods(half_width: float, tolerance: float) -> float:
     return math.acosh(1 / tolerance) / (math.pi * (1 - half_width))
 
 
-def made(choice: Choice, question: Question) -> Designed:
+def made(choice: Choice, question: Question, budget: Budget) -> Designed:
     """Design one shaper and measure what it leaves; raises what the design does."""
     modes = question.designed_for
     plant: Plant = modes[0] if len(modes) == 1 else Modes(modes=modes)
     asked, actuator = question.requirements, question.actuator
     options = choice.kind.options(**choice.options)
-    found = design(plant, actuator, choice.kind, options)
+    budget.spend(DESIGN_WORK)
+    found = design(plant, actuator, choice.kind, options, budget)
     if asked.sample_time_s is not None:
+        budget.spend(_work_of_samples(found, actuator, asked.sample_time_s))
         found, _ = sampled_design(
             found,
             modes[0],
@@ -199,12 +258,31 @@ def made(choice: Choice, question: Question) -> Designed:
             asked.sample_time_s,
             tolerance=SAMPLE_TOLERANCE,
         )
+    budget.spend(_work_of_worst(found, question))
     return Designed(
         choice=choice,
         found=found,
         worst_residual=_worst(found, question),
         lower_bound_s=found.solver.lower_bound_s if choice.bound_holds else None,
     )
+
+
+def _work_of_samples(found: Design, actuator: Actuator, sample_time_s: float) -> float:
+    """Return the work of bringing a design to samples [units]."""
+    if found.impulses.amplitudes.min() > 0:
+        return SAMPLED_WORK
+    cut = cuts_ramps(found.impulses, actuator, sample_time_s)
+    return CUT_SAMPLED_WORK if cut else UNITY_SAMPLED_WORK
+
+
+def _work_of_worst(found: Design, question: Question) -> float:
+    """Return the work of `_worst`: impulses times frequencies, on each line [units]."""
+    band, lines = question.own_band, 1 if question.requirements.damping is None else 4
+    duration, impulses = found.impulses.duration_s, found.impulses.times_s.size
+    radians = (band[1] - band[0]) * duration * sum(
+        mode.natural_frequency_rad_s for mode in question.designed_for
+    )  # fmt: skip
+    return PROOF_WORK[question.actuator.kind] * impulses * FREQUENCIES_A_RADIAN * radians * lines
 
 
 def _worst(found: Design, question: Question) -> float:

@@ -9,6 +9,7 @@ from design.recommendations.candidates import Designed, Refused, made, with_tole
 from design.recommendations.choices import Choice
 from design.recommendations.judging import Candidate, judged, percent, ranges
 from design.recommendations.requirements import Question
+from design.solvers.budget import Budget
 
 HALVINGS = 6
 """Of the way between two tolerances: a sixty-fourth of their quotient's logarithm is left."""
@@ -37,7 +38,10 @@ class _Limit:
 
 
 def unmet(
-    question: Question, ranked: Sequence[Candidate], refused: Sequence[Refused]
+    question: Question,
+    ranked: Sequence[Candidate],
+    refused: Sequence[Refused],
+    budget: Budget,
 ) -> InfeasibleDesignError:
     """Return the error that no shaper meets the requirements, with the nearest ones.
 
@@ -48,7 +52,7 @@ def unmet(
     if not ranked:
         reasons = [f"{one.choice.name}: {one.reason}" for one in refused[:MOST_REASONS]]
         return InfeasibleDesignError(f"no shaper could be designed; {'; '.join(reasons)}")
-    eased = [*ranked, *_eased(question, ranked)]
+    eased = [*ranked, *_eased(question, ranked, budget)]
     faults = [
         (limit.fields[0], limit.told(nearest))
         for limit in _limits(question)
@@ -164,7 +168,7 @@ def shortest_possible(question: Question, ranked: Sequence[Candidate]) -> Iterat
         )
 
 
-def _eased(question: Question, ranked: Sequence[Candidate]) -> Iterator[Candidate]:
+def _eased(question: Question, ranked: Sequence[Candidate], budget: Budget) -> Iterator[Candidate]:
     """Yield shapers over the band that leave little more than the least in the longest time."""
     longest = question.requirements.max_duration_s
     if longest is None:
@@ -182,8 +186,10 @@ def _eased(question: Question, ranked: Sequence[Candidate]) -> Iterator[Candidat
         if high <= low:
             continue
         for _ in range(HALVINGS):
+            if budget.spent:
+                return
             middle = math.sqrt(low * high)
-            found = _eased_to(choice, middle, question)
+            found = _eased_to(choice, middle, question, budget)
             if found is None or found.found.impulses.duration_s > longest:
                 low = middle
                 continue
@@ -195,8 +201,10 @@ LARGEST_TOLERANCE = 0.5
 """Largest residual over a band that a shaper is designed for: above it little is suppressed [-]."""
 
 
-def _eased_to(choice: Choice, tolerance: float, question: Question) -> Designed | None:
+def _eased_to(
+    choice: Choice, tolerance: float, question: Question, budget: Budget
+) -> Designed | None:
     try:
-        return made(with_tolerance(choice, tolerance), question)
+        return made(with_tolerance(choice, tolerance), question, budget)
     except DesignError:
         return None  # what is offered instead must not fail the answer

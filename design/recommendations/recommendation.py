@@ -9,12 +9,13 @@ from design.actuators import Actuator
 from design.analysis.high_modes import HIGH_MODES
 from design.impulses import Impulses
 from design.plants import Plant
-from design.recommendations.candidates import Refused, designed
+from design.recommendations.candidates import Refused, designed, effort
 from design.recommendations.choices import choices, serves
 from design.recommendations.judging import Candidate, judged, percent, ranges
 from design.recommendations.nearest import shortest_possible, unmet
 from design.recommendations.requirements import Question, Requirements, question_of
 from design.shapers.registry import SHAPERS
+from design.solvers.budget import MOST_WORK, Budget
 
 NO_GAIN = 1 + 1e-6
 """High-mode gain of a shaper that is no worse there than none [-]."""
@@ -83,19 +84,24 @@ def recommend(plant: Plant, actuator: Actuator, requirements: Requirements) -> R
     question = question_of(plant, actuator, requirements)
     found: list[Candidate] = []
     refused: list[Refused] = []
-    for kind in SHAPERS.values():
-        if not serves(kind, question):
-            continue
-        for choice in choices(kind, question):
-            made = designed(choice, question)
-            if isinstance(made, Refused):
-                refused.append(made)
-            else:
-                found.append(judged(made, question))
+    asked = [
+        choice
+        for kind in SHAPERS.values()
+        if serves(kind, question)
+        for choice in choices(kind, question)
+    ]
+    budget = Budget(most=MOST_WORK)
+    for choice in sorted(asked, key=lambda one: effort(one, question)):
+        made = designed(choice, question, budget)
+        if isinstance(made, Refused):
+            refused.append(made)
+        else:
+            found.append(judged(made, question))
+    refused.sort(key=lambda one: asked.index(one.choice))
     ranked = _with_the_same_named(sorted(found, key=_rank))
     meeting = tuple(candidate for candidate in ranked if not candidate.missed)
     if not meeting:
-        raise unmet(question, ranked, refused)
+        raise unmet(question, ranked, refused, budget)
     return Recommendation(
         question=question,
         candidates=meeting,

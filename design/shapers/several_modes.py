@@ -32,7 +32,10 @@ Steps of shapers for asymmetric actuators would change their sets.
 
 
 FREQUENCIES_A_RADIAN = 10.0
-"""Frequencies at which a band as wide as its middle is simulated, a radian of the duration."""
+"""Frequencies at which a band is simulated, a radian of the turn of the last impulse over it."""
+
+PROOF_WORK = {"ideal": 1.0, "first_order": 3.5, "second_order": 3.5, "rate_limited": 8.0}
+"""Work of an impulse at one frequency, by kind of actuator, in units of `design.solvers.budget`."""
 
 MOST_DECAY = 24.0
 """Nepers that a mode may decay by within half a period of the slowest: 4e-11 of a swing is left.
@@ -41,8 +44,8 @@ By then what a joint shaper does early is in that mode below what counts as zero
 search tells where it should be. Of random plants all are solved up to 8, none from here on [-].
 """
 
-MOST_OVER_A_BAND = 5e6
-"""Impulses times frequencies over which bands are proven: a dozen seconds of simulation."""
+MOST_OVER_A_BAND = 4e6
+"""Work of proving bands, at most: as much as a search may take [units]."""
 
 
 def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> JointProblem:
@@ -136,19 +139,25 @@ def impulses_of(parts: tuple[Formulation, ...]) -> int:
 
 
 def _require_provable(
-    base: ShaperKind, parts: tuple[Formulation, ...], modes: tuple[Mode, ...]
+    base: ShaperKind, parts: tuple[Formulation, ...], modes: tuple[Mode, ...], actuator: Actuator
 ) -> None:
     """Refuse so many impulses over so many frequencies that their bands take too long to prove."""
     duration = sum(part.impulses.duration_s for part in parts if isinstance(part, ClosedForm))
-    radians = sum(duration * mode.natural_frequency_rad_s for mode in modes)
+    radians = sum(
+        duration * mode.natural_frequency_rad_s * (claim.band[1] - claim.band[0])
+        for mode, part in zip(modes, parts, strict=True)
+        for claim in part.claims
+        if claim.band is not None
+    )
     impulses, frequencies = impulses_of(parts), FREQUENCIES_A_RADIAN * radians
-    if "band" in base.claims and impulses * frequencies > MOST_OVER_A_BAND:
+    each = PROOF_WORK[actuator.kind]
+    if each * impulses * frequencies > MOST_OVER_A_BAND:
         raise InvalidInputError(
             "shaper.base",
             base.name,
             f"of fewer impulses for these {len(modes)} modes: convolved they are {impulses}, to be "
             f"simulated at some {frequencies:.0f} frequencies to prove their bands, and at most "
-            f"{MOST_OVER_A_BAND:.0e} in all are",
+            f"{MOST_OVER_A_BAND / each:.2g} in all are behind an actuator of kind {actuator.kind}",
         )
 
 
@@ -162,7 +171,7 @@ def convolved(
     if options.tolerance is not None:
         own = ToleranceOptions(tolerance=options.tolerance)
     parts = tuple(base.formulate(mode, actuator, own) for mode in modes)
-    _require_provable(base, parts, modes)
+    _require_provable(base, parts, modes, actuator)
     return Convolution(parts=parts, zeros_of_parts=base.claims, designed_for=parts[0].designed_for)
 
 

@@ -26,6 +26,10 @@ CONE_SIZE = 3
 TOLERANCE = 1e-9
 """Of the gap and of the constraints: a tenth of what a proof of a duration can spare [-]."""
 
+PROGRAM_WORK = 1500.0
+ENTRY_WORK = 0.05
+"""Work of a program, and of each of its rows' entries in each iteration [units]."""
+
 LONGEST_S = 10.0
 """Where Clarabel ends a run [s]."""
 
@@ -81,6 +85,11 @@ class ConeOutcome:
     weights: FloatArray
     obstacle: ComplexArray
     iterations: int
+
+
+def work_of(program: ConeProgram, outcome: ConeOutcome) -> float:
+    """Return the work that a program was [units]."""
+    return PROGRAM_WORK + ENTRY_WORK * program.rows.size * outcome.iterations
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

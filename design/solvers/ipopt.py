@@ -6,6 +6,7 @@ from typing import Any
 
 from design.shapers.problem import Model, Problem
 from design.solvers.buffered import Buffered
+from design.solvers.newton import instructions_of
 from design.solvers.outcome import Outcome, Status
 from design.types import FloatArray
 
@@ -32,6 +33,10 @@ OPTIONS: dict[str, Any] = {
     "ipopt.max_iter": 200,
     "ipopt.max_wall_time": 10.0,
 }
+
+ITERATION_WORK = 250.0
+INSTRUCTION_WORK = 0.03
+"""Work of an iteration, and in it of each instruction of equations and Jacobian [units]."""
 
 _one_at_a_time = threading.Lock()
 """One CasADi function used by two threads crashes the process."""
@@ -74,6 +79,11 @@ class _Program:
 @functools.cache
 def _program(model: Model) -> _Program:
     return _Program(model)
+
+
+def work_of(model: Model, iterations: int) -> float:
+    """Return the work of so many iterations on a problem of a family [units]."""
+    return iterations * (ITERATION_WORK + INSTRUCTION_WORK * instructions_of(model))
 
 
 def solve(problem: Problem, start: FloatArray) -> Outcome:

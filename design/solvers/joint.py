@@ -26,6 +26,7 @@ from design.errors import InfeasibleDesignError
 from design.impulses import ROUNDING
 from design.shapers.problem import JointProblem
 from design.solvers import highs
+from design.solvers.budget import Budget
 from design.types import LARGEST, ComplexArray, FloatArray
 
 PERIOD_RAD = 2 * math.pi
@@ -41,6 +42,11 @@ FEWEST_CELLS = 60
 
 MOST_PROGRAMS = 60
 """Linear programs until the search is given up; a dozen do for six modes."""
+
+PROGRAM_WORK = 2500.0
+CELL_WORK = 1.6
+"""Work of a linear program, and of each of its cells and equations: with what follows from it
+[units]."""
 
 FINEST = 8.0
 """How many times finer than at first the grid may become [-]."""
@@ -106,21 +112,25 @@ class Shortest:
     programs: int
 
 
-def shortest(problem: JointProblem) -> Iterator[Shortest]:
+def shortest(problem: JointProblem, budget: Budget | None = None) -> Iterator[Shortest]:
     """Yield the fastest command; where none is shown to be, the best that was found.
 
     Raises
     ------
     InfeasibleDesignError
-        When all are used up; says how far was searched.
+        When all are used up, or the budget is spent; says how far was searched.
     """
     first = itemgetter(0)
+    budget = Budget() if budget is None else budget
     search = _Search(problem.unit_poles, positive=problem.positive)
     low, high, fineness, ahead = search.first_bound_rad, math.inf, 1.0, 0.0
     duration = low
     best: Shortest | None = None
     strongest: tuple[float, ComplexArray] = (0.0, np.zeros(0, dtype=np.complex128))
     for programs in range(1, MOST_PROGRAMS + 1):
+        if budget.spent:
+            break
+        budget.spend(search.work_of(duration, fineness))
         obstacle = search.obstacle_to(duration, fineness)
         gained = 0.0
         if obstacle is not None:
@@ -160,10 +170,11 @@ def shortest(problem: JointProblem) -> Iterator[Shortest]:
             duration, ahead = low + ahead * gained, min(max(2 * ahead, 1.0), FARTHEST_AHEAD)
     if best is not None:
         yield replace(best, vectors=strongest[1])
+    modes = problem.unit_poles.size
     raise InfeasibleDesignError(
-        f"no command found without vibration in all {problem.unit_poles.size} modes: none is "
-        f"shorter than {strongest[0] / PERIOD_RAD:.6g} periods of the slowest, and {programs} "
-        "linear programs led to none"
+        f"no command found without vibration in {f'all {modes} modes' if modes > 1 else 'the mode'}"
+        f": none is shorter than {strongest[0] / PERIOD_RAD:.6g} periods of the slowest, and "
+        f"{programs} linear programs led to none{f'; {budget.in_words}' if budget.spent else ''}"
     )
 
 
@@ -215,13 +226,22 @@ class _Search:
         found: FloatArray = (vectors.conj() @ self.swings(times, order)).real
         return found
 
+    def cells(self, duration: float, fineness: float) -> int:
+        """Return the number of cells of the grid of a linear program."""
+        turns = duration * self.fastest / PERIOD_RAD
+        return int(fineness * max(FEWEST_CELLS, CELLS_A_TURN * turns))
+
+    def work_of(self, duration: float, fineness: float) -> float:
+        """Return the work of a linear program, and of what follows from it [units]."""
+        equations = 2 * self.poles.size
+        return PROGRAM_WORK + CELL_WORK * equations * self.cells(duration, fineness)
+
     def obstacle_to(self, duration: float, fineness: float) -> _Obstacle | None:
         """Return the c that shows best that a duration is too short; None if it is not on the grid.
 
         Equations are scaled so that each is the vibration at the end.
         """
-        turns = duration * self.fastest / PERIOD_RAD
-        cells = int(fineness * max(FEWEST_CELLS, CELLS_A_TURN * turns))
+        cells = self.cells(duration, fineness)
         grid = np.linspace(0, duration, cells + 1)
         swings = self.swings(grid)
         scaled = swings * np.exp(self.poles.real * duration)[:, None]

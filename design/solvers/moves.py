@@ -10,12 +10,19 @@ from design.shapers.problem import Problem
 from design.shapers.unity_magnitude import PERIOD_RAD
 from design.shapers.whole_move import WholeMove, pulse_trains
 from design.solvers import ipopt
+from design.solvers.budget import Budget
 from design.solvers.outcome import Status
 from design.solvers.search import spread_starts
 from design.types import FloatArray
 
 COINCIDE_RAD = 1e-4
 """Steps closer than this are one: a sixtieth of a thousandth of a period [rad]."""
+
+STEP_WORK = 60.0
+"""Work of each step of the move in an iteration, beside what that takes anyway [units]."""
+
+CANDIDATE_WORK = 20_000.0
+"""Work of what judges a move: its certificate, its travel [units]."""
 
 SPREAD_STARTS = 12
 """Starts spread over the usual duration, where a move with fewer steps is looked for."""
@@ -45,14 +52,19 @@ class MoveCandidate:
 class _Search:
     """Starts of one search, counted."""
 
-    def __init__(self) -> None:
+    def __init__(self, budget: Budget) -> None:
         self.starts = 0
+        self.budget = budget
 
     def solved(self, problem: Problem, seeds: list[FloatArray]) -> Iterator[FloatArray]:
         """Yield the ends of the runs that the solver calls solved."""
         for seed in seeds:
+            if self.budget.spent:
+                return
             self.starts += 1
             outcome = ipopt.solve(problem, np.maximum(seed, problem.shortest_gaps_rad))
+            iteration = ipopt.ITERATION_WORK + STEP_WORK * problem.amplitudes.size
+            self.budget.spend(iteration * outcome.iterations)
             if outcome.status is Status.TIME_LIMIT:
                 raise TimeLimitError(f"ipopt ran past its time at start {self.starts} of a move")
             in_time = outcome.unknowns.sum() <= problem.horizon_rad
@@ -84,7 +96,9 @@ class _Search:
             fewer = _with_two_steps_fewer(fewer)
 
 
-def move_candidates(problem: Problem, usual_rad: float) -> Iterator[MoveCandidate]:
+def move_candidates(
+    problem: Problem, usual_rad: float, budget: Budget | None = None
+) -> Iterator[MoveCandidate]:
     """Yield moves, the likeliest minimum first.
 
     IPOPT starts at the problem's own seeds, then at trains of pulses, then with fewer steps. Where
@@ -98,6 +112,9 @@ def move_candidates(problem: Problem, usual_rad: float) -> Iterator[MoveCandidat
         What the move should not take longer than: local minima may be several periods longer, and
         come last, with what has coinciding steps still [rad].
 
+    budget
+        What the search may do; that of one design if not given.
+
     Raises
     ------
     InfeasibleDesignError
@@ -105,10 +122,11 @@ def move_candidates(problem: Problem, usual_rad: float) -> Iterator[MoveCandidat
     TimeLimitError
         If the solver ran past its time.
     """
-    search = _Search()
+    search = _Search(Budget() if budget is None else budget)
     usual_rad = min(usual_rad, problem.horizon_rad)
     put_off = []
     for candidate in search.everywhere(problem, usual_rad):
+        search.budget.spend(CANDIDATE_WORK)
         if candidate.gaps_rad.min() > COINCIDE_RAD and candidate.duration_rad <= usual_rad:
             yield candidate
         else:
@@ -120,6 +138,7 @@ def move_candidates(problem: Problem, usual_rad: float) -> Iterator[MoveCandidat
     raise InfeasibleDesignError(
         f"no move on levels 0 and 1 was found that travels {travel_s:.6g} s times its speed within "
         f"{problem.horizon_rad / PERIOD_RAD:.4g} periods, in {search.starts} starts"
+        f"{f'; {search.budget.in_words}' if search.budget.spent else ''}"
     )
 
 

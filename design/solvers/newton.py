@@ -1,12 +1,14 @@
 """Newton's method on the equations of a problem family, many starts at once."""
 
 import functools
+import math
 import threading
 from dataclasses import dataclass
 
 import numpy as np
 
 from design.shapers.problem import Model
+from design.solvers.budget import Budget
 from design.solvers.buffered import Buffered
 from design.types import BoolArray, FloatArray
 
@@ -18,6 +20,12 @@ LARGEST_STEP_RAD = 0.7
 
 TOLERANCE = 1e-12
 """Largest equation that counts as zero: two orders above rounding [-]."""
+
+INSTRUCTION_WORK = 0.004
+"""Work of one instruction of compiled expressions in one lane [units]."""
+
+LINEAR_WORK = 100.0
+"""Work of the linear equations of all lanes, and around them [units]."""
 
 _one_at_a_time = threading.Lock()
 
@@ -54,6 +62,7 @@ class _Equations:
         one = ca.Function(
             "equations", [x, p], [g, ca.densify(ca.jacobian(g, x))], ["x", "p"], ["g", "jacobian"]
         )
+        self.instructions = int(one.n_instructions())
         self._function = Buffered(one.map(LANES), ("x", "p"), ("g", "jacobian"))
         size, count = x.shape[0], p.shape[0]
         # CasADi is column-major: lane by lane, and within the Jacobian column by column.
@@ -113,8 +122,19 @@ def _equations(model: Model) -> _Equations:
     return _Equations(model)
 
 
+def instructions_of(model: Model) -> int:
+    """Return how many instructions the equations of a family and their Jacobian take."""
+    with _one_at_a_time:
+        return _equations(model).instructions
+
+
 def roots(
-    model: Model, starts: FloatArray, parameters: FloatArray, *, iterations: int = 30
+    model: Model,
+    starts: FloatArray,
+    parameters: FloatArray,
+    *,
+    iterations: int = 30,
+    budget: Budget | None = None,
 ) -> Roots:
     """Run Newton's method from every start.
 
@@ -128,21 +148,30 @@ def roots(
         Parameters, shape (p,) for all or (m, p) for each.
     iterations
         Most steps of each.
+    budget
+        What may be done: as soon as it is spent, no more starts are begun. None for all.
 
     Returns
     -------
     Roots
-        All ends, converged or not, in the order of the starts.
+        All ends, converged or not, in the order of the starts; of those begun.
     """
+    budget = Budget(most=math.inf) if budget is None else budget
     unknowns = np.array(starts, dtype=np.float64)
     each = np.broadcast_to(parameters, (len(unknowns), parameters.shape[-1]))
     misses = np.full(len(unknowns), np.inf)
+    begun = 0
     with _one_at_a_time:
         equations = _equations(model)
-        for first in range(0, len(unknowns), LANES):
-            part = slice(first, first + LANES)
-            unknowns[part], misses[part] = _run(equations, unknowns[part], each[part], iterations)
-    return Roots(unknowns=unknowns, misses=misses)
+        work = LINEAR_WORK + INSTRUCTION_WORK * LANES * equations.instructions
+        while begun < len(unknowns) and not budget.spent:
+            part = slice(begun, begun + LANES)
+            unknowns[part], misses[part], evaluations = _run(
+                equations, unknowns[part], each[part], iterations
+            )
+            budget.spend(evaluations * work)
+            begun += LANES
+    return Roots(unknowns=unknowns[:begun], misses=misses[:begun])
 
 
 def _steps(jacobians: FloatArray, values: FloatArray) -> FloatArray:
@@ -158,7 +187,8 @@ def _steps(jacobians: FloatArray, values: FloatArray) -> FloatArray:
 
 def _run(
     equations: _Equations, unknowns: FloatArray, parameters: FloatArray, iterations: int
-) -> tuple[FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, int]:
+    """Return where lanes end, their largest equations there, and how often all were evaluated."""
     active = np.arange(len(unknowns))
     misses = np.full(len(unknowns), np.inf)
     for iteration in range(iterations + 1):
@@ -176,4 +206,4 @@ def _run(
         steps = _steps(regular, values[going])
         longest = np.abs(steps).max(axis=1, keepdims=True)
         unknowns[active] -= steps * np.minimum(1.0, LARGEST_STEP_RAD / np.maximum(longest, 1e-300))
-    return unknowns, misses
+    return unknowns, misses, iteration + 1

@@ -9,6 +9,7 @@ import numpy as np
 from design.errors import InfeasibleDesignError, TimeLimitError
 from design.shapers.problem import Problem, Seed
 from design.solvers import ipopt, newton
+from design.solvers.budget import Budget
 from design.solvers.continuation import followed
 from design.solvers.outcome import Status
 from design.types import FloatArray
@@ -21,6 +22,9 @@ HORIZONS_PERIODS = (3.0, 10.0, 30.0)
 
 SHORTEST_SHARE = 1e-3
 """Shortest step from what a seed solves to what is asked, over that way [-]."""
+
+JUDGING_WORK = 5_000.0
+"""Work of what judges a candidate: certificates, insensitivities [units]."""
 
 SAME_ROOT_RAD = 1e-6
 """Roots closer than this are one [rad]."""
@@ -54,13 +58,14 @@ class Candidate:
     starts: int
 
 
-def candidates(problem: Problem) -> Iterator[Candidate]:
+def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Candidate]:
     """Yield ordered solutions, the likeliest minimum first.
 
     Each solution comes from IPOPT. It starts at the problem's own seeds, sharpened by Newton's
     method, which halves its iterations, or followed by it from what they solve; then, where those
     fail, at every root that Newton's method finds from `BRANCH_STARTS` starts spread over the
-    horizon (over shorter ones first), fastest first; then at the seeds as they are.
+    horizon (over shorter ones first), fastest first; then at the seeds as they are. Where the
+    budget is spent, the search ends.
 
     Raises
     ------
@@ -69,22 +74,41 @@ def candidates(problem: Problem) -> Iterator[Candidate]:
     TimeLimitError
         If the solver ran past its time.
     """
+    budget = Budget() if budget is None else budget
     tried = 0
     for seed in problem.seeds:
         tried += 1
-        sharpened = _sharpened(problem, seed)
+        sharpened = _sharpened(problem, seed, budget)
         if sharpened is not None and problem.allows(sharpened):
-            yield from _solved(problem, sharpened, seed.name, tried)
+            yield from _solved(problem, sharpened, seed.name, tried, budget)
+    searched = problem
     for horizon_rad in _horizons(problem):
         within = replace(problem, horizon_rad=horizon_rad)
         starts = problem.start(spread_starts(within))
-        spread = newton.roots(problem.model, starts, problem.parameters)
-        tried += BRANCH_STARTS
-        for unknowns in _ordered_fastest_first(within, spread):
-            yield from _solved(within, unknowns, "branch_search", tried)
+        found = newton.roots(problem.model, starts, problem.parameters, budget=budget)
+        if not len(found.unknowns):
+            break
+        searched, spread = within, found
+        tried += len(found.unknowns)
+        for unknowns in _ordered_fastest_first(within, found):
+            if budget.spent:
+                break
+            yield from _solved(within, unknowns, "branch_search", tried, budget)
     for seed in problem.seeds:
-        yield from _solved(problem, problem.start(seed.gaps_rad), seed.name, tried)
-    raise InfeasibleDesignError(_searched(problem, spread, tried))
+        if not budget.spent:
+            start = problem.start(seed.gaps_rad)
+            yield from _solved(problem, start, seed.name, tried, budget)
+    raise InfeasibleDesignError(_searched(searched, spread, tried) + _unsearched(problem, budget))
+
+
+def _unsearched(problem: Problem, budget: Budget) -> str:
+    """Say that a search ended before its end, if it did."""
+    if not budget.spent:
+        return ""
+    return (
+        f"; durations up to {problem.horizon_rad / (2 * np.pi):g} periods were not searched to the "
+        f"end: {budget.in_words}"
+    )
 
 
 def _horizons(problem: Problem) -> list[float]:
@@ -126,7 +150,7 @@ def unit_starts(count: int) -> FloatArray:
     return gaps
 
 
-def _sharpened(problem: Problem, seed: Seed) -> FloatArray | None:
+def _sharpened(problem: Problem, seed: Seed, budget: Budget) -> FloatArray | None:
     """Return where Newton's method ends from a seed: a root or not, within bounds or not.
 
     None if the seed is to be followed from what it solves, and the path ends on the way.
@@ -137,15 +161,20 @@ def _sharpened(problem: Problem, seed: Seed) -> FloatArray | None:
 
     def solve(guess: FloatArray, share: float) -> FloatArray | None:
         parameters = solves + share * (problem.parameters - solves)
-        end = newton.roots(problem.model, guess[None], parameters)
+        end = newton.roots(problem.model, guess[None], parameters, budget=budget)
+        if not len(end.unknowns):
+            return None
         return end.unknowns[0] if end.converged[0] and problem.allows(end.unknowns[0]) else None
 
     path = followed(start, solve, SHORTEST_SHARE)
     return path.unknowns if path.complete else None
 
 
-def _solved(problem: Problem, start: FloatArray, seed: str, tried: int) -> Iterator[Candidate]:
+def _solved(
+    problem: Problem, start: FloatArray, seed: str, tried: int, budget: Budget
+) -> Iterator[Candidate]:
     outcome = ipopt.solve(problem, start)
+    budget.spend(JUDGING_WORK + ipopt.work_of(problem.model, outcome.iterations))
     if outcome.status is Status.TIME_LIMIT:
         raise TimeLimitError(f"ipopt ran past its time from seed {seed!r}")
     gaps, ratios = problem.split(outcome.unknowns)

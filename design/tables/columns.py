@@ -27,9 +27,14 @@ def times_of(head: TableHead, rows: Rows) -> FloatArray:
 def amplitudes_of(head: TableHead, rows: Rows) -> FloatArray:
     """Return the heights of the impulses in every row, shape (m, impulses) [-].
 
-    Those of the head where the table has no columns of amplitudes.
+    Those of the head where all rows share them.
+
+    Raises
+    ------
+    InvalidInputError
+        If they neither are shared nor have columns.
     """
-    if "a1" not in names_of(head, "result"):
+    if head.amplitudes and "a1" not in names_of(head, "result"):
         return np.broadcast_to(np.array(head.amplitudes), (rows.status.size, head.impulses))
     wanted = [f"a{number}" for number in range(1, head.impulses + 1)]
     return rows.results[:, _positions(head, wanted, "amplitudes")]

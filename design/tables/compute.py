@@ -2,25 +2,25 @@
 
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from design.actuators import Actuator
-from design.analysis.certificate import LIMITS, certify, certify_modes, zeros
+from design.analysis.certificate import LIMITS, certify, zeros
 from design.errors import (
     DesignError,
     InfeasibleDesignError,
     InvalidInputError,
+    SolverFailedError,
 )
 from design.pipeline import Design, design
-from design.plants import Plant
+from design.plants import Mode, Pendulum, Plant, SpringMass
 from design.shapers.kind import NoOptions, SettleOptions, ShaperKind
-from design.shapers.problem import Promise
 from design.tables.parameters import RowParameters, of_one_mode_and_lags, row_parameters
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL, Rows
-from design.tables.specification import TableSpecification, amplitudes_of
+from design.tables.specification import TableSpecification
 from design.types import BoolArray, FloatArray
 
 IndexArray = NDArray[np.int_]
@@ -78,16 +78,31 @@ class _Table:
     wants_slopes: bool
 
     def take(self, row: int, plant: Plant, actuator: Actuator, found: Design) -> None:
-        """Enter a single design."""
+        """Enter a single design.
+
+        Raises
+        ------
+        SolverFailedError
+            If it has another number of impulses than the rest.
+        """
+        wanted = self.times_s.shape[1]
+        if found.impulses.times_s.size != wanted:
+            raise SolverFailedError(
+                f"the design has {found.impulses.times_s.size} impulses, the table's rows {wanted}"
+            )
         self.times_s[row] = found.impulses.times_s
         self.amplitudes[row] = found.impulses.amplitudes
-        self.natural_frequencies_rad_s[row] = plant.mode.natural_frequency_rad_s
+        if isinstance(plant, Mode | Pendulum | SpringMass):  # only there a phase is asked for
+            self.natural_frequencies_rad_s[row] = plant.mode.natural_frequency_rad_s
         self.residuals[row] = found.residual
         if self.wants_slopes:
-            claims = certify(found.impulses, plant.mode, actuator, zeros(["slope"])).claims
-            self.slopes[row] = claims[0].value
+            slopes = [
+                certify(found.impulses, mode, actuator, zeros(["slope"])).claims[0].value
+                for mode in plant.modes
+            ]
+            self.slopes[row] = max(slopes)
         self.designed[row] = True
-        self.for_ideal[row] = not holds_as_given(found, plant, actuator)
+        self.for_ideal[row] = found.for_ideal
 
     def status(self) -> NDArray[np.int8]:
         """Return what has become of the rows that have a design, shape (m,)."""
@@ -106,17 +121,6 @@ class _Table:
         results = np.concatenate([of_name[name]() for name in columns], axis=1)
         results[~self.designed] = np.nan
         return results
-
-
-def holds_as_given(found: Design, plant: Plant, actuator: Actuator) -> bool:
-    """Whether all that a design claims holds with the actuator given."""
-    if not found.for_ideal:
-        return True
-    promises = tuple(
-        Promise(quantity=claim.quantity, limit=claim.limit, mode=claim.mode, band=claim.band)
-        for claim in found.certificate.claims
-    )
-    return certify_modes(found.impulses, plant.modes, actuator, promises).verified
 
 
 def compute_rows(specification: TableSpecification, start: int, stop: int) -> Rows:
@@ -146,6 +150,7 @@ def counted_rows(
     specification: TableSpecification, start: int, stop: int
 ) -> tuple[Rows, RowCounts]:
     """Return what `compute_rows` does, and how the rows came about."""
+    specification = counted(specification)
     values = specification.field_values(start, stop)
     table = _empty(specification, len(values))
     guarded = corrected = compiled_rows = 0
@@ -180,8 +185,23 @@ def counted_rows(
     )
 
 
+def counted(specification: TableSpecification) -> TableSpecification:
+    """Return a specification that says how many impulses a row has, by its one design if need be.
+
+    Raises
+    ------
+    DesignError
+        If there is no such design.
+    """
+    if specification.impulses is not None:
+        return specification
+    plant, actuator, options = specification.at(specification.field_values(0, 1)[0])
+    found = design(plant, actuator, specification.kind, options)
+    return replace(specification, impulses=found.impulses.times_s.size)
+
+
 def _empty(specification: TableSpecification, rows: int) -> _Table:
-    impulses = len(amplitudes_of(specification.kind, specification.options))
+    impulses = specification.impulses or 0  # `counted` has been here
     return _Table(
         times_s=np.full((rows, impulses), np.nan),
         amplitudes=np.full((rows, impulses), np.nan),

@@ -133,7 +133,7 @@ class TableHead:
     impulses
         Impulses of the shaper, all rows alike.
     amplitudes
-        Their amplitudes, all rows alike [-].
+        Their amplitudes, all rows alike [-]; none where each row has its own, in columns.
     name
         What names in programs begin with; made from the title where empty.
     fit

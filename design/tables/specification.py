@@ -18,6 +18,7 @@ from design.shapers.problem import (
     Convolution,
     JointProblem,
 )
+from design.shapers.several_modes import BASES, ConvolvedOptions
 from design.tables.rows import Column, Subject
 from design.types import FloatArray, require_between
 
@@ -89,6 +90,9 @@ class TableSpecification:
     chunk_rows
         Rows that are computed and stored at a time. Results depend on it no more than on anything
         else of the specification, and on nothing outside of it.
+    impulses
+        Of each row. Where the kind of shaper does not say how many, the table has one row, and None
+        stands for what its design will have; `design.tables.compute.counted` finds out.
 
     Raises
     ------
@@ -106,6 +110,7 @@ class TableSpecification:
     listed_paths: tuple[Path, ...] = ()
     columns: tuple[str, ...] = DEFAULT_COLUMNS
     chunk_rows: int = 10_000
+    impulses: int | None = None
     fields: tuple[Path, ...] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -117,12 +122,6 @@ class TableSpecification:
                 self.actuator.kind,
                 f"one that {self.kind.name} serves: {', '.join(self.kind.actuators)}",
             )
-        if isinstance(self.plant, Modes | Scheduled):
-            raise InvalidInputError(
-                "design.plant.kind",
-                "scheduled" if isinstance(self.plant, Scheduled) else "modes",
-                "a plant of one mode and frequency: each row has its own",
-            )
         paths = tuple(axis.path for axis in self.axes) if self.listed is None else self.listed_paths
         object.__setattr__(self, "fields", paths)
         for number, path in enumerate(self.fields):
@@ -130,6 +129,7 @@ class TableSpecification:
                 raise InvalidInputError(
                     f"axes.{number}.field", "/".join(path), "another field than those before it"
                 )
+        self._check_shaper()
         self._check_columns()
         require_between("chunk_rows", self.chunk_rows, 1, MOST_CHUNK_ROWS)
         if self.listed is not None:
@@ -142,7 +142,31 @@ class TableSpecification:
                 raise InvalidInputError(f"axes.{number}.values", [], "one or more values")
             place = f"axes.{number}.values"
             self._check_values(axis.path, axis.values, lambda _, place=place: place)
+        self._check_amplitudes()
         self._check_size()
+
+    def _check_shaper(self) -> None:
+        """Check that all rows have as many impulses, and note how many where the kind says."""
+        several = isinstance(self.plant, Modes)
+        if several and self.kind.formulate_jointly is None:
+            raise InvalidInputError(
+                "design.plant.kind", "modes", f"a plant of one mode for {self.kind.name}"
+            )
+        if self.impulses is not None:
+            return
+        try:
+            if isinstance(self.plant, Scheduled) and self.rows != 1:
+                raise InvalidInputError(
+                    "design.plant.kind",
+                    "scheduled",
+                    "a plant of one frequency where there are several rows: each row has its own",
+                )
+            found = impulses_of(self.plant, self.kind, self.options)
+        except InvalidInputError:
+            if self.rows != 1:
+                raise
+            found = None
+        object.__setattr__(self, "impulses", found)
 
     def _check_columns(self) -> None:
         if not self.columns:
@@ -152,16 +176,19 @@ class TableSpecification:
                 raise InvalidInputError(
                     f"columns.{number}", name, f"one of {', '.join(COLUMNS)}, each once"
                 )
-        if "amplitudes" not in self.columns and {"times_s", "phases_rad"} & set(self.columns):
-            undamped, damped = (
-                amplitudes_of(self.kind, self.options, ratio) for ratio in (0.0, SOME_DAMPING)
+        if "phases_rad" in self.columns and isinstance(self.plant, Modes | Scheduled):
+            raise InvalidInputError(
+                "columns", "phases_rad", "left out for a plant that has no one frequency"
             )
-            if undamped != damped:
-                raise InvalidInputError(
-                    "columns",
-                    list(self.columns),
-                    f"with amplitudes: those of {self.kind.name} depend on the damping",
-                )
+
+    def _check_amplitudes(self) -> None:
+        wanted = "amplitudes" not in self.columns and {"times_s", "phases_rad"} & set(self.columns)
+        if wanted and not self.shared_amplitudes:
+            raise InvalidInputError(
+                "columns",
+                list(self.columns),
+                f"with amplitudes: those of {self.kind.name} depend on the damping, or on a field",
+            )
 
     def _check_size(self) -> None:
         require_rows(self.rows)
@@ -200,6 +227,20 @@ class TableSpecification:
                 "field", "/".join(path), "a number of plant, actuator or shaper"
             )
         return {part: varied(parts[part], rest, value)}
+
+    @property
+    def shared_amplitudes(self) -> tuple[float, ...]:
+        """The amplitudes of all rows [-]; none where each row has its own."""
+        options = [self.options]
+        for number, path in enumerate(self.fields):
+            if path[0] == "shaper":
+                values = self.axes[number].values if self.listed is None else self.listed[:, number]
+                options += [
+                    varied(self.options, path[1:], float(end))
+                    for end in (values.min(), values.max())
+                ]
+        found = {shared_amplitudes(self.kind, one) for one in options}
+        return found.pop() if len(found) == 1 else ()
 
     @property
     def rows(self) -> int:
@@ -285,9 +326,50 @@ def amplitudes_of(kind: ShaperKind, options: Any, damping_ratio: float = 0.0) ->
     return tuple(formulation.amplitudes.tolist())
 
 
+def impulses_of(plant: Plant, kind: ShaperKind, options: Any) -> int:  # noqa: ANN401
+    """Return how many impulses the designs of a table have, whatever the row.
+
+    Raises
+    ------
+    InvalidInputError
+        If that changes with the plant.
+    """
+    options = kind.options() if options is None else options
+    if isinstance(options, ConvolvedOptions):
+        base = BASES[options.base]
+        of_one = len(amplitudes_of(base, base.options()))
+        return math.prod(of_one for _ in plant.modes)
+    return len(amplitudes_of(kind, options))
+
+
+def undamped_amplitudes(kind: ShaperKind, options: Any) -> tuple[float, ...]:  # noqa: ANN401
+    """Return the amplitudes of `amplitudes_of`; none where not even their number is known."""
+    try:
+        return amplitudes_of(kind, options)
+    except InvalidInputError:
+        return ()
+
+
+def shared_amplitudes(kind: ShaperKind, options: Any) -> tuple[float, ...]:  # noqa: ANN401
+    """Return the amplitudes that all rows of a table share; none where each row has its own."""
+    try:
+        undamped, damped = (amplitudes_of(kind, options, ratio) for ratio in (0.0, SOME_DAMPING))
+    except InvalidInputError:  # not even their number is the same
+        return ()
+    return undamped if undamped == damped else ()
+
+
 def columns_of(specification: TableSpecification) -> tuple[Column, ...]:
-    """Return the columns of a table: fields, results, status, reason."""
-    impulses = len(amplitudes_of(specification.kind, specification.options))
+    """Return the columns of a table: fields, results, status, reason.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is not known how many impulses there are.
+    """
+    impulses = specification.impulses
+    if impulses is None:
+        raise InvalidInputError("impulses", None, "counted first, by design.tables.compute.counted")
     series = {
         "times_s": [(f"t{number}_s", "s") for number in range(1, impulses + 1)],
         "amplitudes": [(f"a{number}", "1") for number in range(1, impulses + 1)],

@@ -2,15 +2,16 @@
 
 import functools
 import uuid
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pydantic import ValidationError
 
 from design.errors import DesignError
 from design.export.program import DEFAULT_TITLE
 from design.fits import fit
+from design.tables.compute import counted
 from design.tables.rows import TableHead
-from design.tables.specification import TableSpecification, amplitudes_of, columns_of
+from design.tables.specification import TableSpecification, columns_of
 from schemas.tables import TableJob, TableRequest, TableSize, sha256_of
 from service.jobs.store import Job, NewJob
 from service.operations import version
@@ -52,7 +53,7 @@ def planned(body: bytes) -> Plan | Problem:
 
 def plan_of(request: TableRequest) -> Plan:
     """Return the job that a request asks for."""
-    specification = request.to_design()
+    specification = counted(request.to_design())
     canonical = request.canonical()
     job = NewJob(
         id=uuid.uuid4().hex,
@@ -61,6 +62,7 @@ def plan_of(request: TableRequest) -> Plan:
         version=version(),
         rows=specification.rows,
         chunk_rows=specification.chunk_rows,
+        impulses=specification.impulses,
     )
     return Plan(job, size_of(specification))
 
@@ -76,9 +78,10 @@ def size_of(specification: TableSpecification) -> TableSize:
 
 
 @functools.lru_cache(maxsize=8)
-def specification_of(canonical: str) -> TableSpecification:
-    """Return the specification of a job."""
-    return TableRequest.model_validate_json(canonical).to_design()
+def specification_of(canonical: str, impulses: int | None = None) -> TableSpecification:
+    """Return the specification of a job whose rows have so many impulses."""
+    specification = TableRequest.model_validate_json(canonical).to_design()
+    return specification if impulses is None else replace(specification, impulses=impulses)
 
 
 def head_of(job: Job | NewJob, *, fitted: bool, name: str = "") -> TableHead:
@@ -87,8 +90,7 @@ def head_of(job: Job | NewJob, *, fitted: bool, name: str = "") -> TableHead:
     ``name``: of the file, from which names in programs are made where no title was given.
     """
     request = TableRequest.model_validate_json(job.specification)
-    specification = specification_of(job.specification)
-    amplitudes = amplitudes_of(specification.kind, specification.options)
+    specification = counted(specification_of(job.specification, job.impulses))
     polynomials = None
     if fitted and request.fit is not None:
         polynomials = fit(
@@ -105,8 +107,8 @@ def head_of(job: Job | NewJob, *, fitted: bool, name: str = "") -> TableHead:
         title=request.title,
         columns=columns_of(specification),
         rows=job.rows,
-        impulses=len(amplitudes),
-        amplitudes=amplitudes,
+        impulses=specification.impulses or 0,
+        amplitudes=specification.shared_amplitudes,
         name=name if request.title == DEFAULT_TITLE else "",
         fit=polynomials,
         subject=specification.subject,
@@ -121,7 +123,7 @@ def told(job: Job) -> TableJob:
         state=job.state,
         reason=job.reason or None,
         created=job.created,
-        size=size_of(specification_of(job.specification)),
+        size=size_of(specification_of(job.specification, job.impulses)),
         rows_done=job.done,
         verified=job.verified,
         verified_ideal=job.verified_ideal,

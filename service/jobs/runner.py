@@ -118,8 +118,8 @@ class Runner:
         if self._started is None:
             self._started = self._start()
         if self._specification is None or self._specification[0] != claim.job:
-            canonical = self.patiently(lambda: self._store.specification(claim.job))
-            self._specification = claim.job, specification_of(canonical)
+            canonical, impulses = self.patiently(lambda: self._store.specification(claim.job))
+            self._specification = claim.job, specification_of(canonical, impulses)
         part = part_of(self._specification[1], claim.number)
         try:
             future = self._started.executor.submit(compute_chunk, *part)

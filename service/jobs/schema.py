@@ -16,6 +16,7 @@ JOBS = sa.Table(
     sa.Column("version", sa.String(64), nullable=False),
     sa.Column("rows", sa.BigInteger, nullable=False),
     sa.Column("chunks", sa.Integer, nullable=False),
+    sa.Column("impulses", sa.Integer),
 )
 
 CHUNKS = sa.Table(

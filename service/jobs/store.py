@@ -31,7 +31,10 @@ BLOBS_AT_ONCE = 8
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NewJob:
-    """What a job is made of: its specification as canonical JSON, and its size."""
+    """What a job is made of: its specification as canonical JSON, and its size.
+
+    ``impulses``: of each row; None where the kind of shaper says.
+    """
 
     id: str
     specification: str
@@ -39,6 +42,7 @@ class NewJob:
     version: str
     rows: int
     chunk_rows: int
+    impulses: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,6 +73,7 @@ class Job:
     verified_ideal: int
     infeasible: int
     rate_rows_s: float
+    impulses: int | None = None
 
     @property
     def failed(self) -> int:
@@ -147,6 +152,7 @@ class Store:
             "version": job.version,
             "rows": job.rows,
             "chunks": chunks,
+            "impulses": job.impulses,
         }
         with self._engine.begin() as connection:
             connection.execute(JOBS.insert().values(new))
@@ -340,11 +346,12 @@ class Store:
         newest = sa.select(JOBS).order_by(JOBS.c.created.desc(), JOBS.c.id).limit(most)
         return self._jobs(newest)
 
-    def specification(self, job: str) -> str:
-        """Return the specification of a job as canonical JSON."""
+    def specification(self, job: str) -> tuple[str, int | None]:
+        """Return the specification of a job as canonical JSON, and the impulses of each row."""
         with self._reading.connect() as connection:
-            wanted = sa.select(JOBS.c.specification).where(JOBS.c.id == job)
-            return str(connection.execute(wanted).scalar_one())
+            wanted = sa.select(JOBS.c.specification, JOBS.c.impulses).where(JOBS.c.id == job)
+            canonical, impulses = connection.execute(wanted).one()
+            return canonical, impulses
 
     def _jobs(self, wanted: sa.Select[Any]) -> list[Job]:
         with self._reading.connect() as connection:

@@ -20,6 +20,7 @@ from design.shapers.problem import Promise
 from design.shapers.registry import SHAPERS
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions
+from design.solvers.budget import MOST_WORK
 from design.types import FloatArray
 from tests.random_cases import Case
 from tests.routes import (
@@ -63,7 +64,7 @@ def wrong_in_design(case: Case, made: Design) -> Iterator[str]:
         for quantity in _promised(case):
             if (quantity, number) not in kept:
                 yield f"claims no {quantity} of mode {number}"
-    designed_for = _designed_for(case)
+    designed_for = _designed_for(case) if made.for_ideal else case.actuator
     for claim in made.certificate.claims:
         mode = case.plant.modes[claim.mode]
         yield from _wrong_claim(claim, made.impulses, mode, designed_for)
@@ -251,7 +252,10 @@ def _beaten(case: Case, made: Design) -> Iterator[str]:
     if len(modes) > 1:
         if made.solver.lower_bound_s is None:
             for other in ("multi_zv", "multi_umzv") if positive else ("multi_umzv",):
-                bound = _bound(design(case.plant, Ideal(), SHAPERS[other]))
+                try:
+                    bound = _bound(design(case.plant, Ideal(), SHAPERS[other]))
+                except (InfeasibleDesignError, InvalidInputError):
+                    continue  # no joint shaper is found where modes decay at once
                 if "residual" in made.certificate.zeros and bound > duration * (1 + ROUNDING):
                     yield f"is {duration!r} long, the bound of {other} is {bound!r}"
         return
@@ -356,8 +360,12 @@ JUDGES: tuple[tuple[str, Callable[..., bool]], ...] = (
         lambda _, takes, horizon: takes > horizon,
     ),
     (
-        rf"duration <= {NUMBER} periods in {NUMBER} starts; nearest miss",
+        rf"duration <= {NUMBER} periods in {NUMBER} starts; nearest miss(?!.* to the end: its)",
         _none_as_short,
+    ),
+    (
+        rf"in {NUMBER} starts; nearest miss.* to the end: its budget of {NUMBER} million units",
+        lambda _, starts, budget: starts > 0 and budget * 1e6 == MOST_WORK,
     ),
     (
         rf"frequency is {NUMBER}, and the vector diagram",

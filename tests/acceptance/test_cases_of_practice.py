@@ -195,3 +195,94 @@ def test_a_positive_shaper_on_samples_leaves_nothing(sample_time_s: float) -> No
     assert samples == pytest.approx(np.rint(samples), abs=1e-9)
     assert found["residual"] < 1e-14
     assert not found["warnings"]
+
+
+@pytest.mark.parametrize("damping", [0.6, 0.707, 0.9])
+def test_a_heavily_damped_mode_gets_the_closed_form(damping: float) -> None:
+    found = ask("design", plant=mode(1, damping), actuator=IDEAL, shaper={"kind": "zv"})
+    k = math.exp(-math.pi * damping / math.sqrt(1 - damping**2))
+    assert found["shaper"]["impulses"]["amplitudes"] == pytest.approx([1 / (1 + k), k / (1 + k)])
+    assert found["certificate"]["verified"]
+
+
+def test_a_beam_of_six_modes_gets_sixty_four_impulses() -> None:
+    beam = [
+        {"natural_frequency_rad_s": float(number**2), "damping_ratio": 0.05}
+        for number in range(1, 7)
+    ]
+    found = ask(
+        "design",
+        plant={"kind": "modes", "modes": beam},
+        actuator=IDEAL,
+        shaper={"kind": "convolved"},
+        sensitivity=None,
+    )
+    assert len(found["shaper"]["impulses"]["times_s"]) == 64
+    assert found["residual"] < 1e-9
+    assert found["certificate"]["verified"]
+
+
+def test_harmonics_get_two_impulses_and_no_third_of_rounding() -> None:
+    harmonics = [{"natural_frequency_rad_s": w, "damping_ratio": 0.0} for w in (15.0, 45.0)]
+    found = ask(
+        "design",
+        plant={"kind": "modes", "modes": harmonics},
+        actuator=IDEAL,
+        shaper={"kind": "multi_zv"},
+    )
+    assert found["shaper"]["impulses"]["amplitudes"] == pytest.approx([0.5, 0.5], abs=1e-9)
+
+
+def test_what_remains_swings_by_the_damped_frequency() -> None:
+    answer = ask(
+        "simulation",
+        plant={"kind": "mode", "natural_frequency_rad_s": 2.0, "damping_ratio": 0.5},
+        actuator=IDEAL,
+        command={"kind": "step"},
+    )
+    assert answer["remaining"]["deflection_m"] == pytest.approx(0.57735, abs=5e-6)
+
+
+def test_an_edge_that_is_none_is_null() -> None:
+    answer = ask(
+        "sensitivity",
+        plant={"kind": "mode", "natural_frequency_rad_s": 3.0},
+        actuator=IDEAL,
+        impulses={"times_s": [0, 20.943951], "amplitudes": [0.3, 0.3]},
+        tolerance=0.7,
+    )
+    band = answer["sensitivity"]["insensitivity"]
+    assert (band["lower_ratio"], band["upper_ratio"], band["width"]) == (None, None, None)
+    assert codes(answer) == ["sum_not_one"]
+
+
+@pytest.mark.parametrize("kind", ["zvdd", "zvddd"])
+def test_a_drive_with_a_pole_beside_the_plants_is_certified(kind: str) -> None:
+    found = ask(
+        "design",
+        plant={"kind": "mode", "natural_frequency_rad_s": 1.0, "damping_ratio": 0.08},
+        actuator={
+            "kind": "second_order",
+            "accel": {"natural_frequency_rad_s": 1.0, "damping_ratio": 0.1},
+            "decel": {"natural_frequency_rad_s": 1.1, "damping_ratio": 3.0},
+        },
+        shaper={"kind": kind},
+    )
+    assert found["certificate"]["verified"]
+    assert found["certificate"]["actuator"] == "given"
+
+
+def test_of_two_values_at_one_time_the_last_counts() -> None:
+    about: JSON = {
+        "plant": {"kind": "mode", "natural_frequency_rad_s": 3.0, "damping_ratio": 0.02},
+        "actuator": {
+            "kind": "first_order",
+            "accel_time_constant_s": 0.3,
+            "decel_time_constant_s": 0.05,
+        },
+    }
+    twice = {"kind": "list", "times_s": [0, 2, 2], "velocity_m_s": [0.5, 1, 0.5]}
+    once = {"kind": "list", "times_s": [0], "velocity_m_s": [0.5]}
+    answers = [ask("simulation", **about, command=one, until_s=20.0) for one in (twice, once)]
+    assert answers[0]["residual"] == pytest.approx(answers[1]["residual"], abs=1e-12)
+    assert answers[0]["deflection_m"] == pytest.approx(answers[1]["deflection_m"], abs=1e-12)

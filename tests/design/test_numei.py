@@ -290,7 +290,7 @@ def test_the_nearest_miss_tells_where_its_curve_has_its_zeros() -> None:
 
 def test_a_root_with_another_curve_is_none_of_these_shapers() -> None:
     # Behind this drive seven impulses have no ordered solution but one that leaves 97 %.
-    message = r"in 1026 starts; .*; solutions that pass the tolerance between their own zeros: 1$"
+    message = r"in 1026 starts; .*; solutions rejected, above the tolerance inside the band: 1$"
     with pytest.raises(InfeasibleDesignError, match=message):
         shaper(*random_case(21), "num_2ei")
 

@@ -4,7 +4,6 @@ import importlib
 import itertools
 import math
 import re
-import time
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from design.pipeline import Design, design
 from design.plants import Mode
 from design.shapers.registry import SHAPERS
 from design.shapers.specified_insensitivity import BandOptions
+from design.solvers.budget import MOST_WORK, Budget
 from design.solvers.clarabel import ConeProgram, solve
 from design.solvers.outcome import Status
 from design.types import ComplexArray, FloatArray
@@ -321,11 +321,11 @@ def test_a_command_far_beyond_its_range_has_no_structure_and_steps_of_a_grid_ins
         {"half_width": 0.9, "tolerance": 0.05},
     ],
 )
-def test_small_tolerances_and_wide_bands_take_no_more_than_seconds(options: Any) -> None:
-    mode = Mode(natural_frequency_rad_s=3.0, damping_ratio=0.05)
-    started = time.process_time()
-    made = si(mode, max_duration_periods=100.0, **options)
-    assert time.process_time() - started <= 5.0  # half a second each, on a quiet machine
+def test_small_tolerances_and_wide_bands_take_a_part_of_the_budget(options: Any) -> None:
+    mode, budget = Mode(natural_frequency_rad_s=3.0, damping_ratio=0.05), Budget()
+    wanted = BandOptions(max_duration_periods=100.0, **options)
+    made = design(mode, Ideal(), SHAPERS["si"], wanted, budget)
+    assert 0 < budget.done < MOST_WORK
     assert made.certificate.verified
     assert made.solver.gap is not None
     assert made.solver.gap <= 1e-4

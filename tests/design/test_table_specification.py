@@ -100,6 +100,26 @@ def test_amplitudes_that_differ_from_row_to_row_need_columns() -> None:
         assert found[3:6] == pytest.approx(shares, abs=1e-15)
 
 
+def test_amplitudes_that_a_varied_parameter_changes_need_columns() -> None:
+    """The first pulse of numzv is as high as max_velocity_ratio."""
+
+    def of_numzv(values: list[float], *columns: str) -> TableSpecification:
+        axis = Axis(path=("shaper", "max_velocity_ratio"), values=np.array(values))
+        options = SHAPERS["numzv"].options()
+        return table(kind=SHAPERS["numzv"], options=options, axes=(axis,), columns=columns)
+
+    for listed in ([1.0, 1.2], [0.9, 1.0, 1.1], [1.2]):
+        with pytest.raises(
+            InvalidInputError, match=r"^columns must be with amplitudes: those of n"
+        ):
+            of_numzv(listed, "times_s", "residual")
+        specification = of_numzv(listed, "times_s", "amplitudes")
+        assert specification.shared_amplitudes == ()
+        rows = compute_rows(specification, 0, len(listed))
+        assert rows.results[:, 3].tolist() == listed
+    assert of_numzv([1.0], "times_s").shared_amplitudes == (1.0, -1.0, 1.0)
+
+
 def huge(points: int) -> Axis:
     return Axis(path=CABLE, values=np.linspace(0.5, 1.0, points))
 

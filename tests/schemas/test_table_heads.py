@@ -106,3 +106,26 @@ def test_a_head_whose_specification_is_none_is_refused_by_its_field() -> None:
         with_subject(replace(head, specification_json=json.dumps(wrong), subject=None))
     with pytest.raises(InvalidInputError, match=r"subject must be made"):
         subject_of(replace(head, subject=None))
+
+
+def test_rows_of_either_sign_are_refused_by_firmware_that_takes_positive_ones() -> None:
+    """Some rows positive, some of unity magnitude, in columns of their own."""
+    head, rows = table_of("mode", "ideal", {"kind": "zvd"})
+    rows.results[2, 3:6] = [1.0, -1.0, 1.0]
+    with pytest.raises(
+        InvalidInputError, match=r"amplitudes of row 2 must be above 0 and add up to 1 for RepRap"
+    ):
+        list(EXPORTS["rrf"].write(head, [rows]))
+    with pytest.raises(
+        InvalidInputError, match=r"amplitudes of row 2 must be above 0 and add up to 1 for Klipper"
+    ):
+        list(EXPORTS["klipper"].write(head, [rows]))
+    # Programs take any row: each has its own amplitudes there.
+    assert b"SHAPERSMITH_C(-1.0)" in b"".join(EXPORTS["c"].write(head, [rows]))
+
+
+def test_negative_impulses_are_refused_before_any_row_where_the_kind_says_so() -> None:
+    head, _ = table_of("mode", "ideal", {"kind": "sna_zv"})
+    assert head.amplitudes == ()
+    with pytest.raises(InvalidInputError, match=r"shaper.kind must be a shaper of positive"):
+        EXPORTS["rrf"].checks(head)

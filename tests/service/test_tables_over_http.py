@@ -192,9 +192,9 @@ GRID = [
             "a number",
         ),
         (
-            {"axes": None, "designs": [{"plant": {"damping_ratio": 0.7}}]},
+            {"axes": None, "designs": [{"plant": {"damping_ratio": 1.5}}]},
             "/designs/0",
-            "between 0 and 0.5",
+            "between 0 and 0.99",
         ),
         ({"chunk_rows": 0}, "/chunk_rows", "greater than"),
     ],

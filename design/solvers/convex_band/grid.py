@@ -14,6 +14,7 @@ import numpy as np
 from design.errors import SolverFailedError
 from design.shapers.problem import BandProblem
 from design.solvers import clarabel
+from design.solvers.budget import Budget
 from design.solvers.clarabel import ConeOutcome, ConeProgram
 from design.solvers.convex_band.optimality import Point
 from design.solvers.outcome import Status
@@ -89,7 +90,7 @@ def _refined(even: Grid, point: Point, share: float) -> Grid:
     return Grid(lags=added(even.lags, point.lags), ratios=added(even.ratios, point.ratios))
 
 
-def least_on_grid(problem: BandProblem, grid: Grid) -> ConeOutcome:
+def least_on_grid(problem: BandProblem, grid: Grid, budget: Budget) -> ConeOutcome:
     """Return the least largest residual over the band of commands of one duration, on a grid."""
     turned = np.exp(np.multiply.outer(problem.unit_pole * grid.ratios, grid.lags))
     zeros = np.zeros(grid.ratios.size, dtype=complex)
@@ -107,6 +108,7 @@ def least_on_grid(problem: BandProblem, grid: Grid) -> ConeOutcome:
             unit_sum=False,
         )
     outcome = clarabel.solve(program)
+    budget.spend(clarabel.work_of(program, outcome))
     if outcome.status is not Status.SOLVE_SUCCEEDED:
         raise SolverFailedError(f"clarabel ended with {outcome.status.value} on a band problem")
     return outcome
@@ -166,22 +168,24 @@ def _switches(
     return np.concatenate(([0.0], lags, [edges[-1]])), around[:-1] - around[1:]
 
 
-def closer_look(problem: BandProblem, duration_rad: float) -> tuple[Grid, ConeOutcome]:
+def closer_look(
+    problem: BandProblem, duration_rad: float, budget: Budget
+) -> tuple[Grid, ConeOutcome]:
     """Solve the cone program of a duration on a grid refined around impulses and peaks."""
     even = grid = even_grid(problem, duration_rad)
-    found = least_on_grid(problem, grid)
+    found = least_on_grid(problem, grid, budget)
     for share in REFINED_PITCHES:
         start = structure(problem, grid, found)
         if start is None or start.lags.size > MOST_SEEN:
             break
         grid = _refined(even, start, share)
-        found = least_on_grid(problem, grid)
+        found = least_on_grid(problem, grid, budget)
     return grid, found
 
 
-def commands_of(problem: BandProblem, grid: Grid) -> Iterator[Point]:
+def commands_of(problem: BandProblem, grid: Grid, budget: Budget) -> Iterator[Point]:
     """Yield the commands of a grid's own cells or points, with ever smaller steps; no peaks."""
-    found = least_on_grid(problem, grid)
+    found = least_on_grid(problem, grid, budget)
     if problem.levels is None:
         steps = np.maximum(found.unknowns, 0.0)
     else:

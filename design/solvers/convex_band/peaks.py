@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from design.shapers.problem import BandProblem
+from design.solvers.budget import Budget
 from design.solvers.convex_band.optimality import Point, solved
 from design.types import ComplexArray, FloatArray
 
@@ -20,6 +21,9 @@ SCAN_TURN_RAD = math.pi / 16
 
 FIRST_WEIGHT = 1e-3
 """Cost of a peak that was not among the touching ones before, over that of all [-]."""
+
+EXCHANGED_WORK = 5000.0
+"""Work of exchanging peaks at one tolerance, a few steps of Newton's method each [units]."""
 
 SHORTEST_FOLLOWED = 1e-5
 """Relative step of the tolerance below which an optimum cannot be followed on [-]."""
@@ -66,18 +70,20 @@ def optimum(problem: BandProblem, point: Point, tolerance: float) -> Point | Non
 
 
 def followed(
-    problem: BandProblem, point: Point, from_tolerance: float, tolerance: float
+    problem: BandProblem, point: Point, from_tolerance: float, tolerance: float, budget: Budget
 ) -> tuple[Point, float] | None:
     """Follow an optimum from the tolerance that its duration allows towards the one asked.
 
-    Returns the last optimum and its tolerance: another than asked where impulses or peaks merge.
+    Returns the last optimum and its tolerance: another than asked where impulses or peaks merge,
+    or where the budget is spent.
     """
     now = optimum(problem, point, from_tolerance)
     if now is None:
         return None
     level, target = math.log(from_tolerance), math.log(tolerance)
     step = target - level
-    while level != target and abs(step) >= SHORTEST_FOLLOWED:
+    while level != target and abs(step) >= SHORTEST_FOLLOWED and not budget.spent:
+        budget.spend(EXCHANGED_WORK)
         aim = target if abs(target - level) <= abs(step) else level + step
         further = optimum(problem, now, math.exp(aim))
         if further is None:

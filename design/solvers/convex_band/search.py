@@ -11,6 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.shapers.problem import BandProblem, Obstacle
+from design.solvers import clarabel
+from design.solvers.budget import Budget
 from design.solvers.convex_band.duration import first_duration_rad, ripples_of
 from design.solvers.convex_band.grid import (
     REFINED_PITCHES,
@@ -36,8 +38,14 @@ EVEN_ONLY = 4
 COARSE = 0.03
 """Relative error of durations by which even grids bracket the one that is looked for [-]."""
 
-MOST_WORK = 4e6
-"""Entries of the cone programs, in all, after which the structure is not looked for further."""
+USUAL_ITERATIONS = 25
+"""Iterations of a cone program, about."""
+
+STRUCTURE_SHARE = 0.6
+"""Share of the budget after which the structure is not looked for further [-].
+
+The rest is for a command of the grid's own steps, and for the proof of how short none is.
+"""
 
 ROUGH = (1e-3, 3e-3, 0.01, 0.03, 0.1)
 ROUGH_FINENESS = 2
@@ -85,7 +93,7 @@ class BandOptimum:
     point: Point | None
 
 
-def candidates(problem: BandProblem) -> Iterator[BandOptimum | Obstacle]:
+def candidates(problem: BandProblem, budget: Budget) -> Iterator[BandOptimum | Obstacle]:
     """Yield optima, the likeliest first, and proofs met on the way; those further on take longer.
 
     Where impulses or peaks merge at the optimum itself, what comes from longer durations ends
@@ -101,15 +109,15 @@ def candidates(problem: BandProblem) -> Iterator[BandOptimum | Obstacle]:
     tolerance = problem.tolerance * (1 - DESIGN_MARGIN)
     duration, low, high = first_duration_rad(problem), 0.0, math.inf
     before: tuple[float, float] | None = None
-    programs, work, met = 0, 0.0, False
+    programs, met = 0, False
+    enough = STRUCTURE_SHARE * budget.most
     refine = False
     for attempt in range(MOST_DURATIONS):
         if attempt >= EVEN_ONLY and not refine:
             # What even grids say of a duration is off by what they miss.
             refine, low, high = True, low * (1 - COARSE), high * (1 + COARSE)
         programs += 1 + refine * len(REFINED_PITCHES)
-        work += _work(problem, duration, refine=refine)
-        least, best = _nearest(problem, duration, refine=refine, follow=refine)
+        least, best = _nearest(problem, duration, budget, refine=refine, follow=refine)
         if best is not None:
             told = _told(problem, *best, programs)
             met = met or isinstance(told, BandOptimum)
@@ -123,56 +131,55 @@ def candidates(problem: BandProblem) -> Iterator[BandOptimum | Obstacle]:
         if best is not None and not refine:
             # No optimum after all, for an impulse that the grid did not show: a closer look there.
             duration, refine = float(best[0].lags[-1]), True
-        if high - low < CLOSE_DURATION * low or work > MOST_WORK:
+        if high - low < CLOSE_DURATION * low or budget.done > enough:
             break
         before = now
     for share in AWAY:
-        if work > MOST_WORK:
+        if budget.done > enough:
             break
         programs += 1 + len(REFINED_PITCHES)
-        work += _work(problem, duration, refine=True)
-        _, best = _nearest(problem, duration * (1 + share), refine=True, follow=True)
+        _, best = _nearest(problem, duration * (1 + share), budget, refine=True, follow=True)
         if best is not None:
             told = _told(problem, *best, programs)
             met = met or isinstance(told, BandOptimum)
             yield told
     if not met:
-        yield from _of_the_grid(problem, duration, programs)
+        yield from _of_the_grid(problem, duration, programs, budget)
 
 
-def _work(problem: BandProblem, duration_rad: float, *, refine: bool) -> float:
-    grid = even_grid(problem, duration_rad)
-    return grid.lags.size * grid.ratios.size * (1 + 4 * refine * len(REFINED_PITCHES))
-
-
-def _of_the_grid(problem: BandProblem, duration_rad: float, programs: int) -> Iterator[BandOptimum]:
+def _of_the_grid(
+    problem: BandProblem, duration_rad: float, programs: int, budget: Budget
+) -> Iterator[BandOptimum]:
     """Yield the command of a grid's own cells or points at the first duration that allows one."""
     for tried, longer in enumerate(ROUGH, start=1):
-        for point in commands_of(
-            problem, even_grid(problem, duration_rad * (1 + longer), ROUGH_FINENESS)
-        ):
+        if budget.spent:
+            return
+        grid = even_grid(problem, duration_rad * (1 + longer), ROUGH_FINENESS)
+        for point in commands_of(problem, grid, budget):
             if peaks(problem, point)[1].max() <= problem.tolerance:
                 yield replace(_candidate(point, programs + tried), point=None)
                 return
 
 
 def _nearest(
-    problem: BandProblem, duration_rad: float, *, refine: bool, follow: bool
+    problem: BandProblem, duration_rad: float, budget: Budget, *, refine: bool, follow: bool
 ) -> tuple[float, tuple[Point, float] | None]:
     """Return the least residual of a duration, and what its structure leads to."""
     tolerance = problem.tolerance * (1 - DESIGN_MARGIN)
     if refine:
-        grid, found = closer_look(problem, duration_rad)
+        grid, found = closer_look(problem, duration_rad, budget)
     else:
         grid = even_grid(problem, duration_rad)
-        found = least_on_grid(problem, grid)
+        found = least_on_grid(problem, grid, budget)
     start = structure(problem, grid, found)
     if start is None:
         return found.largest, None
     best = optimum(problem, start, tolerance)
     if best is not None:
         return found.largest, (best, tolerance)
-    return found.largest, followed(problem, start, found.largest, tolerance) if follow else None
+    if not follow:
+        return found.largest, None
+    return found.largest, followed(problem, start, found.largest, tolerance, budget)
 
 
 def _told(
@@ -212,7 +219,7 @@ def _next_duration(
     return min(max(guess, low + inside), high - inside) if guess > 0 else (low + high) / 2
 
 
-def obstacles(problem: BandProblem, candidate: BandOptimum) -> Iterator[Obstacle]:
+def obstacles(problem: BandProblem, candidate: BandOptimum, budget: Budget) -> Iterator[Obstacle]:
     """Yield what may prove that no shaper is as short as durations ever further below."""
     longest = float(candidate.times_rad[-1])
     start = candidate.point
@@ -221,7 +228,7 @@ def obstacles(problem: BandProblem, candidate: BandOptimum) -> Iterator[Obstacle
         if point is not None and point.lags[-1] < longest:
             yield _obstacle(problem, point)
     for shortened in SHORTENED:
-        yield obstacle_at(problem, longest * (1 - shortened))[0]
+        yield obstacle_at(problem, longest * (1 - shortened), budget)[0]
 
 
 def _obstacle(problem: BandProblem, point: Point) -> Obstacle:
@@ -235,12 +242,20 @@ def _obstacle(problem: BandProblem, point: Point) -> Obstacle:
     )
 
 
-def obstacle_at(problem: BandProblem, duration_rad: float) -> tuple[Obstacle, float]:
+def obstacle_work(problem: BandProblem, duration_rad: float) -> float:
+    """Return about how much `obstacle_at` takes [units]."""
+    grid = even_grid(problem, duration_rad)
+    return clarabel.ENTRY_WORK * USUAL_ITERATIONS * grid.lags.size * grid.ratios.size
+
+
+def obstacle_at(
+    problem: BandProblem, duration_rad: float, budget: Budget
+) -> tuple[Obstacle, float]:
     """Return what may prove that no shaper is as short as a duration, from the cone program.
 
     With it about the least tolerance that the duration allows [-].
     """
     grid = even_grid(problem, duration_rad)
-    found = least_on_grid(problem, grid)
+    found = least_on_grid(problem, grid, budget)
     obstacle = Obstacle(duration_rad=duration_rad, ratios=grid.ratios, vectors=found.obstacle)
     return obstacle, found.largest

@@ -15,6 +15,7 @@ import numpy as np
 
 from design.errors import TimeLimitError
 from design.shapers.problem import UnityBandProblem
+from design.solvers.budget import Budget
 from design.solvers.disks import DISKS, step_over_disks
 from design.solvers.outcome import Status
 from design.solvers.unity_band.family import Peaks, family_of
@@ -51,6 +52,9 @@ MOST_STEPS = 40
 LEAST_CURVATURE = 1e-3
 """Of the Lagrangian along any direction: keeps each program convex [1/rad]."""
 
+STEP_WORK = 10_000.0
+"""Work of a step: of its programs, of vectors and curvature [units]."""
+
 PRICES = (0.3, 1.0, 1e4)
 """Least, first and highest price of a square that is above the tolerance's by itself [rad]."""
 
@@ -80,19 +84,23 @@ class Run:
 class Descent:
     """Steps from one start."""
 
-    def __init__(self, problem: UnityBandProblem, half_width: float, tolerance: float) -> None:
+    def __init__(
+        self, problem: UnityBandProblem, half_width: float, tolerance: float, budget: Budget
+    ) -> None:
         self.family = family_of(problem.model)
         self.parameters = problem.parameters
         self.shortest = problem.shortest_gaps_rad
         self.half_width = half_width
         self.limit = tolerance * (1 - AIM)
         self.price = PRICES[1]
+        self.budget = budget
         self.fixed = 1 - half_width * np.cos(np.linspace(0, np.pi, FIXED))
         self.firmness = 0.0
         self.multipliers = np.zeros((2, 0))  # ratios and multipliers of the last program
 
     def peaks(self, gaps: FloatArray) -> Peaks:
         """Return the peaks that gaps leave."""
+        self.budget.spend(self.family.peaks_work(gaps, self.half_width))
         return self.family.peaks(gaps, self.parameters, self.half_width, self.limit)
 
     def run(self, start: FloatArray) -> Run:
@@ -101,8 +109,9 @@ class Descent:
         peaks = self.peaks(gaps)
         radius = FIRST_RADIUS_RAD
         taken = 0
-        while taken < MOST_STEPS and radius > SMALLEST_RADIUS_RAD:
+        while taken < MOST_STEPS and radius > SMALLEST_RADIUS_RAD and not self.budget.spent:
             taken += 1
+            self.budget.spend(STEP_WORK)
             found = self._step(gaps, peaks, radius)
             if found is None:
                 radius /= 4

@@ -9,6 +9,7 @@ import numpy as np
 from design.shapers.problem import BandModel
 from design.solvers.buffered import Buffered
 from design.solvers.disks import DISKS
+from design.solvers.newton import INSTRUCTION_WORK
 from design.types import BoolArray, FloatArray, IntArray
 
 LANES = 64
@@ -19,6 +20,11 @@ LONGEST_TURN_RAD = 0.1
 
 PEAKS = 8
 """Peaks that are refined by one call."""
+
+PEAKS_WORK = 300.0
+REFINED_SHARE = 2.0
+"""Work of a search for peaks but for evaluations, and how many evaluations refine them, over those
+of the grid: at most about [units], [-]."""
 
 PEAK_STEPS = 4
 """Newton's steps to a peak from the highest of three neighbours."""
@@ -63,6 +69,8 @@ class Family:
         square = ca.sumsqr(vector)
         slope = ca.gradient(square, ratio)
         bend = ca.gradient(slope, ratio)
+        one = ca.Function("squares", [x, p, ratio], [square])
+        self._instructions = int(one.n_instructions())
         self._squares = compiled(LANES, "x p ratio -> square", [x, p, ratio], [square])
         self._slopes = compiled(
             PEAKS, "x p ratio -> square slope bend", [x, p, ratio], [square, slope, bend]
@@ -137,10 +145,20 @@ class Family:
         curvature: FloatArray = own + np.einsum("k,ki,kj->ij", pulls, mixed, mixed)
         return curvature
 
+    @staticmethod
+    def _blocks(x: FloatArray, half_width: float) -> int:
+        """Return how many calls of `LANES` ratios show all peaks over a band."""
+        turn = 2 * half_width * float(x.sum())
+        return 1 + int(turn / (LANES * LONGEST_TURN_RAD))
+
+    def peaks_work(self, x: FloatArray, half_width: float) -> float:
+        """Return the work of `peaks` [units]."""
+        lanes = LANES * self._blocks(x, half_width) * (1 + REFINED_SHARE)
+        return PEAKS_WORK + INSTRUCTION_WORK * lanes * self._instructions
+
     def peaks(self, x: FloatArray, p: FloatArray, half_width: float, limit: float) -> Peaks:
         """Return ends and local maxima of the residual over a band."""
-        turn = 2 * half_width * float(x.sum())
-        blocks = 1 + int(turn / (LANES * LONGEST_TURN_RAD))
+        blocks = self._blocks(x, half_width)
         ratios = np.linspace(1 - half_width, 1 + half_width, LANES * blocks)
         squares = self.squares(x, p, ratios)
         # An end that is higher than its neighbour may hide a peak between the two.

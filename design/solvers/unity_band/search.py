@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from design.errors import InfeasibleDesignError
 from design.shapers.problem import BandSearch, Seed, UnityBandProblem
+from design.solvers.budget import Budget
 from design.solvers.unity_band.descent import Descent, Run
 from design.types import FloatArray
 
@@ -44,7 +45,7 @@ class BandCandidate:
     starts: int
 
 
-def band_candidates(search: BandSearch) -> Iterator[BandCandidate]:
+def band_candidates(search: BandSearch, budget: Budget | None = None) -> Iterator[BandCandidate]:
     """Yield designs over a band, of the fewest impulses first.
 
     Of every number of impulses two seeds are compared; where one ends far above the tolerance, the
@@ -57,11 +58,13 @@ def band_candidates(search: BandSearch) -> Iterator[BandCandidate]:
     TimeLimitError
         If the solver ran past its time.
     """
-    runs = _Runs(search)
+    runs = _Runs(search, Budget() if budget is None else budget)
     later = []
     for problem in search.problems:
         tried, found = 0, []
         for seed in problem.seeds:
+            if runs.budget.spent:
+                break
             run = runs.run(problem, seed)
             tried += 1
             found += runs.candidate(problem, seed, run)
@@ -70,6 +73,8 @@ def band_candidates(search: BandSearch) -> Iterator[BandCandidate]:
         yield from sorted(found, key=lambda one: float(one.gaps_rad.sum()))
         later += [(problem, seed) for seed in problem.seeds[tried:]]
     for problem, seed in later:
+        if runs.budget.spent:
+            break
         yield from runs.candidate(problem, seed, runs.run(problem, seed))
     raise InfeasibleDesignError(runs.searched())
 
@@ -77,8 +82,8 @@ def band_candidates(search: BandSearch) -> Iterator[BandCandidate]:
 class _Runs:
     """What was tried so far."""
 
-    def __init__(self, search: BandSearch) -> None:
-        self.search = search
+    def __init__(self, search: BandSearch, budget: Budget) -> None:
+        self.search, self.budget = search, budget
         self.starts = 0
         self.nearest, self.late = math.inf, math.inf
 
@@ -86,7 +91,8 @@ class _Runs:
         """Run from a seed."""
         self.starts += 1
         with _one_at_a_time:
-            run = Descent(problem, self.search.half_width, self.search.tolerance).run(seed.gaps_rad)
+            descent = Descent(problem, self.search.half_width, self.search.tolerance, self.budget)
+            run = descent.run(seed.gaps_rad)
         self.nearest = min(self.nearest, run.highest)
         return run
 
@@ -117,6 +123,8 @@ class _Runs:
             f"{search.band[1]:.6g} of the frequency, within {search.horizon_rad / period:g} "
             f"periods in {self.starts} starts"
         )
+        if self.budget.spent:
+            report = f"{report} until {self.budget.in_words}"
         if self.late < math.inf:
             return f"{report}; the shortest takes {self.late / period:.6g} periods"
         return f"{report}; the nearest miss leaves {self.nearest * search.tolerance:.4g} there"

@@ -181,3 +181,13 @@ def test_parquet_needs_no_more_memory_for_ten_times_the_rows() -> None:
         peaks.append(peak)
     # The rows take 76 MB more; a tenth of the whole process is noise of the allocator.
     assert peaks[1] < 1.1 * peaks[0], peaks
+
+
+@pytest.mark.parametrize("name", ["csv", "json"])
+def test_a_specification_that_was_changed_in_the_file_is_refused(name: str) -> None:
+    text = written(name, 3).decode().replace('"cable_length_m":0.8', '"cable_length_m":0.9')
+    with pytest.raises(
+        InvalidInputError,
+        match=r"specification_sha256 must be the hash of the file's specification",
+    ):
+        rows_of(name, io.BytesIO(text.encode()))

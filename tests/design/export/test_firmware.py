@@ -2,14 +2,19 @@
 
 import math
 import re
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
 import pytest
 
+from design.actuators import Ideal
 from design.errors import InvalidInputError
 from design.export.klipper import KLIPPER
 from design.export.reprap import REPRAP
+from design.pipeline import design
+from design.plants import Mode
+from design.shapers.registry import SHAPERS
 from design.tables.rows import Rows, TableHead
 from tests.firmware import lines_of, reprap_35_reads, reprap_36_reads
 from tests.tables import CRANE, designed_table, head_of
@@ -133,3 +138,44 @@ def test_amplitudes_that_do_not_add_up_to_one_are_refused() -> None:
     object.__setattr__(head, "amplitudes", (0.25, 0.5, 0.2))
     with pytest.raises(InvalidInputError, match="amplitudes of row 0 must be above 0 and add up"):
         list(REPRAP.write(head, [rows]))
+
+
+def firmwares_own(kind: str, z: float, period_s: float) -> tuple[list[float], list[float]]:
+    """Return heights, the last left out, and their distance, as RepRapFirmware computes them.
+
+    src/Movement/AxisShaper.cpp, AxisShaper::Configure, cases zvd, zvdd, zvddd and mzv of branch
+    3.6-dev: ``1/j, 2k/j``; ``1/j, 3k/j, 3k^2/j``; ``1/j, 4k/j, 6k^2/j, 4k^3/j`` half a damped
+    period apart; ``a3/sum, a2/sum`` at 3/8 of it, which reads backward where damped.
+    """
+    d = math.sqrt(1 - z * z)
+    k, half = math.exp(-z * math.pi / d), 0.5 * period_s / d
+    if kind == "mzv":
+        a1 = 1 - 0.5 * math.sqrt(2)
+        a2 = math.sqrt(2) - 1
+        return [a1 / (2 * a1 + a2), a2 / (2 * a1 + a2)], [0.75 * half] * 2
+    powers = {"zvd": 2, "zvdd": 3, "zvddd": 4}[kind]
+    j = (1 + k) ** powers
+    return [math.comb(powers, number) * k**number / j for number in range(powers)], [half] * powers
+
+
+@pytest.mark.parametrize(
+    ("kind", "z"),
+    [("mzv", 0.0), *((kind, z) for kind in ("zvd", "zvdd", "zvddd") for z in (0.0, 0.1, 0.3))],
+)
+def test_the_readers_of_either_age_hold_the_shapers_that_the_firmware_computes_itself(
+    kind: str, z: float
+) -> None:
+    """116 numbers: heights and delays as 3.6 keeps them, sums and durations as 3.5 does."""
+    mode = Mode(natural_frequency_rad_s=250.0, damping_ratio=z)
+    wanted = design(mode, Ideal(), SHAPERS[kind]).impulses
+    heights, gaps = firmwares_own(kind, z, mode.period_s)
+    newer = reprap_36_reads(line_of(heights, list(accumulate(gaps))))
+    older = reprap_35_reads(line_of(list(accumulate(heights)), gaps))
+    for read in (newer, older):
+        np.testing.assert_allclose(read.times_s, wanted.times_s, rtol=1e-12, atol=1e-15)
+        np.testing.assert_allclose(read.amplitudes, wanted.amplitudes, atol=1e-12)
+
+
+def line_of(heights: list[float], times_s: list[float]) -> str:
+    numbers = (":".join(f"{one:.17f}" for one in listed) for listed in (heights, times_s))
+    return 'M593 P"custom" H{} T{}'.format(*numbers)

@@ -126,6 +126,14 @@ def test_the_tolerance_asked_for_is_handed_over_not_that_of_klipper() -> None:
     keeps(made, line, 0.1, older=False)
 
 
+@pytest.mark.parametrize("tolerance", [0.0234567891, 1 / 30, 0.0499999996, 0.05 + 1e-9])
+def test_a_tolerance_of_many_digits_is_kept_by_the_one_that_is_written(tolerance: float) -> None:
+    for damping in (0.0, 0.07):
+        _, made, text = written({"kind": "ei", "tolerance": tolerance}, damping)
+        (line,) = lines_of(text)
+        keeps(made, line, damping, older=False)
+
+
 @pytest.mark.parametrize(
     ("kind", "tolerance", "damping", "name"),
     [
@@ -161,6 +169,13 @@ def test_a_damping_ratio_that_klipper_refuses_is_refused(shaper: str, damping: f
         match=rf"damping_ratio of row 0 must be at most {largest} for Klipper's .*, got {damping}",
     ):
         written({"kind": shaper, "tolerance": 0.1}, damping)
+
+
+@pytest.mark.parametrize(("n", "t"), [(6, 2.443), (7, 2.85), (8, 3.4), (9, 3.55), (10, 3.9)])
+def test_an_mzv_that_klipper_cannot_solve_is_refused(n: int, t: float) -> None:
+    """For each of these Klipper says "Ill-formed shaper", or its heights are off."""
+    with pytest.raises(InvalidInputError, match=r"t of row 0 must be shorter for Klipper, whose"):
+        written({"kind": "mzv", "n": n, "t": t}, 0.05)
 
 
 def test_too_many_impulses_for_klipper_are_refused_before_any_row() -> None:

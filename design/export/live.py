@@ -1,0 +1,139 @@
+"""For which drives a delay line is exact when a live command changes, and what it leaves else.
+
+A delay line convolves its command with the impulses of a row, one and the same for every change.
+What that leaves follows from the records of the design:
+
+- a drive that is one linear lag, or none, shapes a sum of steps as the sum of its answers: whatever
+  the impulses leave after one step they leave after any command, at any time;
+- with lags apart for more and less speed, superposed, a positive shaper's steps up share one lag
+  and its steps down the other: each adds up to nothing, and so do all. Steps up and down in one
+  shaper do not: at a release they change sets, so that a stop needs a shaper of its own;
+- a switched drive, or one with limits, has one state for all steps: a change is exact only if the
+  last sequence is over and the drive at rest at its speed, and a release as above.
+
+References
+----------
+.. [1] J. Kim, master thesis, 2011, eqs. 3.56-3.59: a stop mirrored from its start is exact for a
+   symmetric actuator only.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from design.actuators import Actuator, RateLimited
+from design.analysis.residual import residual_vibration
+from design.commands import convolved
+from design.impulses import Impulses
+from design.plants import Mode, Plant
+from design.types import FloatArray
+
+PRESSES = 40
+SHORTEST_PRESS, LONGEST_PRESS = 0.025, 1.25
+"""Pulses that are tried, in periods of the slowest mode: from a tap to beyond any usual shaper."""
+
+LEVEL_MARGIN = 1e-9
+"""How far a level may be outside 0 to 1: rounding [-]."""
+
+
+class Early(NamedTuple):
+    """What pulses leave that end at any time, as shares of an unshaped step.
+
+    ``beyond``: share of the pulses whose shaped command leaves the range from 0 to 1.
+    """
+
+    median: float
+    most: float
+    beyond: float
+
+
+def early_releases(
+    shaper: Impulses, modes: tuple[Mode, ...], actuator: Actuator, presses_s: FloatArray
+) -> Early:
+    """Return what is left of pulses of full speed through a delay line.
+
+    Parameters
+    ----------
+    shaper
+        Impulses of the delay line.
+    modes, actuator
+        Of the machine.
+    presses_s
+        Lengths of the pulses, shape (m,), > 0 [s].
+    """
+    left, beyond = [], []
+    for press in presses_s.tolist():
+        pulse = Impulses(times_s=np.array([0.0, press]), amplitudes=np.array([1.0, -1.0]))
+        command = convolved(pulse, shaper)
+        levels = command.amplitudes.cumsum()
+        beyond.append(levels.min() < -LEVEL_MARGIN or levels.max() > 1 + LEVEL_MARGIN)
+        left.append(max(residual_vibration(command, mode, actuator) for mode in modes))
+    return Early(float(np.median(left)), max(left), float(np.mean(beyond)))
+
+
+def live_remarks(
+    first: Impulses, plant: Plant, drives: Sequence[Actuator], *, positive: bool
+) -> list[str]:
+    """Return the lines on live commands for the head of a program.
+
+    Parameters
+    ----------
+    first, plant
+        The first row that has a design, which is tried.
+    drives
+        Of the rows, its own first; one stands for all that are alike.
+    positive
+        Whether all amplitudes are above 0.
+    """
+    held = list(drives)
+    limited = any(isinstance(drive, RateLimited) for drive in held)
+    apart = any(drive.accel_lag != drive.decel_lag for drive in held)
+    switched = apart and any(getattr(drive, "model", "") == "switched" for drive in held)
+    lines = ["live commands: the delay line convolves the command with a row, whenever it changes;"]
+    if limited:
+        lines += [
+            "behind the limits of this drive it is as claimed only for a step from rest to full",
+            "speed that is not changed before the last ramp is over: limits are not linear",
+        ]
+    elif not apart:
+        lines.append(
+            "behind this drive, which is linear, each change leaves at any time what its row leaves"
+        )
+        if not positive:
+            lines += [
+                "but a command that changes before the last sequence is over goes beyond 0 to 1:",
+                "what clips it there spoils it",
+            ]
+    elif positive and not switched:
+        lines += [
+            "steps up share the acceleration set of this drive, steps down the deceleration set:",
+            "where they superpose each change leaves at any time what its row leaves",
+        ]
+    elif positive:
+        lines += [
+            "behind this drive, whose sets are switched, a start leaves what its row leaves; a",
+            "release goes by the other set, and an early one meets a drive that has not settled",
+        ]
+    else:
+        lines += [
+            "behind this drive, whose sets differ, a start leaves what its row leaves, if the last",
+            "sequence is over by then; a release never does: a stop needs the shaper of the sets",
+            "in each other's place",
+        ]
+    if limited:  # nothing is known of commands beyond 0 to 1, as these may be
+        return lines
+    return [*lines, *_measured(first, plant.modes, held[0])]
+
+
+def _measured(row: Impulses, modes: tuple[Mode, ...], drive: Actuator) -> list[str]:
+    period_s = max(mode.period_s for mode in modes)
+    presses_s = np.linspace(SHORTEST_PRESS, LONGEST_PRESS, PRESSES) * period_s
+    early = early_releases(row, modes, drive, presses_s)
+    beyond = f"; {100 * early.beyond:.0f} % of them go beyond 0 to 1" if early.beyond else ""
+    return [
+        f"pulses of {presses_s[0]:.3g} to {presses_s[-1]:.3g} s at full speed through the first "
+        "row that has",
+        f"a design leave {100 * early.median:.3g} % in the median and {100 * early.most:.3g} % at "
+        f"most{beyond}",
+    ]

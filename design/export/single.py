@@ -1,0 +1,60 @@
+"""One design as a table of one row and no field: what every format takes."""
+
+import hashlib
+
+import numpy as np
+
+from design.export.program import HASH_DIGITS
+from design.fits import Fit
+from design.pipeline import Design
+from design.tables.rows import VERIFIED, VERIFIED_IDEAL, Column, Rows, Subject, TableHead
+
+
+def single_table(
+    found: Design, subject: Subject, *, request_json: str, version: str, fit: Fit | None = None
+) -> tuple[TableHead, Rows]:
+    """Return the head and the one row of a design.
+
+    Parameters
+    ----------
+    found
+        The design.
+    subject
+        What it is a design of.
+    request_json
+        The request as canonical JSON; names in programs hold digits of its hash.
+    version
+        Of the tool.
+    fit
+        Polynomials for the times, where asked for.
+    """
+    impulses = found.impulses.times_s.size
+    sha256 = hashlib.sha256(request_json.encode()).hexdigest()
+    head = TableHead(
+        version=version,
+        specification_json=request_json,
+        specification_sha256=sha256,
+        title=f"one {subject.kind.name}",
+        name=f"{subject.kind.name}_{sha256[:HASH_DIGITS]}",
+        columns=(
+            *(Column(name=f"t{k + 1}_s", unit="s", kind="result") for k in range(impulses)),
+            *(Column(name=f"a{k + 1}", unit="1", kind="result") for k in range(impulses)),
+            Column(name="residual", unit="1", kind="result"),
+            Column(name="status", unit="", kind="status"),
+            Column(name="reason", unit="", kind="reason"),
+        ),
+        rows=1,
+        impulses=impulses,
+        amplitudes=tuple(found.impulses.amplitudes.tolist()),
+        fit=fit,
+        subject=subject,
+    )
+    results = [*found.impulses.times_s, *found.impulses.amplitudes, found.residual]
+    rows = Rows(
+        first=0,
+        fields=np.empty((1, 0)),
+        results=np.array([results]),
+        status=np.array([VERIFIED_IDEAL if found.for_ideal else VERIFIED], dtype=np.int8),
+        reasons={},
+    )
+    return head, rows

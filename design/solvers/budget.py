@@ -1,0 +1,45 @@
+"""How much a search may do: counted work, never a clock, so that equal requests end alike.
+
+Work is counted in units of about a microsecond of the machine that the solvers were measured on: a
+core of 2020 or so. Each solver counts what it does, evaluations, iterations, programs, with the
+weight of their size. Constants are measured; to be off by a half does no harm.
+"""
+
+from dataclasses import dataclass
+
+MOST_WORK = 4_000_000
+"""What the search for one design may take [units]."""
+
+
+@dataclass(slots=True)
+class Budget:
+    """What a search may do yet.
+
+    Attributes
+    ----------
+    most
+        Work that it may do in all [units].
+    done
+        Work that it has done [units].
+    """
+
+    most: float = MOST_WORK
+    done: float = 0.0
+
+    def spend(self, work: float) -> None:
+        """Count some work, done or about to be."""
+        self.done += work
+
+    @property
+    def spent(self) -> bool:
+        """Whether nothing is left: a search then ends with the best that it has."""
+        return self.done >= self.most
+
+    def part(self, most: float) -> "Budget":
+        """Return a budget of a part of what is left; what that does is to be spent here too."""
+        return Budget(most=min(most, max(self.most - self.done, 0.0)))
+
+    @property
+    def in_words(self) -> str:
+        """What a refusal says of a search that ended for this."""
+        return f"its budget of {self.most / 1e6:.3g} million units of work is spent"

@@ -1,0 +1,162 @@
+"""Exported files read back to impulses, each by the rules of its reader."""
+
+import io
+import re
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from design.export.reading import READERS, rows_of
+from design.impulses import Impulses
+from design.tables.columns import amplitudes_of, times_of
+from design.tables.rows import WITH_DESIGN
+from tests.firmware import klipper_reads, lines_of, reprap_35_reads, reprap_36_reads
+from tests.structured_text import Block
+
+FLAGS = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-O0"]
+
+PRINTS = """
+#include <stdio.h>
+#include "table.h"
+int main(void)
+{{
+    static shapersmith_real memory[4];
+    static {name}_shaper shaper;
+    int row, k;
+    {name}_start(&shaper, memory, 4, SHAPERSMITH_C(0.0));
+    if ({name}_set(&shaper, {name}_times[0], {name}_amplitudes[0], SHAPERSMITH_C(1e9)) > 0) {{
+        return (int){name}_step(&shaper, SHAPERSMITH_C(0.0));
+    }}
+    for (row = 0; row < {upper}_ROWS; ++row) {{
+        printf("%d", {name}_status[row]);
+        for (k = 0; k < {upper}_IMPULSES; ++k) {{
+            printf(" %.17g", (double){name}_times[row][k]);
+        }}
+        for (k = 0; k < {upper}_IMPULSES; ++k) {{
+            printf(" %.17g", (double){name}_amplitudes[row][k]);
+        }}
+        {columns}
+        printf("\\n");
+    }}
+    return 0;
+}}
+"""
+
+
+class UnreadableError(Exception):
+    """The reader refuses the file."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Held:
+    """What a reader makes of one row.
+
+    Attributes
+    ----------
+    impulses
+        By every route that leads to them, as two firmwares of other ages.
+    numbers
+        What it holds besides: the columns.
+    status
+        As told; 0 in files that do not tell.
+    """
+
+    impulses: tuple[Impulses, ...]
+    numbers: tuple[float, ...] = ()
+    status: int = 0
+
+
+def read_c(text: bytes, folder: Path) -> list[Held]:
+    """Compile a header and have a program print it."""
+    name = re.findall(rb"\} (\w+)_shaper;", text)[0].decode()
+    (folder / "table.h").write_bytes(text)
+    macros = re.findall(rf"#define ({name.upper()}_\w+) \d+", text.decode())
+    columns = macros[macros.index(f"{name.upper()}_COLUMNS") + 1 :]
+    prints = [f'printf(" %.17g", (double){name}_table[row][{column}]);' for column in columns]
+    if len(columns) < 1:
+        raise UnreadableError("no columns")
+    (folder / "main.c").write_text(
+        PRINTS.format(name=name, upper=name.upper(), columns="\n        ".join(prints))
+    )
+    made = subprocess.run(
+        ["gcc", *FLAGS, "-o", str(folder / "main"), str(folder / "main.c")],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if made.returncode:
+        raise UnreadableError(made.stderr)
+    told = subprocess.run([str(folder / "main")], capture_output=True, text=True, check=True)
+    impulses = int(re.findall(rb"_IMPULSES (\d+)", text)[0])
+    rows = []
+    for line in told.stdout.splitlines():
+        status, *words = line.split()
+        numbers = np.array([float(word) for word in words])
+        times, amplitudes, told_columns = np.split(numbers, [impulses, 2 * impulses])
+        rows.append(_held(times, amplitudes, told_columns, status))
+    return rows
+
+
+def _held(times: ArrayLike, amplitudes: ArrayLike, numbers: ArrayLike, status: Any) -> Held:
+    code = int(status)
+    found: tuple[Impulses, ...] = ()
+    if code in WITH_DESIGN:
+        given = (np.array(one, dtype=np.float64) for one in (times, amplitudes))
+        found = (Impulses(**dict(zip(("times_s", "amplitudes"), given, strict=True))),)
+    listed = np.array(numbers, dtype=np.float64).tolist()
+    return Held(impulses=found, numbers=tuple(listed), status=code)
+
+
+def read_st(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
+    """Run the block of the table, row by row."""
+    program = text.decode()
+    name = re.findall(r"FUNCTION_BLOCK (\w+)_table", program)[0]
+    rows: list[Held] = []
+    try:
+        block = Block(program, f"{name}_table")
+        while (told := block(row=len(rows)))["status"] != -1:
+            times, amplitudes, columns = (
+                told[key].values for key in ("times_s", "amplitudes", "columns")
+            )
+            rows.append(_held(times, amplitudes, columns, told["status"]))
+    except (SyntaxError, ValueError, IndexError, KeyError) as error:
+        raise UnreadableError(str(error)) from None
+    return rows
+
+
+def read_klipper(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
+    """Read each line as Klipper of 2026 does."""
+    return [Held(impulses=(klipper_reads(line),)) for line in lines_of(text.decode())]
+
+
+def read_rrf(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
+    """Read each line as either age of RepRapFirmware does."""
+    older = re.findall(r"^; 3.4 to 3.5: (.*)$", text.decode(), re.MULTILINE)
+    both = zip(lines_of(text.decode()), older, strict=True)
+    return [Held(impulses=(reprap_36_reads(new), reprap_35_reads(old))) for new, old in both]
+
+
+def read_data(name: str, text: bytes) -> list[Held]:
+    """Read a file that holds a table whole."""
+    head, runs = rows_of(name, io.BytesIO(text))
+    rows = []
+    for run in runs:
+        times, amplitudes = times_of(head, run), amplitudes_of(head, run)
+        numbers = np.hstack((run.fields, run.results))
+        rows += [
+            _held(times[index], amplitudes[index], numbers[index], status)
+            for index, status in enumerate(run.status.tolist())
+        ]
+    return rows
+
+
+def read_back(name: str, text: bytes, folder: Path) -> list[Held]:
+    """Return what the reader of a format makes of each row that holds a design, or of all."""
+    if name in READERS:
+        return read_data(name, text)
+    readers = {"c": read_c, "st": read_st, "klipper": read_klipper, "rrf": read_rrf}
+    return readers[name](text, folder)
