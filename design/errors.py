@@ -7,6 +7,14 @@ DesignError
 └── TimeLimitError         a solver ran past the time it was given
 """
 
+Path = tuple[str, ...]
+"""Names of fields from a record inward, numbers of list items among them."""
+
+
+def path_of(name: str | Path) -> Path:
+    """Return the path that a dotted name says, or one that is given part by part."""
+    return tuple(name.split(".")) if isinstance(name, str) else tuple(name)
+
 
 class DesignError(Exception):
     """Base of every error raised on purpose by ``design``."""
@@ -18,25 +26,31 @@ class InvalidInputError(DesignError):
     Parameters
     ----------
     name
-        Dotted path of the field from the record that found the fault, as ``accel.damping_ratio``.
+        Path of the field from the record that found the fault: dotted, as ``accel.damping_ratio``,
+        or part by part where a part is a name that somebody chose, and may hold a dot.
     value
         The value got.
     rule
         What the value must be, to be read after "must be".
     """
 
-    def __init__(self, name: str, value: object, rule: str) -> None:
+    def __init__(self, name: str | Path, value: object, rule: str) -> None:
         super().__init__(name, value, rule)  # what pickle calls it with in another process
-        self.name = name
+        self.path = path_of(name)
         self.value = value
         self.rule = rule
+
+    @property
+    def name(self) -> str:
+        """The path, dotted."""
+        return ".".join(self.path)
 
     def __str__(self) -> str:
         return f"{self.name} must be {self.rule}, got {self.value!r}"
 
     def within(self, outer: str) -> "InvalidInputError":
         """Return the same error, its field named from the record ``outer`` on."""
-        return InvalidInputError(f"{outer}.{self.name}", self.value, self.rule)
+        return InvalidInputError((*path_of(outer), *self.path), self.value, self.rule)
 
 
 class InfeasibleDesignError(DesignError):

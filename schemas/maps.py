@@ -17,6 +17,7 @@ from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Wire, named
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
+from schemas.pointers import path_of
 from schemas.shapers import ShaperIn
 from schemas.warnings import WarningOut, Warnings
 
@@ -41,8 +42,7 @@ class AxisIn(Wire):
 
     def to_design(self) -> Axis:
         """Build the design record."""
-        path = tuple(self.field.removeprefix("/").split("/"))
-        return Axis(path=path, values=self._values())
+        return Axis(path=path_of(self.field), values=self._values())
 
     def _values(self) -> FloatArray:
         if self.values is not None:

@@ -28,6 +28,7 @@ from schemas.actuators import ActuatorIn
 from schemas.base import Wire, named
 from schemas.fits import FitIn
 from schemas.plants import PlantIn
+from schemas.pointers import path_of
 from schemas.shapers import ShaperIn
 
 MOST_POINTS = 10_000_000
@@ -199,14 +200,9 @@ def with_subject(head: TableHead) -> TableHead:
     except ValidationError as error:
         first = error.errors()[0]
         raise InvalidInputError(
-            "specification." + ".".join(map(str, first["loc"])), first["input"], first["msg"]
+            ("specification", *map(str, first["loc"])), first["input"], first["msg"]
         ) from None
     return replace(head, subject=request.to_design().subject)
-
-
-def path_of(pointer: str) -> Path:
-    """Return the path that a JSON pointer names."""
-    return tuple(pointer.removeprefix("/").split("/"))
 
 
 def _axis(number: int, axis: TableAxis) -> Axis:
@@ -234,7 +230,7 @@ def _listed(designs: list[dict[str, Any]], subject: Subject) -> tuple[tuple[Path
         if inner is None:
             first = next(number for number, line in enumerate(lines) if path in line)
             raise InvalidInputError(
-                f"designs.{first}.{'.'.join(path)}", lines[first][path], "the name of a number"
+                ("designs", str(first), *path), lines[first][path], "the name of a number"
             )
     return paths, values
 
@@ -255,7 +251,7 @@ def _numbers(here: Any, path: Path, number: int) -> Iterator[tuple[Path, float]]
     elif isinstance(here, int | float) and not isinstance(here, bool):
         yield path, float(here)
     else:
-        raise InvalidInputError(".".join(("designs", str(number), *path)), here, "a number")
+        raise InvalidInputError(("designs", str(number), *path), here, "a number")
 
 
 class TableSize(Wire):

@@ -17,7 +17,13 @@ from schemas.recommendations import RecommendationRequest, RecommendationRespons
 from schemas.sensitivity import SensitivityRequest, SensitivityResponse
 from schemas.simulations import SimulationRequest, SimulationResponse
 from service import operations
-from service.problems import Problem, problem_of_design, problem_of_validation
+from service.problems import (
+    Problem,
+    problem_of_design,
+    problem_of_repetition,
+    problem_of_validation,
+)
+from service.strict_json import RepeatedNameError, require_names_once
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +116,10 @@ def respond(operation: str, body: bytes) -> BaseModel | Problem:
         request = case.request.model_validate_json(body)
     except ValidationError as error:
         return problem_of_validation(error, body)
+    try:
+        require_names_once(body)
+    except RepeatedNameError as error:
+        return problem_of_repetition(error)
     try:
         return case.run(request)
     except DesignError as error:

@@ -15,8 +15,11 @@ from design.errors import (
     InvalidInputError,
     SolverFailedError,
     TimeLimitError,
+    path_of,
 )
+from schemas.pointers import json_pointer
 from schemas.problems import FieldFault, ProblemDocument
+from service.strict_json import RepeatedNameError
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,14 +111,14 @@ def problem_of_design(error: DesignError) -> Problem:
     """Translate an error of the mathematics."""
     if isinstance(error, InvalidInputError):
         fault = FieldFault(
-            pointer="/" + error.name.replace(".", "/"),
+            pointer=_cut(json_pointer(error.path)),
             detail=f"must be {error.rule}, got {_echo(error.value)}",
         )
         return Problem(INVALID, _sentence(fault), (fault,))
     faults: tuple[FieldFault, ...] = ()
     if isinstance(error, InfeasibleDesignError):
         faults = tuple(
-            FieldFault(pointer="/" + name.replace(".", "/"), detail=detail)
+            FieldFault(pointer=json_pointer(path_of(name)), detail=detail)
             for name, detail in error.faults
         )
     return Problem(KIND_OF[type(error)], str(error), faults)
@@ -137,11 +140,18 @@ def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
     return Problem(INVALID, told, named)
 
 
+def problem_of_repetition(error: RepeatedNameError) -> Problem:
+    """Translate that a name stands twice in an object, of which one would be lost."""
+    fault = FieldFault(pointer=_cut(error.pointer), detail="must be given once")
+    return Problem(INVALID, _sentence(fault), (fault,))
+
+
 def pointer(location: tuple[int | str, ...], body: Any) -> str:  # noqa: ANN401 - any JSON
     """Return the JSON pointer of a fault.
 
     Pydantic's location also holds the tags of unions, as ``("plant", "mode", "damping_ratio")``;
-    a tag is known by the ``kind`` of the object it stands in.
+    a tag is known by the ``kind`` of the object it stands in, or, of unions without a kind, as a
+    name that is not there though it is not the last, or that no object is there to hold.
     """
     parts: list[str] = []
     here = body
@@ -151,14 +161,17 @@ def pointer(location: tuple[int | str, ...], body: Any) -> str:  # noqa: ANN401 
             entered = isinstance(after, str) and not isinstance(here.get(step), dict)
             if step not in here or entered:
                 continue
-        parts.append(str(step).replace("~", "~0").replace("/", "~1"))
+        named_here = isinstance(here, dict) and (step in here or after is None)
+        if isinstance(step, str) and here is not None and not named_here:
+            continue
+        parts.append(str(step))
         if isinstance(here, dict):
             here = here.get(step)
         elif isinstance(here, list) and isinstance(step, int) and step < len(here):
             here = here[step]
         else:
             here = None
-    return "".join(f"/{part}" for part in parts)
+    return json_pointer(parts)
 
 
 def _refusal(fault: ErrorDetails) -> str:

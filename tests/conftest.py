@@ -14,7 +14,9 @@ from typing import Any
 import httpx
 import pytest
 
-START_WAIT_S = 60.0
+from tests.pointers import require_pointers
+
+START_WAIT_S = 300.0
 
 CRANE: dict[str, Any] = {
     "plant": {"kind": "pendulum", "cable_length_m": 0.8, "gravity_m_s2": 9.81},
@@ -41,7 +43,7 @@ class Running:
         return f"http://127.0.0.1:{self.port}"
 
     def client(self) -> httpx.Client:
-        return httpx.Client(base_url=self.address, timeout=60.0, trust_env=False)
+        return httpx.Client(base_url=self.address, timeout=600.0, trust_env=False)
 
 
 def free_port() -> int:
@@ -72,7 +74,7 @@ def running_service(
     finally:
         if process.poll() is None:
             process.terminate()
-        process.wait(30)
+        process.wait(120)
 
 
 def wait_until_ready(service: Running) -> None:
@@ -97,5 +99,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
 
 @pytest.fixture
 def client(service: Running) -> Iterator[httpx.Client]:
+    """Return a client that holds every problem's pointers against the body it sent."""
     with service.client() as client:
+        client.event_hooks["response"] = [require_pointers]
         yield client

@@ -15,7 +15,13 @@ from design.tables.specification import TableSpecification, columns_of
 from schemas.tables import TableJob, TableRequest, TableSize, sha256_of
 from service.jobs.store import Job, NewJob
 from service.operations import version
-from service.problems import Problem, problem_of_design, problem_of_validation
+from service.problems import (
+    Problem,
+    problem_of_design,
+    problem_of_repetition,
+    problem_of_validation,
+)
+from service.strict_json import RepeatedNameError, require_names_once
 
 STATUS_BYTES = 1
 FLOAT_BYTES = 8
@@ -35,6 +41,10 @@ def planned(body: bytes) -> Plan | Problem:
         request = TableRequest.model_validate_json(body)
     except ValidationError as error:
         return problem_of_validation(error, body)
+    try:
+        require_names_once(body)
+    except RepeatedNameError as error:
+        return problem_of_repetition(error)
     try:
         return plan_of(request)
     except DesignError as error:

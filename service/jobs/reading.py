@@ -10,8 +10,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NoReturn
 
+from schemas.pointers import path_of
 from schemas.problems import FieldFault
-from service.problems import INVALID, NOT_JSON, Problem
+from service.problems import INVALID, NOT_JSON, Problem, problem_of_repetition
+from service.strict_json import RepeatedNameError, loads
 
 LISTED = re.compile(r"/designs/(\d+)(/.*)?\Z")
 
@@ -60,7 +62,9 @@ def read_source(content: bytes, *, toml: bool, folder: Path) -> Source:
     """
     try:
         text = content.decode()
-        body = tomllib.loads(text) if toml else json.loads(text, parse_constant=_no_constant)
+        body = tomllib.loads(text) if toml else loads(text)
+    except RepeatedNameError as error:
+        raise ReadingError(problem_of_repetition(error)) from None
     except ValueError as error:
         raise ReadingError(Problem(NOT_JSON, str(error))) from None
     name = body.get("designs_file") if isinstance(body, dict) else None
@@ -87,17 +91,13 @@ def _refuse(detail: str) -> NoReturn:
     raise ReadingError(Problem(INVALID, f"{fault.pointer}: {detail}", (fault,))) from None
 
 
-def _no_constant(text: str) -> NoReturn:
-    raise ValueError(f"{text} is no JSON number")
-
-
 def _lines(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
     designs = []
     for number, line in enumerate(text.splitlines(), start=1):
         if not line.strip():
             continue
         try:
-            design = json.loads(line, parse_constant=_no_constant)
+            design = loads(line)
         except ValueError as error:
             _refuse(f"{name} line {number}: {error}")
         if not isinstance(design, dict):
@@ -129,9 +129,10 @@ def _from_csv(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
 def _header(name: str, number: int, cells: list[str]) -> list[str]:
     pointers = [cell.strip() for cell in cells]
     for pointer in pointers:
-        if not pointer.startswith("/") or pointers.count(pointer) > 1:
+        within = [other for other in pointers if other.startswith(f"{pointer}/")]
+        if not pointer.startswith("/") or pointers.count(pointer) > 1 or within:
             _refuse(
-                f"{name} line {number}: headings must be JSON pointers, each once, as "
+                f"{name} line {number}: headings must be JSON pointers of numbers, each once, as "
                 f"/plant/cable_length_m; got {pointer!r}"
             )
     return pointers
@@ -146,7 +147,7 @@ def _nested(name: str, number: int, header: list[str], cells: list[str]) -> dict
             value = math.nan
         if not math.isfinite(value):
             _refuse(f"{name} line {number}: {pointer} must be a finite number, got {cell!r}")
-        *parts, last = pointer.removeprefix("/").split("/")
+        *parts, last = path_of(pointer)
         here = design
         for part in parts:
             here = here.setdefault(part, {})

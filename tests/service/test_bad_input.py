@@ -346,3 +346,106 @@ def test_many_faults_are_told_in_part(client: httpx.Client) -> None:
 
 def test_an_empty_batch_is_no_json(client: httpx.Client) -> None:
     assert client.post("/v1/designs/batch", content=b"\n\n").status_code == 400
+
+
+SENSITIVITY = {
+    "plant": CRANE["plant"],
+    "actuator": CRANE["actuator"],
+    "impulses": {"times_s": [0, 0.9], "amplitudes": [0.5, 0.5]},
+}
+TABLE = {"design": CRANE, "axes": [{"field": "/plant/cable_length_m", "values": [0.7, 0.8]}]}
+
+
+@pytest.mark.parametrize(
+    ("path", "request_", "outer", "name", "pointer"),
+    [
+        ("/v1/designs", CRANE, '"shaper": {', '"kind": "umzv"', "/shaper/kind"),
+        ("/v1/designs", CRANE, '"accel": {', '"damping_ratio": 1', "/actuator/accel/damping_ratio"),
+        ("/v1/sensitivity", SENSITIVITY, "{", '"plant": {}', "/plant"),
+        ("/v1/sensitivity", SENSITIVITY, '"impulses": {', '"times_s": 1', "/impulses/times_s"),
+        ("/v1/tables", TABLE, '"axes": [{', '"field": ""', "/axes/0/field"),
+    ],
+)
+def test_a_name_given_twice_is_refused_by_its_pointer(
+    client: httpx.Client,
+    path: str,
+    request_: dict[str, Any],
+    outer: str,
+    name: str,
+    pointer: str,
+) -> None:
+    text = json.dumps(request_)
+    assert outer in text
+    repeated = text.replace(outer, f"{outer}{name}, ", 1)
+    assert client.post(path, content=text, headers=JSON).is_success
+    answer = client.post(path, content=repeated, headers=JSON)
+    assert (answer.status_code, answer.json()["type"]) == (422, "urn:shapersmith:invalid-input")
+    assert answer.json()["errors"] == [{"pointer": pointer, "detail": "must be given once"}]
+
+
+def test_a_name_given_twice_in_a_line_of_a_batch_spoils_that_line_alone(
+    client: httpx.Client,
+) -> None:
+    line = json.dumps(CRANE)
+    twice = line.replace('"shaper": {', '"shaper": {"kind": "umzv", ', 1)
+    told = client.post("/v1/designs/batch", content=f"{line}\n{twice}\n{line}\n").text.splitlines()
+    problem = json.loads(told[1])
+    assert problem["errors"] == [{"pointer": "/shaper/kind", "detail": "must be given once"}]
+    assert told[0] == told[2]
+
+
+@pytest.mark.parametrize("name", ["a.b", "a/b", "~", "m~n", "", "0", "a.b/c~d"])
+def test_names_of_any_letters_are_pointed_at(client: httpx.Client, name: str) -> None:
+    escaped = name.replace("~", "~0").replace("/", "~1")
+    answer = client.post("/v1/designs", json=changed("/plant", {**CRANE["plant"], name: 1}))
+    assert [fault["pointer"] for fault in answer.json()["errors"]] == [f"/plant/{escaped}"]
+    for value in (1.0, "x"):
+        table = {"design": CRANE, "designs": [{"plant": {name: value}}]}
+        answer = client.post("/v1/tables", json=table)
+        pointers = [fault["pointer"] for fault in answer.json()["errors"]]
+        assert pointers == [f"/designs/0/plant/{escaped}"]
+
+
+def test_a_number_of_many_digits_is_named(client: httpx.Client) -> None:
+    text = json.dumps(changed(NATURAL, 12345.5)).replace("12345.5", "1" * 4000)
+    answer = client.post("/v1/designs", content=text, headers=JSON)
+    assert answer.status_code == 422
+    assert [fault["pointer"] for fault in answer.json()["errors"]] == [NATURAL]
+
+
+@pytest.mark.parametrize(
+    ("command", "pointer"),
+    [
+        (
+            {"kind": "impulses", "impulses": {"times_s": [1, 0], "amplitudes": [1, 1]}},
+            "/command/impulses/times_s/1",
+        ),
+        (
+            {"kind": "impulses", "impulses": {"times_s": [0, 0], "amplitudes": [1, -1]}},
+            "/command/impulses/amplitudes",
+        ),
+        (
+            {"kind": "list", "times_s": [0, 1], "velocity_m_s": [0.1, 1e300]},
+            "/command/velocity_m_s/1",
+        ),
+        (
+            {"kind": "list", "times_s": [0, 1e300], "velocity_m_s": [0.1, 1]},
+            "/command/times_s/1",
+        ),
+        (
+            {"kind": "list", "times_s": [0, 0], "velocity_m_s": [0.1, 0]},
+            "/command/velocity_m_s",
+        ),
+        (
+            {"kind": "sampled", "sample_time_s": 0.1, "velocity_m_s": [1e13]},
+            "/command/velocity_m_s/0",
+        ),
+    ],
+)
+def test_a_faulty_command_is_named_in_the_request(
+    client: httpx.Client, command: dict[str, Any], pointer: str
+) -> None:
+    request = {"plant": CRANE["plant"], "actuator": CRANE["actuator"], "command": command}
+    answer = client.post("/v1/simulations", json=request)
+    assert answer.status_code == 422
+    assert [fault["pointer"] for fault in answer.json()["errors"]] == [pointer]

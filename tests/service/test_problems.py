@@ -1,11 +1,13 @@
 """Every error has its problem."""
 
+import pickle
 from typing import Any
 
 import pytest
 
 from design.errors import DesignError, InvalidInputError
 from service.problems import KIND_OF, Problem, pointer, problem_of_design
+from service.strict_json import RepeatedNameError, loads, require_names_once
 
 
 def leaves(cls: type[DesignError]) -> set[type[DesignError]]:
@@ -34,6 +36,9 @@ def test_an_error_becomes_a_document_with_its_status(error: type[DesignError]) -
         (("modes", 1, "x"), {"modes": [{}, {}]}, "/modes/1/x"),
         (("a", "modes", "modes", 1), {"a": {"kind": "modes", "modes": [{}, {}]}}, "/a/modes/1"),
         (("a", "modes", "x"), {"a": {"kind": "modes", "modes": [{}], "x": 1}}, "/a/x"),
+        (("initial", "AngleSwingIn", "rate"), {"initial": {"angle_rad": 1}}, "/initial/rate"),
+        (("initial", "AngleSwingIn"), {"initial": 3}, "/initial"),
+        (("initial", "AngleSwingIn"), {"initial": [3]}, "/initial"),
         (("a/b~c",), {}, "/a~1b~0c"),
         ((), {}, ""),
     ],
@@ -42,6 +47,50 @@ def test_a_pointer_leaves_the_tags_of_unions_out(
     location: tuple[int | str, ...], body: Any, expected: str
 ) -> None:
     assert pointer(location, body) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "pointer", "dotted"),
+    [
+        ("plant.modes.1.damping_ratio", "/plant/modes/1/damping_ratio", "plant.modes.1"),
+        (("designs", "0", "plant", "a.b"), "/designs/0/plant/a.b", "designs.0.plant.a.b"),
+        (("designs", "0", "a/b~c"), "/designs/0/a~1b~0c", "designs.0.a/b~c"),
+        (("", "x"), "//x", ".x"),
+    ],
+)
+def test_a_name_that_somebody_chose_is_pointed_at_whatever_it_holds(
+    name: str | tuple[str, ...], pointer: str, dotted: str
+) -> None:
+    error = pickle.loads(pickle.dumps(InvalidInputError(name, 1, "2").within("outer.0")))
+    (fault,) = problem_of_design(error).errors
+    assert fault.pointer == f"/outer/0{pointer}"
+    assert str(error).startswith(f"outer.0.{dotted}")
+
+
+@pytest.mark.parametrize(
+    ("text", "pointer"),
+    [
+        ('{"a": 1, "a": 2}', "/a"),
+        ('{"a": 1, "b": {"c": 1, "c": 1}}', "/b/c"),
+        ('[{"x": 1}, [{"y/z~": 1, "y/z~": {}}]]', "/1/0/y~1z~0"),
+        ('{"": 1, "b": 2, "": 3}', "/"),
+        ('{"a": {"x": 1, "x": 1}, "b": 1, "b": 2}', "/b"),  # the outer first
+        ('{"\\u0061": 1, "a": 2}', "/a"),
+    ],
+)
+def test_a_name_that_stands_twice_is_found(text: str, pointer: str) -> None:
+    with pytest.raises(RepeatedNameError, match="must be given once") as caught:
+        require_names_once(text)
+    assert caught.value.pointer == pointer
+    with pytest.raises(RepeatedNameError):
+        require_names_once(text.encode())
+
+
+def test_names_in_different_objects_are_different() -> None:
+    require_names_once('{"a": {"a": [{"a": 1}, {"a": 1}]}, "A": 1}')
+    assert loads('{"a": 1}') == {"a": 1}
+    with pytest.raises(ValueError, match="NaN is no JSON number"):
+        loads('{"a": NaN}')
 
 
 def test_a_long_value_is_echoed_in_part() -> None:

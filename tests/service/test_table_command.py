@@ -310,7 +310,7 @@ def begun(spec: Path, path: Path, **options: Any) -> "Iterator[subprocess.Popen[
     )
     try:
         store = path.with_name(f".{path.name}.job")
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 300
         while chunks_done(store) == already:
             assert process.poll() is None
             assert time.monotonic() < deadline
@@ -341,14 +341,14 @@ def test_an_interrupt_leaves_the_job_to_be_resumed(spec: Path, tmp_path: Path) -
     path = tmp_path / "t.csv"
     with begun(spec, path) as process:
         process.send_signal(signal.SIGINT)
-        _, told = process.communicate(timeout=30)
+        _, told = process.communicate(timeout=300)
     assert process.returncode == 1
     assert "the same command goes on where it was" in told
     assert "Traceback" not in told
     assert not path.exists()
     with begun(spec, path) as process:
         process.send_signal(signal.SIGINT)
-        _, told = process.communicate(timeout=30)
+        _, told = process.communicate(timeout=300)
     assert re.search(r"going on at [\d,]+ rows", told)
 
 
@@ -426,7 +426,7 @@ def test_a_worker_killed_in_a_chunk_costs_nothing_but_time(spec: Path, tmp_path:
     with begun(spec, path) as process:
         # The youngest are the workers; the fork server, their parent, is the eldest.
         os.kill(max(children(process.pid)), signal.SIGKILL)
-        _, told = process.communicate(timeout=60)
+        _, told = process.communicate(timeout=300)
     assert process.returncode == 0, told
     assert "failed: BrokenProcessPool" in told
     assert table(spec, "-o", undisturbed).returncode == 0
