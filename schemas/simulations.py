@@ -8,9 +8,10 @@ from pydantic import Field
 
 from design import commands
 from design.analysis.judge import DesignWarning
+from design.errors import InvalidInputError
 from design.impulses import Impulses
 from design.motions import Motion, Swing
-from design.types import FloatArray
+from design.types import LARGEST, FloatArray
 from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Wire, named
 from schemas.impulses import ImpulsesWire
@@ -69,6 +70,9 @@ class SampledCommand(Wire):
     def to_design(self, speed_m_s: float) -> Impulses:
         """Build the design record."""
         times = self.sample_time_s * np.arange(len(self.velocity_m_s))
+        if times[-1] > LARGEST:
+            rule = f"such that the last sample is at {LARGEST:g} s at most"
+            raise InvalidInputError("sample_time_s", self.sample_time_s, rule)
         return commands.listed(times, _shares(self.velocity_m_s, speed_m_s))
 
 

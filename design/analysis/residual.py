@@ -37,8 +37,12 @@ def require_workable(mode: Mode, actuator: Actuator) -> None:
     A set with its own pole at the plant's rings with it, and a residual in units of the unshaped
     step means nothing; one a hundred times slower passes so little on that it drowns in rounding.
     """
-    end = "_time_constant_s" if isinstance(actuator, FirstOrder) else ""
-    for name, lag in ((f"accel{end}", actuator.accel_lag), (f"decel{end}", actuator.decel_lag)):
+    start, drive = "", actuator
+    if isinstance(actuator, RateLimited):
+        start, drive = "then.", actuator.then
+    end = "_time_constant_s" if isinstance(drive, FirstOrder) else ""
+    sets = (("accel", drive.accel_lag), ("decel", drive.decel_lag))
+    for name, lag in ((f"{start}{one}{end}", lag) for one, lag in sets):
         slowness = mode.natural_frequency_rad_s * max(lag.first_s, lag.second_s2**0.5)
         if slowness > SLOWEST:
             raise InvalidInputError(

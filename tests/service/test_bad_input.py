@@ -348,6 +348,41 @@ def test_an_empty_batch_is_no_json(client: httpx.Client) -> None:
     assert client.post("/v1/designs/batch", content=b"\n\n").status_code == 400
 
 
+@pytest.mark.parametrize(
+    ("then", "pointer"),
+    [
+        (
+            {
+                "kind": "first_order",
+                "accel_time_constant_s": 0.1,
+                "decel_time_constant_s": 1e4,
+            },
+            "/actuator/then/decel_time_constant_s",
+        ),
+        (
+            {
+                "kind": "second_order",
+                "accel": {"natural_frequency_rad_s": 1e-3, "damping_ratio": 1},
+                "decel": {"natural_frequency_rad_s": 20, "damping_ratio": 1},
+            },
+            "/actuator/then/accel",
+        ),
+    ],
+)
+def test_a_set_behind_limits_is_pointed_at_where_it_is(
+    client: httpx.Client, then: dict[str, Any], pointer: str
+) -> None:
+    limited = {
+        "kind": "rate_limited",
+        "accel_limit_m_s2": 1.0,
+        "decel_limit_m_s2": 1.0,
+        "speed_m_s": 0.1,
+        "then": then,
+    }
+    answer = client.post("/v1/designs", json={**CRANE, "actuator": limited})
+    assert [fault["pointer"] for fault in answer.json()["errors"]] == [pointer]
+
+
 SENSITIVITY = {
     "plant": CRANE["plant"],
     "actuator": CRANE["actuator"],

@@ -47,6 +47,10 @@ def test_the_same_command_in_any_form_gives_the_same_motion(client: httpx.Client
             {"command": {"kind": "list", "times_s": [0, 2, 1], "velocity_m_s": [1, 2, 0]}},
             "/command/times_s/2",
         ),
+        (
+            {"command": {"kind": "sampled", "sample_time_s": 1e12, "velocity_m_s": [1, 2, 1]}},
+            "/command/sample_time_s",
+        ),
         ({"command": {"kind": "dance"}}, "/command"),
         ({"speed_m_s": 0}, "/speed_m_s"),
         ({"actuator": {**CRANE["actuator"], "dead_time_s": -0.1}}, "/actuator/dead_time_s"),
