@@ -5,7 +5,6 @@ their parameters only.
 """
 
 import cmath
-import itertools
 import math
 
 import numpy as np
@@ -17,12 +16,19 @@ from design.types import ComplexArray, FloatArray
 
 
 def increases(command: Impulses) -> list[bool]:
-    """Which steps increase |command|, those at one time together; one of no height is none."""
+    """Which steps increase |command|, those at one time together; one of no height is none.
+
+    Times that differ by 1e-12 of the whole command are one.
+    """
     level, up = 0.0, True
     answer: list[bool] = []
-    steps = zip(command.times_s.tolist(), command.amplitudes.tolist(), strict=True)
-    for _, group in itertools.groupby(steps, key=lambda step: step[0]):
-        heights = [height for _, height in group]
+    instants: list[tuple[float, list[float]]] = []
+    for time, height in zip(command.times_s.tolist(), command.amplitudes.tolist(), strict=True):
+        together: list[float] = []
+        if instants and time - instants[-1][0] <= 1e-12 * command.duration_s:
+            _, together = instants.pop()
+        instants.append((time, [*together, height]))
+    for _, heights in instants:
         if abs(sum(heights)) > 1e-12:
             up = abs(level + sum(heights)) > abs(level) + 1e-12
         answer += [up] * len(heights)
@@ -101,6 +107,64 @@ def ideal_derivative_by_formula(impulses: Impulses, mode: Mode, order: int) -> f
         x = -s * (time - float(impulses.times_s[0]))
         total += amplitude * cmath.exp(x) * sum(c * x**k for k, c in enumerate(touchard))
     return abs(total) * math.exp(-z * w * impulses.duration_s)
+
+
+def _product(one: ComplexArray, other: ComplexArray) -> ComplexArray:
+    """Product of two power series, cut to their common length."""
+    return np.convolve(one, other)[: one.size]
+
+
+def _reciprocal(series: ComplexArray) -> ComplexArray:
+    out = np.zeros_like(series)
+    out[0] = 1 / series[0]
+    for n in range(1, series.size):
+        out[n] = -(series[1 : n + 1] @ out[:n][::-1]) / series[0]
+    return out
+
+
+def derivatives_by_series(
+    impulses: Impulses, mode: Mode, actuator: SecondOrder, highest: int
+) -> list[float]:
+    """``|d^k V / d(ln w)^k|``, k from 0 on, over the unshaped step, by power series in ln w.
+
+    A switched set passes on ``G (second s e' - e)``, its error e carried by `scipy.linalg.expm`.
+    """
+    from scipy.linalg import expm
+
+    z, w = mode.damping_ratio, mode.natural_frequency_rad_s
+    s0 = w * complex(-z, math.sqrt(1 - z * z))
+    powers = np.arange(highest + 1)
+    factorials = np.array([math.factorial(k) for k in powers.tolist()])
+    s = s0 / factorials + 0j
+    one = (powers == 0) + 0j
+    lags = [denominator(actuator, accel=accel) for accel in (False, True)]
+    gains = [_reciprocal(one + a * s + b * _product(s, s)) for a, b in lags]
+    total = np.zeros(highest + 1, dtype=np.complex128)
+    state, before, last = np.zeros(2), None, float(impulses.times_s[0])
+    for time, amplitude, accel in zip(
+        impulses.times_s.tolist(),
+        impulses.amplitudes.tolist(),
+        increases(impulses),
+        strict=True,
+    ):
+        term = amplitude * gains[accel]
+        if actuator.model == "switched" and before is not None:
+            a, b = lags[before]
+            state = expm(np.array([[0, 1], [-1 / b, -a / b]]) * (time - last)) @ state
+            for which, sign in ((int(accel), 1), (before, -1)):
+                left = lags[which][1] * state[1] * s - state[0] * one
+                term = term + sign * _product(gains[which], left)
+        turn = one * np.exp(-s0 * (time - float(impulses.times_s[0])))
+        x = -(time - float(impulses.times_s[0])) * (s - s0 * one)
+        grown, power = one, one
+        for k in range(1, highest + 1):
+            power = _product(power, x) / k
+            grown = grown + power
+        total += _product(term, _product(turn, grown))
+        state, before, last = state - [amplitude, 0], int(accel), time
+    decay = math.exp(-z * w * impulses.duration_s)
+    found: list[float] = (np.abs(total) * factorials * decay / abs(gains[1][0])).tolist()
+    return found
 
 
 def largest_in_band_by_formula(

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from design.actuators import Actuator, FirstOrder, SecondOrder, SecondOrderSet
+from design.actuators import Actuator, FirstOrder, Model, SecondOrder, SecondOrderSet
 from design.analysis.certificate import LIMITS, METHOD, Certificate, Claim, certify, zeros
 from design.analysis.residual import residual_vectors
 from design.impulses import Impulses
@@ -14,7 +14,7 @@ from design.plants import Mode, Plant
 from design.shapers.kind import Quantity
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
-from tests.routes import claims_by_formula, ideal_derivative_by_formula
+from tests.routes import claims_by_formula, derivatives_by_series, ideal_derivative_by_formula
 from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, THESIS
 
 CLAIMS: tuple[Quantity, ...] = ("residual", "slope")
@@ -109,6 +109,41 @@ def test_a_stiff_actuator_does_not_drown_the_slope_in_rounding(rate: float) -> N
     made = shaper("numzvd", CRANE, actuator)
     # An order below the limit: a hundred times the rounding of an unstiff one.
     assert values(made, CRANE.mode, actuator)["slope"] <= 0.1 * LIMITS["slope"]
+
+
+def near_pole(seed: int, model: Model) -> tuple[Mode, SecondOrder, float]:
+    """Return a drive with one pole near the plant's, and how near: .001 to .3 of w."""
+    rng = np.random.default_rng(seed)
+    w, z = float(rng.uniform(0.5, 5)), float(rng.uniform(0.15, 0.45))
+    mode = Mode(natural_frequency_rad_s=w, damping_ratio=z)
+    apart = float(np.exp(rng.uniform(np.log(1e-3), np.log(0.3))))
+    pole = mode.pole_rad_s + w * apart * np.exp(1j * rng.uniform(0, 2 * np.pi))
+    near = SecondOrderSet(
+        natural_frequency_rad_s=abs(pole), damping_ratio=max(0.1, -pole.real / abs(pole))
+    )
+    far = SecondOrderSet(
+        natural_frequency_rad_s=w * float(rng.uniform(3, 20)),
+        damping_ratio=float(rng.uniform(0.3, 2)),
+    )
+    sets = (near, far) if seed % 2 else (far, near)
+    return mode, SecondOrder(accel=sets[0], decel=sets[1], model=model), apart
+
+
+@pytest.mark.parametrize("model", ["superposed", "switched"])
+@pytest.mark.parametrize("seed", range(60))
+def test_derivatives_near_a_pole_of_the_drive_are_those_of_the_series(
+    seed: int, model: Model
+) -> None:
+    mode, drive, apart = near_pole(seed, model)
+    rng = np.random.default_rng(1000 + seed)
+    command = Impulses(
+        times_s=np.sort(rng.uniform(0, 2 * mode.period_s, 4)), amplitudes=rng.uniform(-1, 1, 4)
+    )
+    expected = derivatives_by_series(command, mode, drive, 3)
+    told = [one.value for one in certify(command, mode, drive, zeros(ALL_ORDERS)).claims]
+    for order, (value, right) in enumerate(zip(told, expected, strict=True)):
+        # A derivative grows by 1 / apart, and rounding and truncation with it.
+        assert value == pytest.approx(right, rel=1e-7, abs=1e-9 * apart**-order), order
 
 
 def test_only_what_is_claimed_is_recomputed() -> None:
