@@ -82,6 +82,7 @@ def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Candi
         if sharpened is not None and problem.allows(sharpened):
             yield from _solved(problem, sharpened, seed.name, tried, budget)
     searched = problem
+    spread: newton.Roots | None = None
     for horizon_rad in _horizons(problem):
         within = replace(problem, horizon_rad=horizon_rad)
         starts = problem.start(spread_starts(within))
@@ -200,14 +201,16 @@ def _ordered_fastest_first(problem: Problem, ends: newton.Roots) -> Iterator[Flo
             yield ends.unknowns[index]
 
 
-def _searched(problem: Problem, ends: newton.Roots, starts: int) -> str:
-    """Say how far was searched, and what came nearest."""
+def _searched(problem: Problem, ends: newton.Roots | None, starts: int) -> str:
+    """Say how far was searched, and what came nearest; nothing did where there was no start."""
     period = 2 * np.pi
-    roots, ratios = problem.split(ends.unknowns[ends.converged])
     report = (
         f"no ordered solution with duration <= {problem.horizon_rad / period:g} periods "
         f"in {starts} starts"
     )
+    if ends is None:
+        return report
+    roots, ratios = problem.split(ends.unknowns[ends.converged])
     if roots.size == 0:
         best = np.nanargmin(ends.misses)
         return f"{report}; nearest miss: an equation off by {ends.misses[best]:.3g}"

@@ -34,6 +34,9 @@ SIX = Modes(
         for w, z in ((1.0, 0.02), (1.9, 0.7), (3.3, 0.9), (4.9, 0.8), (6.4, 0.9), (7.6, 0.9))
     )
 )
+TWO = Modes(
+    modes=(Mode(natural_frequency_rad_s=3.5), Mode(natural_frequency_rad_s=9.4, damping_ratio=0.02))
+)
 WIDE = {"half_width": 0.6, "tolerance": 1e-3, "amplitudes": "negative"}
 
 HARD: list[tuple[str, Plant, Actuator, Any]] = [
@@ -75,6 +78,24 @@ def test_a_search_that_is_cut_says_so_and_ends_alike_every_time(
     assert (budget.done, refusal) == (_work(case, most)[0].done, _work(case, most)[1])
     if refusal:
         assert f"its budget of {most / 1e6:.3g} million units of work is spent" in refusal
+
+
+@pytest.mark.parametrize("most", [0.0, 1.0, 3e3, 1e4, 3e4, 1e5, 3e5])
+@pytest.mark.parametrize("actuator", [IDEAL, THESIS, SWITCHED, LIMITED])
+@pytest.mark.parametrize("kind", SHAPERS)
+def test_a_budget_of_any_size_ends_in_a_design_or_a_refusal(
+    kind: str, actuator: Actuator, most: float
+) -> None:
+    if actuator.kind not in SHAPERS[kind].actuators:
+        return
+    plant = TWO if SHAPERS[kind].formulate_jointly else MODE
+    try:
+        found = design(plant, actuator, SHAPERS[kind], None, Budget(most=most))
+    except InfeasibleDesignError as error:
+        refusal = str(error)
+        assert "budget" in refusal or "periods" in refusal
+    else:
+        assert found.certificate.verified
 
 
 def test_a_search_of_branches_begins_no_more_starts_than_its_budget_allows() -> None:
