@@ -73,14 +73,18 @@ def damping_bound(weights: tuple[float, ...], spacing_rad: float) -> DampingBoun
     low, high = 0.0, 1.0
     for _ in range(HALVINGS):
         z = (low + high) / 2
-        decay = math.exp(-z * spacing_rad / math.sqrt(1 - z * z))
-        shares = [weight * decay**number for number, weight in enumerate(weights)]
-        if shares[-1] > ROUNDING * math.fsum(shares):
-            low = z
-        else:
+        if _last_is_rounding(weights, spacing_rad, z):
             high = z
+        else:
+            low = z
     rounded = math.floor(low / DAMPING_STEP) * DAMPING_STEP
     return DampingBound(most=min(round(rounded, 2), LARGEST_DAMPING_RATIO), beyond=LAST_IS_ROUNDING)
+
+
+def _last_is_rounding(weights: tuple[float, ...], spacing_rad: float, damping_ratio: float) -> bool:
+    decay = math.exp(-damping_ratio * spacing_rad / math.sqrt(1 - damping_ratio**2))
+    shares = [weight * decay**number for number, weight in enumerate(weights)]
+    return shares[-1] <= ROUNDING * math.fsum(shares)
 
 
 HALVINGS = 40
@@ -207,7 +211,8 @@ def mzv(mode: Mode, actuator: Actuator, options: MzvOptions) -> Formulation:
             options.duration_periods,
             f"longer: {options.n} impulses in as many damped periods would not all be positive",
         )
-    require_damping("mzv", damping_bound(weights, phase), mode)
+    if _last_is_rounding(weights, phase, mode.damping_ratio):
+        require_damping("mzv", damping_bound(weights, phase), mode)
     return evenly(mode, actuator, weights, phase)
 
 
