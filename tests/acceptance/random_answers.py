@@ -26,9 +26,6 @@ from design.analysis.certificate import LIMITS
 from design.impulses import Impulses
 from design.plants import Mode, Pendulum, Plant
 from design.shapers.registry import SHAPERS
-from schemas.maneuvers import ManeuverRequest
-from schemas.recommendations import RecommendationRequest
-from schemas.simulations import SimulationRequest
 from service.answers import respond
 from service.problems import INFEASIBLE, INVALID, Problem
 from tests import expm_route
@@ -479,17 +476,21 @@ def wrong_in_recommendation(answer: JSON, actuator: Actuator, request: JSON) -> 
 # All of them
 
 OPERATIONS = {
-    "moves": ("maneuver", random_move, ManeuverRequest),
-    "simulations": ("simulation", random_simulation, SimulationRequest),
-    "recommendations": ("recommendation", random_recommendation, RecommendationRequest),
+    "moves": ("maneuver", random_move),
+    "simulations": ("simulation", random_simulation),
+    "recommendations": ("recommendation", random_recommendation),
 }
+
+
+def generator(what: str, number: int) -> np.random.Generator:
+    """Return what draws a case, the same in every run."""
+    return np.random.default_rng([sorted(OPERATIONS).index(what), number])
 
 
 def verdict(what: str, number: int) -> Verdict:
     """Ask for one answer and judge it."""
-    operation, drawn, _ = OPERATIONS[what]
-    rng = np.random.default_rng([sorted(OPERATIONS).index(what), number])
-    name, request, faults = drawn(rng)
+    operation, drawn = OPERATIONS[what]
+    name, request, faults = drawn(generator(what, number))
     refusal = ""
     wrong: list[str] = []
     started = time.process_time()
