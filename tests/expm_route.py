@@ -19,8 +19,6 @@ from design.types import FloatArray
 from tests.routes import denominator, increases
 
 SIZE = 11
-DECAYED = 40.0
-"""Time constants after which a lag is at rest: e^-40."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,11 +138,38 @@ class Simulation:
         return float(self.state[3] + self.state[5])
 
     @property
+    def way_to_rest(self) -> float:
+        """How far the lags still go: of ``first v' + second v'' = u - v`` the integral."""
+        way = 0.0
+        for index, (first, second) in enumerate(self.lags):
+            if self.switched and index != self.force:
+                continue
+            value, rate = self.state[3 + 2 * index], self.state[4 + 2 * index]
+            followed = self.state[7] + self.state[8] if self.switched else self.state[7 + index]
+            way += first * float(value - followed)
+            way += second * float(rate)
+        return way
+
+    @property
     def ringing(self) -> complex:
-        """The vibration, as a vector that turns with the pole."""
+        """The vibration that rings on, as a vector that turns with the pole.
+
+        That of the payload now, and what the lags will add on their way to rest: the component of
+        the mode, by its left eigenvector, where all slopes have ended.
+        """
         w, z = self.mode.natural_frequency_rad_s, self.mode.damping_ratio
-        conjugate = w * complex(-z, -math.sqrt(1 - z * z))
-        return complex(self.state[1] - conjugate * self.state[0])
+        pole = w * complex(-z, math.sqrt(1 - z * z))
+        lags = slice(3, 7)
+        matrix = self._matrices[self.force]
+        payload = np.array([-pole.conjugate(), 1.0])
+        shifted = pole * np.eye(4) - matrix[lags, lags].T
+        of_lags = np.linalg.solve(shifted, matrix[:2, lags].T @ payload)
+        still = self.state[lags].copy()
+        if self.switched:
+            still[2 * self.force] -= self.state[7] + self.state[8]
+        else:
+            still[[0, 2]] -= self.state[7:9]
+        return complex(payload @ self.state[:2] + of_lags @ still)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,21 +186,6 @@ class Outcome:
     travel: float
 
 
-def slowest_s(actuator: Actuator) -> float:
-    """Return the longest time constant of an actuator's lags [s]."""
-    drive = actuator.then if isinstance(actuator, RateLimited) else actuator
-    longest = 0.0
-    for accel in (False, True):
-        first, second = denominator(drive, accel=accel)
-        poles = (
-            np.roots([second, first, 1.0])
-            if second > 0
-            else np.array([-1 / first] if first else [])
-        )
-        longest = max([longest, *(-1 / poles.real).tolist()])
-    return longest
-
-
 def outcome(
     command: Impulses,
     mode: Mode,
@@ -183,10 +193,6 @@ def outcome(
     initial: tuple[float, float] = (0.0, 0.0),
 ) -> Outcome:
     """Play a command; ``initial`` is the payload's deflection and rate, over the speed."""
-    wait_s = DECAYED * slowest_s(actuator)
-    if isinstance(actuator, RateLimited):
-        limits = (actuator.accel_limit_m_s2, actuator.decel_limit_m_s2)
-        wait_s += 2 * float(np.abs(command.amplitudes).sum()) * actuator.speed_m_s / min(limits)
     pole = mode.pole_rad_s
 
     def ringing(played: Impulses, begun: tuple[float, float]) -> tuple[complex, Simulation]:
@@ -195,7 +201,7 @@ def outcome(
         moving.time_s = float(played.times_s[0])
         for event in events_of(played, actuator):
             moving.take(event)
-        end = max(moving.time_s, float(played.times_s[-1])) + wait_s
+        end = max(moving.time_s, float(played.times_s[-1]))
         moving.move_to(end)
         # Back to the last step; from there to the first.
         return moving.ringing * np.exp(-pole * (end - float(played.times_s[-1]))), moving
@@ -207,7 +213,7 @@ def outcome(
         vector=complex(left * np.exp(-pole * command.duration_s)),
         unit=unit,
         residual=abs(left) / abs(unit),
-        travel=float(moved.state[2]),
+        travel=float(moved.state[2]) + moved.way_to_rest,
     )
 
 
