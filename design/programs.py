@@ -8,6 +8,7 @@ import numpy as np
 from design.actuators import Actuator
 from design.analysis.certificate import zeros
 from design.analysis.judge import DesignWarning, judge
+from design.analysis.residual import residual_vibration
 from design.errors import InvalidInputError
 from design.impulses import Impulses
 from design.plants import Mode
@@ -92,12 +93,13 @@ def program(
     judged = judge(played, (mode,), actuator, zeros(["residual"]), name="the program", swing=swing)
     warnings: tuple[DesignWarning, ...] = ()
     if not judged.certificate.verified:
+        between = residual_vibration(command, mode, actuator, swing)
         warnings = (
             DesignWarning(
                 code="program_residual",
                 detail=f"played on samples of {sample_time_s:g} s, each velocity held, the program "
-                f"leaves {100 * judged.residual:.4g} % of an unshaped step: its steps fall between "
-                "the samples",
+                f"leaves {100 * judged.residual:.4g} % of an unshaped step; its command, whose "
+                f"steps fall between the samples, leaves {100 * between:.4g} %",
             ),
         )
     return Program(

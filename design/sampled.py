@@ -11,8 +11,8 @@ from typing import Literal
 
 import numpy as np
 
-from design.actuators import Actuator
-from design.analysis.certificate import LIMITS
+from design.actuators import Actuator, Ideal
+from design.analysis.certificate import LIMITS, Claim
 from design.analysis.judge import (
     DesignWarning,
     Judgement,
@@ -306,9 +306,11 @@ def sampled_design(
     """Return a design brought to a sample grid, its certificate proving what it tells.
 
     The residual of a sampled shaper, at the nominal frequency and over the band of the shaper's own
-    claim if it has one, is computed by formula; the judge recomputes it by simulation, with the
-    actuator given. A warning says where it is above what the shaper claims, or for one that claims
-    zero, above the sample tolerance. The parameters are those of `sample`.
+    claim if it has one, is computed by formula; the judge recomputes it by simulation, for the
+    actuator of the shaper's own certificate. One that holds for an ideal actuator only does so on
+    samples, and a warning has the figure with the one given. Another says where the residual is
+    above what the shaper claims, or for one that claims zero, above the sample tolerance. The
+    parameters are those of `sample`.
     """
     kept = continuous.certificate.over_band
     sampled = sample(
@@ -320,14 +322,16 @@ def sampled_design(
         tolerance=tolerance,
         band=None if kept is None else kept.band,
     )
+    certified_for: Actuator = Ideal() if continuous.for_ideal else actuator
+    own = residual_vibration(sampled.impulses, mode, certified_for)
     asked: tuple[Promise, ...] = (
-        Promise(quantity="residual", limit=sampled.residual * (1 + AGREEMENT) + LIMITS["residual"]),
+        Promise(quantity="residual", limit=own * (1 + AGREEMENT) + LIMITS["residual"]),
     )
     if kept is not None and kept.band is not None:
         ratios = np.linspace(*kept.band, CHECKED_IN_BAND)
-        largest = float(residual_curve(sampled.impulses, mode, actuator, ratios).max())
+        largest = float(residual_curve(sampled.impulses, mode, certified_for, ratios).max())
         asked = (*asked, within(largest * (1 + BAND_AGREEMENT), kept.band))
-    judged = judge(sampled.impulses, (mode,), actuator, asked, name="the sampled shaper")
+    judged = judge(sampled.impulses, (mode,), certified_for, asked, name="the sampled shaper")
     if not judged.certificate.verified:
         raise SolverFailedError(
             f"the sampled shaper is not what a formula says: {shortfall_of(judged.certificate)}"
@@ -335,16 +339,27 @@ def sampled_design(
     proven = replace(
         continuous,
         impulses=sampled.impulses,
-        residuals=judged.residuals,
+        residuals=(sampled.residual,),
         certificate=judged.certificate,
-        for_ideal=False,
         warnings=(
+            *_actuator_ignored(continuous, sampled),
             *_lost_on_samples(continuous, judged, tolerance),
             *drive_warnings(sampled.impulses, (mode,), actuator),
             *_longer_on_samples(continuous, sampled),
         ),
     )
     return proven, sampled
+
+
+def _actuator_ignored(continuous: Design, sampled: Sampled) -> Iterator[DesignWarning]:
+    """Yield what a shaper that is proven for an ideal actuator costs behind the one given."""
+    if continuous.for_ideal:
+        yield DesignWarning(
+            code="actuator_ignored",
+            detail="the shaper is made, and its claims are proven, for an actuator that follows "
+            f"its command; with the one given the residual is {100 * sampled.residual:.4g} % on "
+            f"samples, {100 * sampled.continuous_residual:.4g} % between them",
+        )
 
 
 def _lost_on_samples(
@@ -361,10 +376,9 @@ def _lost_on_samples(
                 "for a smaller tolerance",
             )
         return
-    for_zero = SAMPLE_TOLERANCE if tolerance is None else tolerance
     claimed = [
-        for_zero if claim.is_zero else claim.limit
-        for claim in continuous.certificate.claims
+        claim.limit
+        for claim in claims_on_samples(continuous, tolerance)
         if claim.quantity == "residual"
     ]
     if claimed and judged.residual > max(claimed) * (1 + AGREEMENT):
@@ -373,6 +387,23 @@ def _lost_on_samples(
             detail=f"on samples the residual is {100 * judged.residual:.4g} % of an unshaped step, "
             f"more than {100 * max(claimed):.4g} %: take a shorter sample time",
         )
+
+
+def claims_on_samples(continuous: Design, tolerance: float | None) -> tuple[Claim, ...]:
+    """Return what a shaper claims, where it claims a zero residual with what samples may leave.
+
+    Parameters
+    ----------
+    continuous
+        The shaper between the samples.
+    tolerance
+        The sample tolerance [-]; `SAMPLE_TOLERANCE` if None.
+    """
+    for_zero = SAMPLE_TOLERANCE if tolerance is None else tolerance
+    return tuple(
+        replace(claim, limit=for_zero) if claim.is_zero and claim.quantity == "residual" else claim
+        for claim in continuous.certificate.claims
+    )
 
 
 def _longer_on_samples(continuous: Design, sampled: Sampled) -> Iterator[DesignWarning]:

@@ -1,9 +1,11 @@
 """Wire form of curve coefficients."""
 
+from collections.abc import Iterable
 from typing import Annotated, Self
 
 from pydantic import Field
 
+from design.analysis.judge import DesignWarning
 from design.errors import InvalidInputError
 from design.fits import HIGHEST_DEGREE, Fit, FitRange, Form
 from design.fits import Field as PlantField
@@ -11,6 +13,7 @@ from schemas.actuators import ActuatorIn
 from schemas.base import Wire
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
+from schemas.warnings import WarningOut, Warnings
 
 FIELDS: dict[str, PlantField] = {
     "/plant/natural_frequency_rad_s": "natural_frequency_rad_s",
@@ -93,9 +96,10 @@ class FitOut(Wire):
     checked_points: int
     formula: str
     design: FitDesign
+    warnings: Warnings
 
     @classmethod
-    def from_design(cls, fit: Fit, design: FitDesign) -> Self:
+    def from_design(cls, fit: Fit, design: FitDesign, warnings: Iterable[DesignWarning]) -> Self:
         """Wrap the design record."""
         return cls(
             variable=VariableOut.model_validate({
@@ -112,4 +116,5 @@ class FitOut(Wire):
             checked_points=fit.checked_points,
             formula=fit.formula,
             design=design,
+            warnings=[WarningOut.from_design(one) for one in warnings],
         )

@@ -221,7 +221,7 @@ class CandidateOut(Wire):
             smoothing_s2=candidate.smoothing.smoothing_s2,
             lower_bound_s=made.lower_bound_s,
             same_as=candidate.same_as,
-            warnings=[WarningOut.from_design(one) for one in made.found.warnings],
+            warnings=[WarningOut.from_design(one) for one in made.warnings],
         )
 
 

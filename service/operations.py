@@ -27,8 +27,8 @@ from design.pipeline import Design, design
 from design.plants import MOST_MODES, Mode, Modes, Plant, Scheduled
 from design.programs import program
 from design.recommendations.recommendation import recommend
-from design.sampled import Sampled, sampled_design
-from design.shaped_commands import shaped_command
+from design.sampled import Sampled, claims_on_samples, sampled_design
+from design.shaped_commands import ShapedCommand, shaped_command
 from design.shapers.registry import SHAPERS
 from design.types import SMALLEST
 from schemas.actuators import ActuatorIn
@@ -256,9 +256,17 @@ def _fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
         options = subject.shaper.continuous_options(NO_FIT_ON_SAMPLES)
     with named("fit"):
         wanted = fit_in.to_design(subject.plant.kind)
-        plants_at_ends(plant, wanted)
-    found = fit(plant, actuator, subject.shaper.registered(), wanted, options)
-    return FitOut.from_design(found, subject)
+        ends = plants_at_ends(plant, wanted)
+    kind = subject.shaper.registered()
+    found = fit(plant, actuator, kind, wanted, options)
+    # Polynomials are no better than what they were fitted to.
+    ignored = [
+        warning
+        for end in ends
+        for warning in design(end, actuator, kind, options).warnings
+        if warning.code == "actuator_ignored"
+    ]
+    return FitOut.from_design(found, subject, ignored[-1:])
 
 
 def simulate(request: SimulationRequest) -> SimulationResponse:
@@ -272,8 +280,7 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
     if request.shaper is not None:
         with named("shaper"):
             options = request.shaper.options()
-        found = _found(plant, actuator, request.shaper, options)
-        shaped = shaped_command(played, found, plant.modes, actuator)
+        shaped = _shaped(played, plant, actuator, request.shaper, options)
         played, warnings = shaped.impulses, [*warnings, *shaped.warnings]
     end = request.until_s
     if end is None:
@@ -287,6 +294,20 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
     return SimulationResponse.from_design(
         motion(plant, actuator, played, request.speed_m_s, times), played, warnings
     )
+
+
+def _shaped(
+    command: Impulses,
+    plant: Plant,
+    actuator: Actuator,
+    shaper: ShaperIn,
+    options: Any,  # noqa: ANN401 - each kind has a record of its own
+) -> ShapedCommand:
+    found, claims = design(plant, actuator, shaper.registered(), options), None
+    if shaper.sample_time_s is not None:
+        claims = claims_on_samples(found, shaper.grid_tolerance())
+        found, _ = _on_samples(found, plant, actuator, shaper, shaper.sample_time_s)
+    return shaped_command(command, found, plant.modes, actuator, claims)
 
 
 def _found(

@@ -189,7 +189,7 @@ def _findings(response: Response) -> list[str]:
             *_warnings(response.warnings),
         ]
     if isinstance(response, FitOut):
-        return ["", *_fit(response)]
+        return ["", *_fit(response), *_warnings(response.warnings)]
     if isinstance(response, ManeuverResponse):
         return [
             "",

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from design.actuators import Actuator
 from design.analysis.band import largest_in_band
+from design.analysis.judge import DesignWarning
 from design.errors import DesignError
 from design.pipeline import Design, design
 from design.plants import Modes, Plant
@@ -79,6 +80,11 @@ class Designed:
     found: Design
     worst_residual: float
     lower_bound_s: float | None = None
+
+    @property
+    def warnings(self) -> tuple[DesignWarning, ...]:
+        """What to know of it: its own tolerance on samples is not what was asked, a verdict is."""
+        return tuple(one for one in self.found.warnings if one.code != "tolerance_not_kept")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -45,7 +45,7 @@ def _three_impulses(
     if heights is not None and isinstance(actuator, RateLimited):
         raise InvalidInputError(
             "shaper.max_velocity_ratio",
-            max(heights),
+            abs(heights[1]),
             "1 behind a rate-limited actuator, whose ramps are taken to be those of one speed",
         )
     amplitudes = None if heights is None else np.array(heights)

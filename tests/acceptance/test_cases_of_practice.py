@@ -286,3 +286,43 @@ def test_of_two_values_at_one_time_the_last_counts() -> None:
     answers = [ask("simulation", **about, command=one, until_s=20.0) for one in (twice, once)]
     assert answers[0]["residual"] == pytest.approx(answers[1]["residual"], abs=1e-12)
     assert answers[0]["deflection_m"] == pytest.approx(answers[1]["deflection_m"], abs=1e-12)
+
+
+def test_polynomials_of_a_shaper_that_ignores_the_drive_say_so() -> None:
+    about: JSON = {
+        "plant": mode(1, 0.02),
+        "shaper": {"kind": "umzv"},
+        "fit": {"over": "/plant/natural_frequency_rad_s", "from": 3, "to": 8, "degree": 2},
+    }
+    assert codes(ask("fit", **about, actuator=FIRST_ORDER)) == ["actuator_ignored"]
+    assert codes(ask("fit", **about, actuator=IDEAL)) == []
+
+
+def test_a_recommendation_on_samples_warns_of_no_tolerance_that_nobody_asked_for() -> None:
+    answer = ask(
+        "recommendation",
+        plant={"kind": "mode", "natural_frequency_rad_s": 6, "damping_ratio": 0.02},
+        actuator=IDEAL,
+        half_width=0.1,
+        tolerance=0.05,
+        sample_time_s=0.05,
+        sign="positive",
+    )
+    assert answer["recommended"]["worst_residual"] <= 0.05
+    assert "tolerance_not_kept" not in codes(answer["recommended"])
+
+
+def test_a_refused_speed_ratio_is_the_one_that_was_given() -> None:
+    request = {
+        "plant": mode(0.6, 0.02),
+        "actuator": {
+            "kind": "rate_limited",
+            "accel_limit_m_s2": 0.5,
+            "decel_limit_m_s2": 0.8,
+            "speed_m_s": 0.4,
+        },
+        "shaper": {"kind": "numzv", "max_velocity_ratio": 0.7},
+    }
+    problem = respond("design", json.dumps(request).encode())
+    assert isinstance(problem, Problem)
+    assert "got 0.7" in problem.detail

@@ -178,3 +178,22 @@ def test_amplitudes_that_are_neither_a_shaper_nor_a_move_have_a_warning(
     assert [one.code for one in told] == (["sum_not_one"] if warned else [])
     if warned:
         assert f"{sum(amplitudes):.9g}" in told[0].detail
+
+
+@pytest.mark.parametrize("sample_time_s", [0.05, 0.001])
+@pytest.mark.parametrize("kind", ["zvd", "ei", "mzv", "umzv"])
+def test_what_is_proven_for_an_ideal_drive_stays_so_on_samples(
+    kind: str, sample_time_s: float
+) -> None:
+    drive = RateLimited(accel_limit_m_s2=0.5, decel_limit_m_s2=0.8, speed_m_s=0.4)
+    between = design(CRANE, drive, SHAPERS[kind])
+    assert between.for_ideal
+    found, _ = sampled_design(between, CRANE.mode, drive, sample_time_s)
+    assert found.for_ideal
+    assert found.residual == pytest.approx(
+        residual_by_integration(found.impulses, CRANE.mode, drive), abs=1e-6
+    )
+    warning = found.warnings[0]
+    assert warning.code == "actuator_ignored"
+    assert f"{100 * found.residual:.4g} % on samples" in warning.detail
+    assert f"{100 * between.residual:.4g} % between them" in warning.detail

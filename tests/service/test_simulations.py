@@ -92,3 +92,27 @@ def test_amplitudes_that_add_up_to_neither_one_nor_nothing_have_a_warning(
     answer = client.post(f"/v1/{route}", json=body[route]).json()
     assert [one["code"] for one in answer["warnings"]] == ["sum_not_one"]
     assert "0.6" in answer["warnings"][0]["detail"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "code"), [("zvd", "actuator_ignored"), ("numzv", "tolerance_not_kept")]
+)
+def test_a_shaper_on_samples_that_leaves_more_than_it_claims_has_a_warning(
+    client: httpx.Client, kind: str, code: str
+) -> None:
+    limited = {
+        "kind": "rate_limited",
+        "accel_limit_m_s2": 0.5,
+        "decel_limit_m_s2": 0.8,
+        "speed_m_s": 0.2,
+    }
+    request = {
+        **BASE,
+        "actuator": limited if kind == "zvd" else BASE["actuator"],
+        "command": {"kind": "step"},
+        "shaper": {"kind": kind, "sample_time_s": 0.2, "sample_tolerance": 0.001},
+    }
+    answer = client.post("/v1/simulations", json=request).json()
+    assert answer["residual"] > 0.001
+    assert [one["code"] for one in answer["warnings"]] == [code]
+    assert f"{100 * answer['residual']:.4g} %" in answer["warnings"][0]["detail"]
