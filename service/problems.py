@@ -109,6 +109,10 @@ class Problem:
 
 def problem_of_design(error: DesignError) -> Problem:
     """Translate an error of the mathematics."""
+    if isinstance(error, InvalidInputError) and " " in error.name:
+        # No field of the request: what a format finds in a row, made by the request as a whole.
+        told = f"{error.name}: must be {error.rule}, got {_echo(error.value)}"
+        return Problem(INVALID, told, (FieldFault(pointer="", detail=told),))
     if isinstance(error, InvalidInputError):
         fault = FieldFault(
             pointer=_cut(json_pointer(error.path)),

@@ -276,6 +276,7 @@ def test_what_a_format_finds_in_the_rows_is_refused_by_name(client: httpx.Client
         "damping_ratio of row 1: must be at most 0.3 for Klipper's 2hump_ei, got 0.35"
         in (refused.json()["detail"])
     )
+    assert [one["pointer"] for one in refused.json()["errors"]] == [""]
     assert client.get(f"{location}/result", params={"format": "rrf"}).status_code == 200
 
 
