@@ -72,7 +72,9 @@ def test_each_candidate_is_what_a_design_of_it_is(client: httpx.Client) -> None:
         }
         design = client.post("/v1/designs", json=asked).json()
         assert design["shaper"]["impulses"] == one["impulses"], one["name"]
-        assert design["warnings"] == one["warnings"]
+        # Its own tolerance on samples is not what was asked: a verdict says how that is kept.
+        own = [told for told in design["warnings"] if told["code"] != "tolerance_not_kept"]
+        assert own == one["warnings"]
 
 
 @pytest.mark.parametrize(
