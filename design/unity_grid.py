@@ -213,9 +213,9 @@ def more_impulses_on_grid(
         descents = 0 if cuts_ramps(impulses, actuator, sample_time_s) else DESCENTS
         if not listed.exact:
             for best in samples[np.argsort(left, kind="stable")[:descents]]:
-                moved = _descended(best, listed.longest, left_of)
-                samples = np.concatenate((samples, moved[None]))
-            left = left_of(samples)
+                moved = _descended(best, listed.longest, left_of)[None]
+                samples = np.concatenate((samples, moved))
+                left = np.concatenate((left, left_of(moved)))
         within = left <= max(tolerance, float(left.min()) + TIE)
         among = np.flatnonzero(within)
         shortest = among[samples[among, -1] == samples[among, -1].min()]
