@@ -31,7 +31,10 @@ MOST_CANDIDATES = 50_000
 
 MOST_ONE_BY_ONE = 1_000
 """The same where ramps are cut, so that the formula of many commands at once does not hold: each
-takes some half a millisecond then."""
+takes some one or two milliseconds then."""
+
+MOST_MATCHED = 300
+"""The same for commands of more impulses, for each number: those that leave least superposed [-]."""
 
 FREQUENCY_ERROR = 0.05
 """Relative error in frequency that a shaper with zero slope is to stand [-]."""
@@ -202,15 +205,18 @@ def more_impulses_on_grid(
     """
     listed = _listed(impulses, mode, actuator, sample_time_s)
     height = float(impulses.amplitudes[0])
+    one_by_one = cuts_ramps(impulses, actuator, sample_time_s)
     for count in range(impulses.times_s.size + 2, impulses.times_s.size + MOST_ADDED + 1, 2):
         signs = (-1.0) ** np.arange(count)
         samples = listed.stride * _matched(listed, count, slope=slope, tolerance=tolerance)
         if not samples.size:
             continue
         left_of = partial(_left_at, sample_time_s, signs, mode, actuator, slope)
+        if one_by_one:
+            samples = samples[:MOST_MATCHED]
         left = left_of(samples)
         # Where ramps are cut, thousands of moves would be computed one by one.
-        descents = 0 if cuts_ramps(impulses, actuator, sample_time_s) else DESCENTS
+        descents = 0 if one_by_one else DESCENTS
         if not listed.exact:
             for best in samples[np.argsort(left, kind="stable")[:descents]]:
                 moved = _descended(best, listed.longest, left_of)[None]
@@ -440,6 +446,7 @@ def _matched(listed: _Listed, count: int, *, slope: bool, tolerance: float) -> I
     """Return positions of commands of ``count`` impulses in a net just wide enough, shape (m, n).
 
     The net holds every command that leaves less than its width (superposed, on the positions).
+    Those come first that leave least.
     """
     halves = [
         (first, listed.seconds[count - before])
@@ -454,7 +461,9 @@ def _matched(listed: _Listed, count: int, *, slope: bool, tolerance: float) -> I
         net /= 2
     while halves and net <= WIDEST_NET and _pairs(halves, damping_rad_s, net) <= MOST_PAIRS:
         caught = [_caught(*pair, damping_rad_s, net, slope=slope) for pair in halves]
-        found = np.nonzero(np.concatenate(caught))[1].reshape(-1, count)
+        changes = np.concatenate([changes for changes, _ in caught])
+        left = np.concatenate([left for _, left in caught])
+        found = np.nonzero(changes[np.argsort(left, kind="stable")])[1].reshape(-1, count)
         if len(found) >= enough:
             break
         net *= 2
@@ -481,8 +490,8 @@ def _pairs(halves: list[tuple[_Half, _Half]], damping_rad_s: float, net: float) 
 
 def _caught(
     first: _Half, second: _Half, damping_rad_s: float, net: float, *, slope: bool
-) -> IntArray:
-    """Return the changes of the pairs of halves that leave at most ``net``, shape (m, p)."""
+) -> tuple[IntArray, FloatArray]:
+    """Return the pairs of halves that leave at most ``net``: changes, shape (m, p); what is left."""
     low, high, widths = _mates(first, second, damping_rad_s, net)
     sizes = high - low
     mates = np.repeat(np.arange(sizes.size), sizes)
@@ -493,4 +502,4 @@ def _caught(
     left = sums[0] + FREQUENCY_ERROR * sums[1] * slope
     left *= np.exp(damping_rad_s * np.maximum(first.ends[ones], second.ends[mates]))
     kept = left <= net
-    return np.hstack((first.changes[ones[kept]], second.changes[mates[kept]]))
+    return np.hstack((first.changes[ones[kept]], second.changes[mates[kept]])), left[kept]
