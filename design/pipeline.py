@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from design.actuators import Actuator
-from design.analysis.certificate import Certificate, certify, zeros
+from design.analysis.certificate import Certificate, certify, rounding_of, zeros
 from design.analysis.judge import DesignWarning, drive_warnings, judge, shortfall_of
 from design.analysis.residual import require_workable
 from design.analysis.sensitivity import insensitivity
@@ -96,7 +96,8 @@ def design(
     InvalidInputError
         If the shaper does not serve the actuator, or a value breaks its rule.
     InfeasibleDesignError
-        If no such shaper was found; says how far was searched.
+        If no such shaper was found, saying how far was searched, or its times are too long for
+        doubles to hold what it claims.
     SolverFailedError
         If the certificate verified none of the solutions found.
 
@@ -151,6 +152,7 @@ def design(
                 )
             if isinstance(plant, Scheduled):
                 _require_over_range(kind, certificate)
+            _require_doubles_to_hold(impulses, modes, certificate)
             unverified = certificate
     except InfeasibleDesignError as error:
         if unverified is None and others:
@@ -163,6 +165,24 @@ def design(
         raise SolverFailedError(f"no solution of {kind.name} was found, and none was excluded")
     raise SolverFailedError(
         f"no solution of {kind.name} was verified; of the last one {shortfall_of(unverified)}"
+    )
+
+
+def _require_doubles_to_hold(
+    impulses: Impulses, modes: tuple[Mode, ...], certificate: Certificate
+) -> None:
+    """Refuse a command of which all that does not hold is the rounding of its times."""
+    failing = [claim for claim in certificate.claims if not claim.holds]
+    for claim in failing:
+        if not claim.is_zero or claim.value > rounding_of(claim, impulses, modes[claim.mode]):
+            return
+    claim = failing[0]
+    phase = modes[claim.mode].natural_frequency_rad_s * impulses.duration_s
+    raise InfeasibleDesignError(
+        f"the {claim.quantity.replace('_', ' ')} of mode {claim.mode} cannot be proved zero: the "
+        f"command lasts {phase / math.tau:.4g} of that mode's periods, and the rounding of its "
+        f"times to double precision makes {claim.value:.3g} of it (limit {claim.limit:g}). Modes "
+        "nearer to each other, or a kind that claims fewer derivatives, can be proved"
     )
 
 

@@ -34,7 +34,7 @@ MOST_ONE_BY_ONE = 1_000
 takes some one or two milliseconds then."""
 
 MOST_MATCHED = 300
-"""The same for commands of more impulses, for each number: those that leave least superposed [-]."""
+"""The same for commands of more impulses, for each number: the best superposed [-]."""
 
 FREQUENCY_ERROR = 0.05
 """Relative error in frequency that a shaper with zero slope is to stand [-]."""
@@ -491,7 +491,7 @@ def _pairs(halves: list[tuple[_Half, _Half]], damping_rad_s: float, net: float) 
 def _caught(
     first: _Half, second: _Half, damping_rad_s: float, net: float, *, slope: bool
 ) -> tuple[IntArray, FloatArray]:
-    """Return the pairs of halves that leave at most ``net``: changes, shape (m, p); what is left."""
+    """Return the pairs of halves within ``net``: changes, shape (m, p), and what is left."""
     low, high, widths = _mates(first, second, damping_rad_s, net)
     sizes = high - low
     mates = np.repeat(np.arange(sizes.size), sizes)

@@ -248,6 +248,25 @@ class _Denominators:
         return quotients
 
 
+def rounding_of(claim: Claim, impulses: Impulses, mode: Mode) -> float:
+    """Return what the rounding of times to doubles alone makes of a claim at one frequency [-].
+
+    A time is off by up to a half of ``eps t``, twice that after one sum: the derivative of order n
+    of its vector then by ``eps (w t)^(n + 1)``. Nothing smaller can be claimed to be zero.
+
+    Parameters
+    ----------
+    claim
+        Of a residual or one of its derivatives.
+    impulses, mode
+        The shaper, and the mode that it is about.
+    """
+    phases = mode.natural_frequency_rad_s * impulses.times_s
+    decay = np.exp(mode.damping_ratio * (phases - phases[-1]))
+    powers = np.abs(impulses.amplitudes) * decay * phases ** (ORDERS[claim.quantity] + 1)
+    return float(np.finfo(float).eps * powers.sum())
+
+
 def certify_modes(
     impulses: Impulses,
     modes: tuple[Mode, ...],

@@ -422,3 +422,20 @@ def test_modes_far_apart_are_shaped(
         curve = sensitivity(found.impulses, mode, IDEAL, wanted)
         told = curve_by_formula(found.impulses, mode, IDEAL, curve.frequency_ratios)
         assert np.abs(told - curve.residuals).max() < 1e-10
+
+
+def test_modes_too_far_apart_for_doubles_are_refused_in_words() -> None:
+    rng = np.random.default_rng(11)
+    words = []
+    for base in sorted(BASES) * 20:
+        ratio = 10 ** rng.uniform(1, 3)
+        subject = plant((1.0, rng.uniform(0, 0.1)), (ratio, rng.choice([0.0, 0.02])))
+        try:
+            found = made(subject, "convolved", ConvolvedOptions(base=base))  # type: ignore[arg-type]
+        except InfeasibleDesignError as error:
+            words.append((ratio, str(error)))
+            continue
+        assert found.certificate.verified
+    beyond = [(ratio, text) for ratio, text in words if "cannot be proved zero" in text]
+    assert beyond
+    assert all(ratio > 30 and "rounding of its times" in text for ratio, text in beyond)
