@@ -171,7 +171,7 @@ def design(
 def _require_doubles_to_hold(
     impulses: Impulses, modes: tuple[Mode, ...], certificate: Certificate
 ) -> None:
-    """Refuse a command of which all that does not hold is the rounding of its times."""
+    """Refuse a command of which all that does not hold can be rounding."""
     failing = [claim for claim in certificate.claims if not claim.holds]
     for claim in failing:
         if not claim.is_zero or claim.value > rounding_of(claim, impulses, modes[claim.mode]):
@@ -180,9 +180,9 @@ def _require_doubles_to_hold(
     phase = modes[claim.mode].natural_frequency_rad_s * impulses.duration_s
     raise InfeasibleDesignError(
         f"the {claim.quantity.replace('_', ' ')} of mode {claim.mode} cannot be proved zero: the "
-        f"command lasts {phase / math.tau:.4g} of that mode's periods, and the rounding of its "
-        f"times to double precision makes {claim.value:.3g} of it (limit {claim.limit:g}). Modes "
-        "nearer to each other, or a kind that claims fewer derivatives, can be proved"
+        f"command lasts {phase / math.tau:.4g} of that mode's periods, and the rounding of "
+        f"double precision makes {claim.value:.3g} of it (limit {claim.limit:g}). Modes nearer "
+        "to each other, or a kind that claims fewer derivatives, can be proved"
     )
 
 

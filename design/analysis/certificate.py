@@ -56,6 +56,10 @@ Of a vibration that turns by phase p the third derivative is off by less than 1e
 polynomial's degree, and by up to 1e-11 p^3 by rounding in what is simulated.
 """
 
+ROUNDINGS = 4
+"""Rounding of a claim in units of that of its last phase: twice; up to 1.02 was seen in
+1,500 random pairs of modes [-]."""
+
 METHOD = (
     "state of actuator and mode carried from step to step by matrix exponential; "
     "derivatives from the same at frequencies beside its own"
@@ -249,10 +253,10 @@ class _Denominators:
 
 
 def rounding_of(claim: Claim, impulses: Impulses, mode: Mode) -> float:
-    """Return what the rounding of times to doubles alone makes of a claim at one frequency [-].
+    """Return what the rounding of doubles can make of a claim that something is zero [-].
 
-    A time is off by up to a half of ``eps t``, twice that after one sum: the derivative of order n
-    of its vector then by ``eps (w t)^(n + 1)``. Nothing smaller can be claimed to be zero.
+    A phase is off by up to ``eps`` of it, as a time and once more in each step of the simulation:
+    the derivative of order n of a vector then by some ``eps phase^(n + 1)``.
 
     Parameters
     ----------
@@ -261,10 +265,9 @@ def rounding_of(claim: Claim, impulses: Impulses, mode: Mode) -> float:
     impulses, mode
         The shaper, and the mode that it is about.
     """
-    phases = mode.natural_frequency_rad_s * impulses.times_s
-    decay = np.exp(mode.damping_ratio * (phases - phases[-1]))
-    powers = np.abs(impulses.amplitudes) * decay * phases ** (ORDERS[claim.quantity] + 1)
-    return float(np.finfo(float).eps * powers.sum())
+    phase = mode.natural_frequency_rad_s * impulses.duration_s
+    powers = phase ** (ORDERS[claim.quantity] + 1) * np.abs(impulses.amplitudes).sum()
+    return float(ROUNDINGS * np.finfo(float).eps * powers)
 
 
 def certify_modes(
