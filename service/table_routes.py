@@ -19,7 +19,6 @@ from service.jobs.results import require_taken
 from service.jobs.service import JobService
 from service.jobs.store import Job
 from service.middleware import ERRORS
-from service.pool import TaskError, WorkerPool
 from service.problems import (
     CONFLICT,
     INTERNAL,
@@ -30,6 +29,7 @@ from service.problems import (
     problem_of_design,
 )
 from service.settings import Settings
+from service.workers.pool import TaskError, WorkerPool
 
 JSON = ("application/json",)
 MOST_LISTED = 100
