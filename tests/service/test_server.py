@@ -16,6 +16,7 @@ import httpx
 import pytest
 
 from tests.conftest import CRANE, Running, running_service
+from tests.processes import TICKS_A_SECOND, children, running, workers
 
 SLOW: dict[str, Any] = {
     **CRANE,
@@ -45,47 +46,6 @@ HUNG_S = 120.0
 Found = TypeVar("Found")
 
 
-def children(pid: int) -> set[int]:
-    """Return all processes below one."""
-    found: set[int] = set()
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdigit():
-            try:
-                parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
-            except (FileNotFoundError, ProcessLookupError):
-                continue
-            if parent == pid:
-                found |= {int(entry.name)} | children(int(entry.name))
-    return found
-
-
-def running(pids: set[int]) -> set[int]:
-    """Return those of some processes that have not ended; a zombie has."""
-    states = {}
-    for pid in pids:
-        try:
-            states[pid] = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-        except (FileNotFoundError, ProcessLookupError):
-            states[pid] = "Z"
-    return {pid for pid, state in states.items() if state != "Z"}
-
-
-def workers(service: Running) -> dict[int, float]:
-    """Return the worker processes with the processor time that each has used [s].
-
-    They are forked by a process that the service starts, and are all that is below that.
-    """
-    used = {}
-    below = children(service.process.pid)
-    for pid in set().union(*(children(pid) for pid in below)):
-        try:
-            fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-        except FileNotFoundError:
-            continue  # it ended meanwhile
-        used[pid] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-    return used
-
-
 def until(found: Callable[[], Found], what: str) -> Found:
     """Return what comes to be, however slow the machine is."""
     hung = time.monotonic() + HUNG_S
@@ -100,7 +60,7 @@ def at_work(service: Running, before: dict[int, float]) -> int:
 
     Two ticks of the processor's clock are work.
     """
-    ticks = 2.5 / os.sysconf("SC_CLK_TCK")
+    ticks = 2.5 / TICKS_A_SECOND
     return until(
         lambda: next(
             (pid for pid, used in workers(service).items() if used > before.get(pid, used) + ticks),
