@@ -1,10 +1,18 @@
 """The processes of a service, as the system tells of them."""
 
 import os
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 from tests.conftest import Running
+
+HUNG_S = 120.0
+"""Ends a test that hangs; none is judged by it [s]."""
+
+Found = TypeVar("Found")
 
 TICKS_A_SECOND = os.sysconf("SC_CLK_TCK")
 
@@ -79,3 +87,12 @@ def workers(service: Running) -> dict[int, float]:
 
 def _pids() -> list[int]:
     return [int(entry.name) for entry in Path("/proc").iterdir() if entry.name.isdigit()]
+
+
+def until(found: Callable[[], Found], what: str) -> Found:
+    """Return what comes to be, however slow the machine is."""
+    hung = time.monotonic() + HUNG_S
+    while not (one := found()):
+        assert time.monotonic() < hung, what
+        time.sleep(0.02)
+    return one

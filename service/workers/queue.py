@@ -56,6 +56,7 @@ class FairQueue:
         self._numbers = itertools.count()
         self._now = 0.0
         self._finish: dict[Flow, float] = {}
+        self._last: dict[Flow, float] = {}
         self._held: dict[Flow, float] = {}
         self._count: dict[Flow, int] = {}
         self._held_in_all = 0.0
@@ -72,7 +73,11 @@ class FairQueue:
     def add(self, ticket: Ticket, start: float | None = None) -> None:
         """Let a ticket wait; ``start``: of one that was served in vain and is put back."""
         flow = ticket.flow
-        ticket.start = max(self._now, self._finish.get(flow, 0.0)) if start is None else start
+        if start is None:
+            # Not before the last of the flow either, whose finish may have been charged less since.
+            start = max(self._now, self._finish.get(flow, 0.0), self._last.get(flow, 0.0))
+            self._last[flow] = start
+        ticket.start = start
         ticket.waiting = True
         finish = ticket.start + ticket.cost_s / WEIGHTS[flow.kind]
         self._finish[flow] = max(self._finish.get(flow, 0.0), finish)
@@ -128,6 +133,7 @@ class FairQueue:
         self._count_in_all -= 1
         if not self._count[flow]:
             del self._count[flow], self._held[flow]
+            self._last.pop(flow, None)
             self._weights -= WEIGHTS[flow.kind]
             self._forget_if_idle(flow)
         if not self._count_in_all:

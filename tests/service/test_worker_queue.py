@@ -29,6 +29,17 @@ def test_one_flow_is_served_first_come_first_served() -> None:
     assert served(queue) == tickets
 
 
+def test_one_flow_keeps_its_order_when_it_is_charged_less_or_more_than_expected() -> None:
+    rng = random.Random(2)
+    queue, tickets, found = FairQueue(), [], []
+    for _ in range(500):
+        tickets.append(added(queue, Flow("a"), rng.random()))
+        if rng.random() < 0.8 and (ticket := queue.pop()) is not None:
+            found.append(ticket)
+            queue.charge(ticket, rng.random())
+    assert found + served(queue) == tickets
+
+
 def test_who_comes_late_does_not_wait_for_all_that_another_has_queued() -> None:
     queue = FairQueue()
     heavy = [added(queue, Flow("heavy")) for _ in range(256)]
