@@ -10,7 +10,7 @@ from benchmarks.loops import closed_loop, with_status
 from benchmarks.measure import Figure
 from benchmarks.wire import Answer, Client
 from service.answers import answer
-from service.pool import WorkerPool
+from service.workers.pool import WorkerPool
 
 CALLERS = 4
 SECONDS = 10.0
@@ -35,7 +35,7 @@ async def _over_http(port: int, seconds: float) -> list[int]:
 
 
 async def _at_the_pool(seconds: float) -> list[int]:
-    pool = WorkerPool(workers=1, time_limit_s=HUNG_S, max_pending=256)
+    pool = WorkerPool(workers=1, time_limit_s=HUNG_S, max_pending=256, memory_bytes=2 * 1024**3)
     bodies = request_bodies()
 
     async def ask() -> Answer:
