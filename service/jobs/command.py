@@ -22,7 +22,7 @@ from service.files import (
     require_not_input,
 )
 from service.jobs.checks import drifts_of_file, drifts_of_text, named_in, readable
-from service.jobs.database import StoreError, disk_full
+from service.jobs.database import StoreError, disk_full, url_of
 from service.jobs.executors import SchedulerError, starter
 from service.jobs.plan import Plan, planned
 from service.jobs.progress import Progress
@@ -159,7 +159,7 @@ def _resumed(file: Path, plan: Plan) -> tuple[Store, str]:
 
 
 def _opened(file: Path) -> Store:
-    return Store(f"sqlite:///{file}", stalled_s=STALLED_S)
+    return Store(url_of(file), stalled_s=STALLED_S)
 
 
 def _remove(file: Path) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from sqlalchemy.exc import DBAPIError
 
-from service.jobs.database import StoreError
+from service.jobs.database import StoreError, url_of
 from service.jobs.executors import SchedulerError, Started, processes, starter
 from service.jobs.results import write_result_of
 from service.jobs.runner import Runner
@@ -39,7 +39,7 @@ class JobService:
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
         self._folder = Path(settings.data_dir).absolute()
-        url = settings.database_url or f"sqlite:///{self._folder / 'jobs.sqlite'}"
+        url = settings.database_url or url_of(self._folder / "jobs.sqlite")
         self._files = self._folder / "results"
         try:
             self.store = Store(url, stalled_s=settings.stalled_s)

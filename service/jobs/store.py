@@ -125,8 +125,8 @@ class Store:
     def __init__(self, url: str, *, stalled_s: float) -> None:
         self.url = url
         self.stalled_s = stalled_s
-        self._engine = opened(url)
-        self._reading = self._engine.execution_options(isolation_level="AUTOCOMMIT")
+        self._database = opened(url)
+        self._engine, self._reading = self._database.writing, self._database.reading
         postgres = self._engine.dialect.name == "postgresql"
         # One clock for all: that of the database.
         self._now: sa.ColumnElement[float] = sa.literal_column(
@@ -138,7 +138,7 @@ class Store:
 
     def close(self) -> None:
         """Let go of the database."""
-        self._engine.dispose()
+        self._database.close()
 
     def add(self, job: NewJob) -> None:
         """Add a job; all of it, or nothing."""
