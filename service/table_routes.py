@@ -15,9 +15,9 @@ from design.export.registry import EXPORTS
 from schemas.tables import TableJob, TableJobs
 from service.bodies import BodyError, problem_response, read_body
 from service.jobs.plan import Plan, planned, told
+from service.jobs.records import Job
 from service.jobs.results import require_taken
 from service.jobs.service import JobService
-from service.jobs.store import Job
 from service.middleware import ERRORS
 from service.pool import TaskError, WorkerPool
 from service.problems import (
@@ -247,7 +247,8 @@ async def result(request: Request, id: str, format: str = "csv") -> Response:
                 problem = Problem(CONFLICT, f"the table is {job.state}: it has no result")
             return _refused(request, problem)
         try:
-            await asyncio.to_thread(require_taken, job, format)
+            made_of = await _asked(_jobs(request).store.made_of, id)
+            await asyncio.to_thread(require_taken, made_of, format)
         except DesignError as error:
             return _refused(request, problem_of_design(error))
         tag = f'"{job.sha256[:32]}-{job.version}-{format}"'

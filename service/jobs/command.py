@@ -27,9 +27,10 @@ from service.jobs.executors import SchedulerError, starter
 from service.jobs.plan import Plan, planned
 from service.jobs.progress import Progress
 from service.jobs.reading import ReadingError, Source, read_source
+from service.jobs.records import Job
 from service.jobs.results import head_for, pieces, require_taken, rows_of_job, write_result
 from service.jobs.runner import Runner
-from service.jobs.store import Job, Store
+from service.jobs.store import Store
 from service.problems import INVALID, SOLVER_FAILED, Problem, problem_of_design
 
 DRIFTED = 5
@@ -146,7 +147,7 @@ def _resumed(file: Path, plan: Plan) -> tuple[Store, str]:
         job = held[0]
         if (job.sha256, job.version) == (plan.job.sha256, plan.job.version):
             store.release(job.id)
-            store.reopen(job.id)
+            store.resume(job.id)
             if job.done:
                 _say(f"going on at {job.done:,} rows")
             return store, job.id
@@ -220,7 +221,7 @@ def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
             return Problem(SOLVER_FAILED, job.reason)
         try:
             if readable(name):
-                head, rows = head_for(job, name), rows_of_job(store, job)
+                head, rows = head_for(plan.job, name), rows_of_job(store, job)
                 drifts = drifts_of_file(path, name, head, rows, tolerances)
             else:
                 drifts = drifts_of_text(path, pieces(store, job, name, named_in(path)))

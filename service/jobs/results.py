@@ -11,7 +11,8 @@ from design.tables.rows import Rows, TableHead
 from service.files import write_pieces
 from service.jobs.blobs import from_blob
 from service.jobs.plan import head_of
-from service.jobs.store import Job, NewJob, Store
+from service.jobs.records import Job, NewJob
+from service.jobs.store import Store
 
 
 def export_of(name: str) -> Export:
@@ -27,7 +28,7 @@ def export_of(name: str) -> Export:
     return EXPORTS[name]
 
 
-def head_for(job: Job | NewJob, name: str, path: Path | None = None) -> TableHead:
+def head_for(job: NewJob, name: str, path: Path | None = None) -> TableHead:
     """Return the head of a job's file in a format, whether the format takes it or not.
 
     Polynomials are only for the formats that are programs, which cannot be read back. ``path``: of
@@ -36,7 +37,7 @@ def head_for(job: Job | NewJob, name: str, path: Path | None = None) -> TableHea
     return head_of(job, fitted=name not in READERS, name="" if path is None else path.stem)
 
 
-def require_taken(job: Job | NewJob, name: str) -> None:
+def require_taken(job: NewJob, name: str) -> None:
     """Raise InvalidInputError if a format cannot take the table."""
     export = export_of(name)
     export.checks(head_for(job, name))
@@ -49,7 +50,8 @@ def rows_of_job(store: Store, job: Job) -> Iterator[Rows]:
 
 def pieces(store: Store, job: Job, name: str, path: Path | None = None) -> Iterator[bytes]:
     """Yield the bytes of a job's file; ``path`` as for `head_for`."""
-    return export_of(name).write(head_for(job, name, path), rows_of_job(store, job))
+    head = head_for(store.made_of(job.id), name, path)
+    return export_of(name).write(head, rows_of_job(store, job))
 
 
 def write_result(store: Store, job: Job, name: str, path: Path, *, named: bool) -> None:

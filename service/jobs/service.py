@@ -11,9 +11,10 @@ from sqlalchemy.exc import DBAPIError
 
 from service.jobs.database import StoreError, url_of
 from service.jobs.executors import SchedulerError, Started, processes, starter
+from service.jobs.records import Job
 from service.jobs.results import write_result_of
 from service.jobs.runner import Runner
-from service.jobs.store import Job, Store
+from service.jobs.store import Store
 from service.settings import Settings
 
 LOG = logging.getLogger("shapersmith.jobs")

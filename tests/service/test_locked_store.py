@@ -16,7 +16,8 @@ from sqlalchemy.exc import DBAPIError
 
 from service.jobs import database
 from service.jobs.asking import Asking, UnansweredError
-from service.jobs.store import Done, NewJob, Store
+from service.jobs.records import Done, NewJob
+from service.jobs.store import Store
 from tests.postgres import running_cluster
 
 HOUR_S = 3600.0
@@ -24,7 +25,7 @@ HOUR_S = 3600.0
 READS: dict[str, Callable[[Store, str], Any]] = {
     "job": lambda store, job: store.job(job),
     "jobs": lambda store, _: store.jobs(10),
-    "specification": lambda store, job: store.specification(job),
+    "made_of": lambda store, job: store.made_of(job),
     "blobs": lambda store, job: list(store.blobs(job)),
 }
 
@@ -43,6 +44,7 @@ def new_job() -> NewJob:
         version="1",
         rows=2,
         chunk_rows=1,
+        estimated_bytes=0,
     )
 
 
@@ -54,7 +56,7 @@ def file(tmp_path: Path) -> Path:
 @pytest.fixture
 def store(file: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Store]:
     monkeypatch.setattr(database, "LOCK_WAIT_S", 0.1)
-    opened = Store(database.url_of(file), stalled_s=HOUR_S)
+    opened = Store(database.url_of(file), stalled_s=HOUR_S, version="1")
     yield opened
     opened.close()
 
@@ -63,8 +65,9 @@ def store(file: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Store]:
 def job(store: Store) -> str:
     new = new_job()
     store.add(new)
-    (claim,) = store.claim("one", 1)
-    store.finish("one", claim, Done(blob=b"rows", verified=1, infeasible=0))
+    for claim in store.claim("one", 2):
+        store.finish("one", claim, Done(blob=b"rows", verified=1, infeasible=0))
+    store.add(new_job())  # to be claimed
     return new.id
 
 
@@ -105,7 +108,9 @@ def test_readers_wait_for_no_writer_be_it_another_process_or_many_threads_here(
             thread.start()
         for read in READS.values():
             assert read(store, job)  # a reader that waited would be refused, as the writers are
-        again = Store(store.url, stalled_s=HOUR_S)  # opened as by a process that makes a file
+        again = Store(
+            store.url, stalled_s=HOUR_S, version="1"
+        )  # opened as by a process that makes a file
         for read in READS.values():
             assert read(again, job)
         again.close()
@@ -165,13 +170,13 @@ def test_a_lock_in_postgresql_holds_up_writers_for_a_while_and_no_reader(
 ) -> None:
     monkeypatch.setattr(database, "LOCK_WAIT_S", 1)
     with running_cluster() as cluster:
-        store = Store(cluster.url, stalled_s=HOUR_S)
+        store = Store(cluster.url, stalled_s=HOUR_S, version="1")
         new = new_job()
         store.add(new)
-        other = Store(cluster.url, stalled_s=HOUR_S)
+        other = Store(cluster.url, stalled_s=HOUR_S, version="1")
         with other._engine.begin() as connection:
             connection.execute(sa.text("LOCK TABLE jobs, chunks IN EXCLUSIVE MODE"))
-            for read in ("job", "jobs", "specification"):
+            for read in ("job", "jobs", "made_of"):
                 assert READS[read](store, new.id)
             for write in WRITES.values():
                 with pytest.raises(DBAPIError, match="lock timeout"):
