@@ -121,7 +121,7 @@ def _write(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
                 ended = _computed(options, store, job)
                 if ended.state == "failed":
                     return Problem(SOLVER_FAILED, ended.reason)
-                write_result(store, ended, name, path, named=True)
+                write_result(store, ended, name, path)
             finally:
                 store.close()
             _remove(file)
@@ -221,7 +221,7 @@ def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
             return Problem(SOLVER_FAILED, job.reason)
         try:
             if readable(name):
-                head, rows = head_for(plan.job, name), rows_of_job(store, job)
+                head, rows = head_for(plan.job, name), rows_of_job(store, job.id)
                 drifts = drifts_of_file(path, name, head, rows, tolerances)
             else:
                 drifts = drifts_of_text(path, pieces(store, job, name, named_in(path)))
