@@ -23,11 +23,11 @@ from service.answers import OPERATIONS
 from service.bodies import problem_response
 from service.jobs.service import JobService
 from service.middleware import RequestMiddleware
-from service.pool import WorkerPool
 from service.problems import METHOD_NOT_ALLOWED, NOT_FOUND, Problem, ProblemKind
 from service.routes import router
 from service.settings import Settings
 from service.table_routes import router as table_router
+from service.workers.pool import WorkerPool
 
 ASSETS = "/assets/swagger-ui"
 SCHEMAS = "#/components/schemas/{model}"
@@ -42,8 +42,12 @@ def create_app(settings: Settings, jobs: JobService | None = None) -> FastAPI:
             workers=settings.workers,
             time_limit_s=settings.time_limit_s,
             max_pending=settings.max_pending,
+            memory_bytes=settings.worker_memory_bytes,
         )
         app.state.pool = pool
+        # Neither is made while others wait.
+        app.state.catalogue = operations.shaper_catalogue().model_dump_json().encode()
+        app.openapi()
         if jobs is not None:
             jobs.start()
         gc.freeze()  # what is built now stays: collections need not look at it again

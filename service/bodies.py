@@ -1,8 +1,11 @@
 """Bodies in, answers out: what all routes share."""
 
 import asyncio
+from collections.abc import Awaitable
+from types import TracebackType
+from typing import Self, TypeVar
 
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response
 
 from service.answers import Answer
@@ -11,8 +14,10 @@ from service.problems import OVERLOADED, REQUEST_TIMEOUT, TOO_LARGE, UNSUPPORTED
 BODY_WAIT_S = 20.0
 """Longest wait for a body [s]."""
 
-RETRY_AFTER_S = 1
-"""What a refused client is told to wait [s]."""
+WATCHED_AFTER_S = 0.05
+"""Work that takes longer is worth a look at whether its client is still there [s]."""
+
+Answered = TypeVar("Answered")
 
 
 class BodyError(Exception):
@@ -51,13 +56,68 @@ async def read_body(request: Request, *, limit_bytes: int, media_types: tuple[st
     return bytes(body)
 
 
+def client_of(request: Request) -> str:
+    """Return whose request it is, for a fair share: its address."""
+    return request.client.host if request.client is not None else ""
+
+
+async def while_connected(request: Request, work: Awaitable[Answered]) -> Answered:
+    """Return what work gives, ended when the client leaves; the body has been read.
+
+    Raises
+    ------
+    ClientDisconnect
+        If it has left.
+    """
+    async with _Connection(request):
+        return await work
+
+
+class _Connection:
+    """Cancels the task that has entered it when the client leaves; as `asyncio.timeout` does."""
+
+    def __init__(self, request: Request) -> None:
+        self._request = request
+        self._left = False
+        self._watcher: asyncio.Task[None] | None = None
+
+    async def __aenter__(self) -> Self:
+        self._task = asyncio.current_task()
+        self._timer = asyncio.get_running_loop().call_later(WATCHED_AFTER_S, self._begin)
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._timer.cancel()
+        if self._watcher is not None:
+            self._watcher.cancel()
+        if self._left and self._task is not None:
+            self._task.uncancel()
+            if kind is asyncio.CancelledError:
+                raise ClientDisconnect from error
+
+    def _begin(self) -> None:
+        self._watcher = asyncio.get_running_loop().create_task(self._watch())
+
+    async def _watch(self) -> None:
+        while (await self._request.receive())["type"] != "http.disconnect":
+            continue
+        self._left = True
+        if self._task is not None:
+            self._task.cancel()
+
+
 def problem_response(problem: Problem, request_id: str | None) -> Response:
     """Return a problem as the response."""
     return Response(
         problem.document(request_id).model_dump_json(),
         status_code=problem.kind.http.value,
         media_type="application/problem+json",
-        headers={"retry-after": str(RETRY_AFTER_S)} if problem.kind is OVERLOADED else None,
+        headers={"retry-after": str(problem.retry_after_s)} if problem.kind is OVERLOADED else None,
     )
 
 

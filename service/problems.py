@@ -89,11 +89,12 @@ LONGEST_ECHO = 80
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One error, ready to be told."""
+    """One error, ready to be told; ``retry_after_s``: when it may be over, of what passes [s]."""
 
     kind: ProblemKind
     detail: str
     errors: tuple[FieldFault, ...] = ()
+    retry_after_s: int = 1
 
     def document(self, request_id: str | None = None) -> ProblemDocument:
         """Return the problem document."""

@@ -1,6 +1,5 @@
 """HTTP routes: each parses, calls one operation, returns."""
 
-import asyncio
 from collections.abc import Awaitable, Callable
 from typing import Any
 
@@ -9,11 +8,21 @@ from starlette.responses import JSONResponse, Response
 
 from schemas.catalogue import Catalogue
 from service import operations
-from service.answers import OPERATIONS, Answer, answer, answer_lines
-from service.bodies import BodyError, answer_line, answer_response, problem_response, read_body
-from service.pool import TaskError, WorkerPool
+from service.answers import OPERATIONS, Answer, answer
+from service.batches import Batch
+from service.bodies import (
+    BodyError,
+    answer_line,
+    answer_response,
+    client_of,
+    problem_response,
+    read_body,
+    while_connected,
+)
 from service.problems import NOT_JSON, OVERLOADED, TOO_LARGE, Problem
 from service.settings import Settings
+from service.workers.costs import shape_of
+from service.workers.pool import TaskError, WorkerPool
 
 JSON = ("application/json",)
 JSON_LINES = (
@@ -22,9 +31,6 @@ JSON_LINES = (
     "application/x-jsonlines",
     "application/json",
 )
-
-LINES_A_TASK = 20
-"""Lines of a batch that a worker answers at a time: near 50 ms, so that batches share workers."""
 
 PROBLEMS: dict[int | str, dict[str, Any]] = {
     code: {
@@ -72,7 +78,15 @@ def _answering(operation: str) -> Callable[[Request], Awaitable[Response]]:
             body = await read_body(
                 request, limit_bytes=_settings(request).max_body_bytes, media_types=JSON
             )
-            done: Answer = await _pool(request).run(answer, operation, body)
+            work = _pool(request).run(
+                answer,
+                operation,
+                body,
+                client=client_of(request),
+                shape=shape_of(operation, body),
+                key=(operation, body),
+            )
+            done: Answer = await while_connected(request, work)
         except (BodyError, TaskError) as error:
             return problem_response(error.problem, request_id)
         return answer_response(done, request_id)
@@ -122,34 +136,16 @@ async def designs_batch(request: Request) -> Response:
     if len(lines) > settings.max_batch_lines:
         detail = f"a batch must be at most {settings.max_batch_lines} lines, got {len(lines)}"
         return problem_response(Problem(TOO_LARGE, detail), request_id)
-    parts = [lines[start : start + LINES_A_TASK] for start in range(0, len(lines), LINES_A_TASK)]
-    limit = asyncio.Semaphore(2 * settings.workers)  # a batch must not fill the queue of others
-
-    async def answered(part: list[bytes]) -> list[Answer]:
-        async with limit:
-            return await _part_answered(pool, part)
-
-    answers = await asyncio.gather(*map(answered, parts))
-    told = [answer_line(done, request_id) for part in answers for done in part]
+    batch = Batch(pool, lines, client=client_of(request), limit_s=settings.batch_limit_s)
+    answers = await while_connected(request, batch.answers())
+    told = [answer_line(done, request_id) for done in answers]
     return Response(b"\n".join(told) + b"\n", media_type=JSON_LINES[0])
 
 
-async def _part_answered(pool: WorkerPool, lines: list[bytes]) -> list[Answer]:
-    """Answer some lines in one task; if it fails, each in its own, so that one spoils no other."""
-    try:
-        done: list[Answer] = await pool.run(answer_lines, "design", lines)
-    except TaskError as error:
-        if len(lines) == 1:
-            return [Answer(error.problem, 0.0)]
-        alone = await asyncio.gather(*(_part_answered(pool, [line]) for line in lines))
-        return [one for part in alone for one in part]
-    return done
-
-
-@router.get("/v1/shapers", summary="Every kind of shaper")
-async def shapers() -> Catalogue:
+@router.get("/v1/shapers", response_model=Catalogue, summary="Every kind of shaper")
+async def shapers(request: Request) -> Response:
     """Return the catalogue: parameters, example and source of each kind."""
-    return operations.shaper_catalogue()
+    return Response(request.app.state.catalogue, media_type="application/json")
 
 
 @router.get("/health/live", summary="Whether the process serves")

@@ -16,11 +16,24 @@ class Settings(BaseModel):
 
     # One more than processors: while an answer is on its way, another design is computed.
     workers: Annotated[
-        int, Field(ge=1, le=1024, description="Worker processes (one more than processors).")
+        int,
+        Field(
+            ge=1,
+            le=1024,
+            description="Worker processes for small work (one more than processors); large work "
+            "has up to one fewer beside them.",
+        ),
     ] = (os.cpu_count() or 1) + 1
     time_limit_s: Annotated[
         float, Field(gt=0, description="Longest run of one request, or of one line of a batch [s].")
     ] = 30.0
+    batch_limit_s: Annotated[float, Field(gt=0, description="Longest run of one batch [s].")] = (
+        300.0
+    )
+    worker_memory_bytes: Annotated[
+        int,
+        Field(ge=256 * 1024**2, description="What a worker may have of memory of its own [bytes]."),
+    ] = 2 * 1024**3
     max_body_bytes: Annotated[int, Field(ge=1, description="Largest body.")] = 1024 * 1024
     max_batch_bytes: Annotated[int, Field(ge=1, description="Largest batch.")] = 8 * 1024 * 1024
     max_batch_lines: Annotated[int, Field(ge=1, description="Most lines of a batch.")] = 1000

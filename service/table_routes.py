@@ -18,7 +18,6 @@ from service.jobs.results import export_of, write_result_of
 from service.jobs.service import JobService
 from service.jobs.store import KeyReusedError
 from service.operations import version
-from service.pool import WorkerPool
 from service.problems import (
     CONFLICT,
     INVALID,
@@ -29,6 +28,7 @@ from service.problems import (
 )
 from service.settings import Settings
 from service.telling import ProblemError, telling
+from service.workers.pool import WorkerPool
 
 JSON = ("application/json",)
 MOST_LISTED = 100

@@ -9,8 +9,8 @@ from starlette.responses import Response
 
 from service.bodies import BodyError, problem_response
 from service.jobs.asking import UnansweredError
-from service.pool import TaskError
 from service.problems import OVERLOADED, Problem
+from service.workers.pool import TaskError
 
 
 class ProblemError(Exception):

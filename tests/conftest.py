@@ -42,6 +42,11 @@ class Running:
     def address(self) -> str:
         return f"http://127.0.0.1:{self.port}"
 
+    @property
+    def data(self) -> Path:
+        """Its data folder."""
+        return self.log.parent / "data"
+
     def client(self) -> httpx.Client:
         return httpx.Client(base_url=self.address, timeout=600.0, trust_env=False)
 

@@ -419,7 +419,7 @@ def test_what_makes_no_table_does_not_wait_for_its_libraries() -> None:
 
 
 def test_a_worker_killed_in_a_chunk_costs_nothing_but_time(spec: Path, tmp_path: Path) -> None:
-    from tests.service.test_server import children
+    from tests.processes import children
 
     spec.write_text(json.dumps({**LONG, "axes": [{**SMALL["axes"][0], "points": 600}]}))
     path, undisturbed = tmp_path / "t.csv", tmp_path / "u.csv"

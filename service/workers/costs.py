@@ -1,0 +1,63 @@
+"""What work is expected to cost, learned from what work of the same shape has cost."""
+
+import re
+from collections import OrderedDict
+from collections.abc import Hashable
+
+SLICE_S = 0.25
+"""Work that takes longer is large: it is moved out of the way of what is small [s]."""
+
+MOST_SHAPES = 4096
+"""Shapes that are remembered, the latest used."""
+
+LEARNING = 0.3
+"""Weight of the newest cost in the mean that is remembered."""
+
+FIRST_GUESS_S = 0.005
+"""What work of an unknown shape is expected to take before any was done [s]."""
+
+LONGEST_SHAPE = 16_384
+"""Bodies up to so long are told apart by all but their numbers; longer ones by length [bytes]."""
+
+NUMBERS = re.compile(rb"[-+.\d]+(?:[eE][-+]?\d+)?")
+
+
+def shape_of(operation: str, body: bytes) -> Hashable:
+    """Return what two requests share that differ in their numbers only."""
+    if len(body) > LONGEST_SHAPE:
+        return operation, len(body).bit_length()
+    return operation, NUMBERS.sub(b"", body)
+
+
+class Costs:
+    """Mean cost of each shape, and of small work at large for shapes that are not known."""
+
+    def __init__(self) -> None:
+        self._means: OrderedDict[Hashable, float] = OrderedDict()
+        self._small_s = FIRST_GUESS_S
+
+    def of(self, shape: Hashable) -> float:
+        """Return what work of a shape is expected to take [s]."""
+        if shape not in self._means:
+            return self._small_s
+        self._means.move_to_end(shape)
+        return self._means[shape]
+
+    def record(self, shape: Hashable, seconds: float) -> None:
+        """Learn what work of a shape has taken."""
+        if seconds < SLICE_S:
+            self._small_s += LEARNING * (seconds - self._small_s)
+        known = self._means.get(shape, seconds)
+        self._remember(shape, known + LEARNING * (seconds - known))
+
+    def at_least(self, shape: Hashable, seconds: float) -> None:
+        """Learn that work of a shape takes so long at least: it still runs."""
+        self._remember(shape, max(self._means.get(shape, 0.0), seconds))
+
+    def _remember(self, shape: Hashable, seconds: float) -> None:
+        if shape is None:
+            return
+        self._means[shape] = seconds
+        self._means.move_to_end(shape)
+        if len(self._means) > MOST_SHAPES:
+            self._means.popitem(last=False)

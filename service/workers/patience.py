@@ -1,0 +1,54 @@
+"""How long a request may expect to wait before it is refused at once."""
+
+from dataclasses import dataclass
+
+BURST_S = 0.3
+"""Expected wait that is accepted while what comes is not more than what is done [s]."""
+
+STANDING_S = 0.05
+"""The same while more comes than is done, so that what is served is served soon [s]."""
+
+INTERVAL_S = 0.15
+"""Over what arrivals and answers are counted [s]."""
+
+INTERVALS = 2
+"""Intervals in a row in which more must have come than was done: a burst is of one."""
+
+GROWING = 1.2
+"""Arrivals over answers from which it is an overload, and no long queue alone: a fixed number of
+clients, each waiting for its own answer, has as many of the one as of the other."""
+
+BURST_COSTS, STANDING_COSTS = 10.0, 1.0
+"""The same waits in multiples of what the request itself is expected to take, where longer [-]."""
+
+
+@dataclass(slots=True)
+class Patience:
+    """Accepts bursts, and under a lasting overload so few that those are served soon.
+
+    Times are of any clock that only moves forward [s].
+    """
+
+    _since: float = 0.0
+    _arrived: int = 0
+    _answered: int = 0
+    _growing: int = 0
+
+    def admits(self, now: float, wait_s: float, cost_s: float) -> bool:
+        """Count an arrival, and return whether one that would wait so long may wait."""
+        self._turn(now)
+        self._arrived += 1
+        if self._growing >= INTERVALS:
+            return wait_s <= max(STANDING_S, STANDING_COSTS * cost_s)
+        return wait_s <= max(BURST_S, BURST_COSTS * cost_s)
+
+    def answered(self, now: float) -> None:
+        """Count an answer."""
+        self._turn(now)
+        self._answered += 1
+
+    def _turn(self, now: float) -> None:
+        if now - self._since > INTERVAL_S:
+            grows = self._arrived > GROWING * max(self._answered, 1)
+            self._growing = self._growing + 1 if grows else 0
+            self._since, self._arrived, self._answered = now, 0, 0

@@ -1,0 +1,213 @@
+"""One worker process, and the socket to it.
+
+CasADi crashes when threads share it, and only a process can be ended in time. Pools of the standard
+library and of PyPI cost a third to a half of a millisecond a task in threads and locks, and a
+design takes two.
+"""
+
+import asyncio
+import multiprocessing
+import os
+import pickle
+import resource
+import signal
+import socket
+import struct
+import threading
+import traceback
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing import forkserver
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import Any, Literal
+
+from service.workers.solvers import warm_solvers
+
+LENGTH = struct.Struct("!i")
+"""What `multiprocessing.connection` sends ahead of a message of up to 2 GiB."""
+
+NICENESS = 10
+"""Of a worker that is busy with large work: what is small goes first on the processors too."""
+
+STATUS_WAIT_S = 0.5
+"""How long the exit status of a process that has ended may take to arrive [s]."""
+
+PRELOADED = ["service.answers", "service.jobs.results", "service.jobs.work", "service.workers.warm"]
+"""What the fork server imports, and its workers need not."""
+
+Outcome = Literal["ready", "done", "failed", "memory"]
+
+
+def prepare() -> None:
+    """Say what the fork server imports, whenever it is started."""
+    # One thread of BLAS a worker: the workers are the parallelism.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    forkserver.set_forkserver_preload(PRELOADED)
+
+
+class Worker(asyncio.Protocol):
+    """One process; does one task at a time.
+
+    On the worker's side the socket is a `multiprocessing` connection, on this side a protocol of
+    the event loop that speaks the same: a length, then a pickle.
+
+    Parameters
+    ----------
+    memory_bytes
+        What the process may have of memory of its own [bytes].
+    told
+        Called with each outcome and what came with it.
+    lost
+        Called once, when the process has ended or is out of reach.
+    """
+
+    def __init__(
+        self,
+        memory_bytes: int,
+        told: Callable[["Worker", Outcome, Any], None],
+        lost: Callable[["Worker"], None],
+    ) -> None:
+        self._told = told
+        self._lost = lost
+        self._received = bytearray()
+        self._transport: asyncio.WriteTransport | None = None
+        context = multiprocessing.get_context("forkserver")
+        ours, theirs = context.Pipe()
+        self._process: BaseProcess = context.Process(
+            target=_work, args=(theirs, memory_bytes), daemon=True, name="shapersmith-worker"
+        )
+        try:
+            self._process.start()
+            self._socket = socket.socket(fileno=os.dup(ours.fileno()))
+        finally:
+            theirs.close()
+            ours.close()
+
+    @property
+    def pid(self) -> int | None:
+        """Process id."""
+        return self._process.pid
+
+    async def connect(self) -> None:
+        """Listen to it from now on; its first outcome is that it is ready."""
+        loop = asyncio.get_running_loop()
+        await loop.create_connection(lambda: self, sock=self._socket)
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Keep the way to the process."""
+        self._transport = transport  # type: ignore[assignment]
+
+    def data_received(self, data: bytes) -> None:
+        """Tell each outcome that is whole."""
+        self._received += data
+        while len(self._received) >= LENGTH.size:
+            (size,) = LENGTH.unpack_from(self._received)
+            if len(self._received) < LENGTH.size + size:
+                return
+            message = bytes(self._received[LENGTH.size : LENGTH.size + size])
+            del self._received[: LENGTH.size + size]
+            self._told(self, *pickle.loads(message))
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Tell that the process is gone."""
+        del exc
+        self._transport = None
+        self._lost(self)
+
+    def send(self, task: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+        """Send a task; its outcome is told, or the worker is lost."""
+        message = pickle.dumps((task, arguments))
+        if self._transport is not None:
+            self._transport.write(LENGTH.pack(len(message)) + message)
+
+    def make_way(self) -> None:
+        """Let other processes go first."""
+        if self.pid is not None:
+            with suppress(ProcessLookupError):  # it has just ended, which is told
+                os.setpriority(os.PRIO_PROCESS, self.pid, NICENESS)
+
+    async def ending(self) -> str:
+        """Return how the process has ended, in words."""
+        for _ in range(round(STATUS_WAIT_S / 0.01)):
+            if self._process.exitcode is not None:
+                break
+            await asyncio.sleep(0.01)
+        return _in_words(self._process.exitcode)
+
+    @property
+    def by_its_own_fault(self) -> bool:
+        """Whether the process crashed, and was not killed from outside or with its fork server."""
+        code = self._process.exitcode
+        return code is not None and code not in {0, -signal.SIGKILL, -signal.SIGTERM, UNKNOWN}
+
+    def kill(self) -> None:
+        """End the process at once; that it is lost is not told any more."""
+        self._lost = _nobody
+        self._told = _nobody
+        # Without its fork server nobody knows how a process has ended, nor that it has not.
+        if self.pid is not None and (self._transport is not None or self._process.exitcode is None):
+            with suppress(ProcessLookupError):
+                os.kill(self.pid, signal.SIGKILL)
+        self.close()
+
+    def close(self) -> None:
+        """Close the socket, at which an idle process ends."""
+        if self._transport is None:
+            self._socket.close()
+        else:
+            self._transport.close()
+
+    def join(self, wait_s: float) -> None:
+        """Wait for the process, whose socket is closed; kill it if it takes longer."""
+        self._process.join(wait_s)
+        if self._process.is_alive():
+            self._process.kill()
+
+
+UNKNOWN = 255
+"""The exit status of a process whose fork server has died before it."""
+
+
+def _nobody(*_: object) -> None:
+    """Hear what nobody wants to know."""
+
+
+def _in_words(code: int | None) -> str:
+    if code is None or code == UNKNOWN:
+        return "ended, its status unknown"
+    if code < 0:
+        return f"killed by {signal.Signals(-code).name}"
+    return f"ended with status {code}"
+
+
+def _work(pipe: Connection, memory_bytes: int) -> None:
+    """Do tasks as they come, until the pipe closes; the parent alone hears signals."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+    warm_solvers()
+    resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
+    try:
+        pipe.send(("ready", None))
+        while True:
+            task, arguments = pipe.recv()
+            pipe.send(_outcome(task, arguments))
+    except (EOFError, OSError):
+        return  # the pool has closed its end
+
+
+def _outcome(task: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Outcome, Any]:
+    try:
+        return "done", task(*arguments)
+    except MemoryError:
+        return "memory", traceback.format_exc(limit=-3)
+    except Exception:  # noqa: BLE001 - told to the pool, which logs it
+        return "failed", traceback.format_exc()
+
+
+def _end_with(sentinel: int) -> None:
+    """End this process when its parent ends, in the middle of a solve too."""
+    wait([sentinel])
+    os._exit(0)

@@ -1,0 +1,28 @@
+"""The solvers of every shaper, built once: in the fork server, which workers are born of."""
+
+import functools
+import gc
+import warnings
+
+from design.actuators import FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.pipeline import design
+from design.plants import Mode
+from design.shapers.registry import SHAPERS
+
+
+@functools.cache
+def warm_solvers() -> None:
+    """Build the solvers of every shaper by designing each once."""
+    # Results are checked to be finite; a warning on the way would break the log of JSON lines.
+    warnings.simplefilter("ignore", RuntimeWarning)
+    mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=0.05)
+    one = SecondOrderSet(natural_frequency_rad_s=10.0, damping_ratio=0.8)
+    for actuator in (
+        Ideal(),
+        FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1, model="switched"),
+        SecondOrder(accel=one, decel=one, model="switched"),
+    ):
+        for kind in SHAPERS.values():
+            if actuator.kind in kind.actuators:
+                design(mode, actuator, kind)
+    gc.freeze()  # what is built now stays: collections need not look at it again

@@ -1,0 +1,46 @@
+"""What the tests of the pool have its workers do."""
+
+import os
+import signal
+import time
+from pathlib import Path
+
+
+def told(value: object) -> object:
+    """Return what it is given."""
+    return value
+
+
+def asleep(seconds: float) -> int:
+    """Sleep, and return the worker's process id."""
+    time.sleep(seconds)
+    return os.getpid()
+
+
+def noted(path: str, value: str) -> None:
+    """Add a line to a file: who was served, in order."""
+    with Path(path).open("a") as file:
+        file.write(f"{value}\n")
+
+
+def crashed() -> None:
+    """End the worker as a fault of its own would."""
+    os.kill(os.getpid(), signal.SIGSEGV)
+
+
+def killed_until(path: str, times: int) -> str:
+    """End the worker as somebody else would, some times; then answer."""
+    noted(path, "killed")
+    if Path(path).read_text().count("killed") <= times:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return "answered"
+
+
+def hungry(size: int) -> int:
+    """Ask for memory."""
+    return len(bytearray(size))
+
+
+def failed() -> None:
+    """Fail."""
+    raise ZeroDivisionError
