@@ -67,6 +67,8 @@ def create_app(settings: Settings, jobs: JobService | None = None) -> FastAPI:
     app.state.settings = settings
     app.state.jobs = jobs
     app.state.stopping = lambda: False  # the server tells: streams must not hold it up
+    if jobs is not None:
+        jobs.stopping = lambda: app.state.stopping()
     app.include_router(router)
     app.include_router(table_router)
     app.add_exception_handler(HTTPException, _http_problem)

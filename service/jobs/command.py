@@ -22,14 +22,15 @@ from service.files import (
     require_not_input,
 )
 from service.jobs.checks import drifts_of_file, drifts_of_text, named_in, readable
-from service.jobs.database import StoreError, disk_full
+from service.jobs.database import StoreError, disk_full, url_of
 from service.jobs.executors import SchedulerError, starter
 from service.jobs.plan import Plan, planned
 from service.jobs.progress import Progress
 from service.jobs.reading import ReadingError, Source, read_source
+from service.jobs.records import Job
 from service.jobs.results import head_for, pieces, require_taken, rows_of_job, write_result
 from service.jobs.runner import Runner
-from service.jobs.store import Job, Store
+from service.jobs.store import Store
 from service.problems import INVALID, SOLVER_FAILED, Problem, problem_of_design
 
 DRIFTED = 5
@@ -120,7 +121,7 @@ def _write(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
                 ended = _computed(options, store, job)
                 if ended.state == "failed":
                     return Problem(SOLVER_FAILED, ended.reason)
-                write_result(store, ended, name, path, named=True)
+                write_result(store, ended, name, path)
             finally:
                 store.close()
             _remove(file)
@@ -146,7 +147,7 @@ def _resumed(file: Path, plan: Plan) -> tuple[Store, str]:
         job = held[0]
         if (job.sha256, job.version) == (plan.job.sha256, plan.job.version):
             store.release(job.id)
-            store.reopen(job.id)
+            store.resume(job.id)
             if job.done:
                 _say(f"going on at {job.done:,} rows")
             return store, job.id
@@ -159,7 +160,7 @@ def _resumed(file: Path, plan: Plan) -> tuple[Store, str]:
 
 
 def _opened(file: Path) -> Store:
-    return Store(f"sqlite:///{file}", stalled_s=STALLED_S)
+    return Store(url_of(file), stalled_s=STALLED_S)
 
 
 def _remove(file: Path) -> None:
@@ -220,7 +221,7 @@ def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
             return Problem(SOLVER_FAILED, job.reason)
         try:
             if readable(name):
-                head, rows = head_for(job, name), rows_of_job(store, job)
+                head, rows = head_for(plan.job, name), rows_of_job(store, job.id)
                 drifts = drifts_of_file(path, name, head, rows, tolerances)
             else:
                 drifts = drifts_of_text(path, pieces(store, job, name, named_in(path)))

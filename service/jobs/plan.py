@@ -13,7 +13,7 @@ from design.tables.compute import counted
 from design.tables.rows import TableHead
 from design.tables.specification import TableSpecification, columns_of
 from schemas.tables import TableJob, TableRequest, TableSize, sha256_of
-from service.jobs.store import Job, NewJob
+from service.jobs.records import Job, NewJob
 from service.operations import version
 from service.problems import (
     Problem,
@@ -55,6 +55,7 @@ def plan_of(request: TableRequest) -> Plan:
     """Return the job that a request asks for."""
     specification = counted(request.to_design())
     canonical = request.canonical()
+    size = size_of(specification)
     job = NewJob(
         id=uuid.uuid4().hex,
         specification=canonical,
@@ -62,9 +63,10 @@ def plan_of(request: TableRequest) -> Plan:
         version=version(),
         rows=specification.rows,
         chunk_rows=specification.chunk_rows,
+        estimated_bytes=size.estimated_bytes,
         impulses=specification.impulses,
     )
-    return Plan(job, size_of(specification))
+    return Plan(job, size)
 
 
 def size_of(specification: TableSpecification) -> TableSize:
@@ -84,7 +86,7 @@ def specification_of(canonical: str, impulses: int | None = None) -> TableSpecif
     return specification if impulses is None else replace(specification, impulses=impulses)
 
 
-def head_of(job: Job | NewJob, *, fitted: bool, name: str = "") -> TableHead:
+def head_of(job: NewJob, *, fitted: bool, name: str = "") -> TableHead:
     """Return the head of a job's files; the polynomials where they are wanted and asked for.
 
     ``name``: of the file, from which names in programs are made where no title was given.
@@ -123,7 +125,7 @@ def told(job: Job) -> TableJob:
         state=job.state,
         reason=job.reason or None,
         created=job.created,
-        size=size_of(specification_of(job.specification, job.impulses)),
+        size=TableSize(rows=job.rows, chunks=job.chunks, estimated_bytes=job.estimated_bytes),
         rows_done=job.done,
         verified=job.verified,
         verified_ideal=job.verified_ideal,

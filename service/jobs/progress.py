@@ -3,7 +3,7 @@
 import sys
 import time
 
-from service.jobs.store import Job
+from service.jobs.records import Job
 
 BAR_CELLS = 30
 REDRAWN_AFTER_S = 0.2

@@ -16,7 +16,8 @@ from design.tables.specification import TableSpecification
 from service.jobs.database import StoreError, disk_full
 from service.jobs.executors import Start, Started
 from service.jobs.plan import specification_of
-from service.jobs.store import Claim, Done, Store
+from service.jobs.records import Claim, Done
+from service.jobs.store import Store
 from service.jobs.work import compute_chunk, part_of
 
 Answer = TypeVar("Answer")
@@ -118,8 +119,9 @@ class Runner:
         if self._started is None:
             self._started = self._start()
         if self._specification is None or self._specification[0] != claim.job:
-            canonical, impulses = self.patiently(lambda: self._store.specification(claim.job))
-            self._specification = claim.job, specification_of(canonical, impulses)
+            made_of = self.patiently(lambda: self._store.made_of(claim.job))
+            specification = specification_of(made_of.specification, made_of.impulses)
+            self._specification = claim.job, specification
         part = part_of(self._specification[1], claim.number)
         try:
             future = self._started.executor.submit(compute_chunk, *part)

@@ -1,4 +1,8 @@
-"""The tables of the job store, as the newest migration leaves them."""
+"""The tables of the job store, as the newest migration leaves them.
+
+The first ``begun`` chunks of a job have a record each: it is made when the chunk is first claimed,
+so that a job costs the same to add whatever its size.
+"""
 
 import sqlalchemy as sa
 
@@ -17,6 +21,12 @@ JOBS = sa.Table(
     sa.Column("rows", sa.BigInteger, nullable=False),
     sa.Column("chunks", sa.Integer, nullable=False),
     sa.Column("impulses", sa.Integer),
+    sa.Column("chunk_rows", sa.Integer, nullable=False),
+    sa.Column("estimated_bytes", sa.BigInteger, nullable=False),
+    sa.Column("begun", sa.Integer, nullable=False, default=0),
+    sa.Column("served", sa.Double, nullable=False, default=0.0),
+    sa.Column("key", sa.String(255)),
+    sa.Index("jobs_by_key", "key", unique=True),
 )
 
 CHUNKS = sa.Table(

@@ -1,19 +1,21 @@
-"""Table jobs inside the service: a runner in a thread of its own, files made in a process."""
+"""Table jobs inside the service: their store, what runs them, where their files lie."""
 
-import asyncio
 import logging
 import threading
-import time
-from concurrent.futures import BrokenExecutor
+from collections.abc import Callable
 from pathlib import Path
 
 from sqlalchemy.exc import DBAPIError
 
-from service.jobs.database import StoreError
-from service.jobs.executors import SchedulerError, Started, processes, starter
-from service.jobs.results import write_result_of
+from service.files import LockedError, locked, remove_parts
+from service.jobs.asking import Asking
+from service.jobs.database import StoreError, reason_of, url_of
+from service.jobs.executors import SchedulerError, starter
+from service.jobs.records import Job
+from service.jobs.results import lock_of
 from service.jobs.runner import Runner
-from service.jobs.store import Job, Store
+from service.jobs.store import Store
+from service.jobs.watching import Watching
 from service.settings import Settings
 
 LOG = logging.getLogger("shapersmith.jobs")
@@ -25,32 +27,47 @@ STOP_WAIT_S = 10.0
 """How long the runner may take to give its chunks back [s]."""
 
 CLEAN_EVERY_S = 60.0
-"""Between two looks for tables that have been kept long enough [s]."""
+"""Between two looks for files that nobody needs, and tables kept long enough [s]."""
 
 DAY_S = 86_400.0
 
-PART_AGE_S = DAY_S
-"""A part of a file so old was left behind by a process that was killed [s]."""
+READERS, MOST_READS = 4, 256
+"""Threads that read from the store for requests; calls with them beyond which one is refused."""
+
+WRITERS, MOST_WRITES = 2, 32
+"""The same of those that write, who may wait for a lock."""
 
 
 class JobService:
-    """The jobs of this process: where its store is, what runs them, where their files lie."""
+    """The jobs of this process.
+
+    Attributes
+    ----------
+    store
+        The store; from the event loop it is asked by way of ``reading`` and ``writing``.
+    watching
+        Shows jobs to streams of events.
+    stopping
+        Whether the service stops; the server tells.
+    """
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
         self._folder = Path(settings.data_dir).absolute()
-        url = settings.database_url or f"sqlite:///{self._folder / 'jobs.sqlite'}"
+        url = settings.database_url or url_of(self._folder / "jobs.sqlite")
         self._files = self._folder / "results"
         try:
             self.store = Store(url, stalled_s=settings.stalled_s)
         except DBAPIError as error:
             raise StoreError(f"the job store does not answer: {error.orig}") from None
+        self.reading = Asking("store-reads", threads=READERS, most=MOST_READS)
+        self.writing = Asking("store-writes", threads=WRITERS, most=MOST_WRITES)
+        self.stopping: Callable[[], bool] = lambda: False
+        self.watching = Watching(self.found, lambda: self.stopping())
         self._stop = threading.Event()
         self._runner: Runner | None = None
         self._thread = threading.Thread(target=self._work, name="table-jobs", daemon=True)
         self._cleaner = threading.Thread(target=self._clean, name="old-tables", daemon=True)
-        self._exporter: Started | None = None
-        self._making: dict[Path, asyncio.Lock] = {}
 
     def start(self) -> None:
         """Begin to work: unfinished jobs go on."""
@@ -58,26 +75,58 @@ class JobService:
             self._files.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise StoreError(f"no folder for the files of tables: {error}") from None
-        for part in self._files.glob(".*.part"):
-            if time.time() - part.stat().st_mtime > PART_AGE_S:
-                part.unlink(missing_ok=True)
         if self._settings.job_workers > 0 or self._settings.scheduler:
             self._thread.start()
-        if self._settings.keep_tables_days > 0:
-            self._cleaner.start()
+        self._cleaner.start()
+
+    async def found(self, job: str) -> Job | None:
+        """Return a job, or None.
+
+        Raises
+        ------
+        UnansweredError
+            If the store does not answer.
+        """
+        return await self.reading.ask(self.store.job, job)
+
+    def path_of(self, job: str, name: str) -> Path:
+        """Return where the file of a job in a format is, or is to be."""
+        return self._files / f"{job}.{name}"
+
+    def remove_files(self, job: str) -> None:
+        """Remove the files of a job that is no more."""
+        for path in self._files.glob(f"{job}.*"):
+            path.unlink(missing_ok=True)
 
     def _clean(self) -> None:
-        """Drop old tables, and files here of tables that are no more: another may have dropped."""
-        kept_s = self._settings.keep_tables_days * DAY_S
+        """Drop what nobody needs: old tables, their files, and what killed writers left behind."""
         while not self._stop.is_set():
             try:
-                self.store.drop_ended(kept_s)
-                for path in self._files.glob("[!.]*"):
-                    if self.store.job(path.stem) is None:
-                        path.unlink(missing_ok=True)
-            except (DBAPIError, OSError) as error:
-                LOG.error("old tables are dropped later: %s", error)
+                if self._settings.keep_tables_days > 0:
+                    self.store.drop_ended(self._settings.keep_tables_days * DAY_S)
+                self._clean_files()
+            except DBAPIError as error:
+                LOG.error("old tables are dropped later: %s", reason_of(error))
+            except OSError as error:
+                LOG.error("files of old tables are removed later: %s", error)
+            except Exception:
+                LOG.exception("old tables are dropped later")
             self._stop.wait(CLEAN_EVERY_S)
+
+    def _clean_files(self) -> None:
+        """Remove files of tables that are no more, whoever deleted those, and parts of files."""
+        for path in self._files.glob("[!.]*"):
+            if self.store.job(path.stem) is None:
+                path.unlink(missing_ok=True)
+        hidden = [file.name[1:] for file in self._files.glob(".*")]
+        begun = {name.removesuffix(".lock") for name in hidden if name.endswith(".lock")}
+        begun |= {name.rsplit(".", 2)[0] for name in hidden if name.endswith(".part")}
+        for path in map(self._files.joinpath, begun):
+            try:
+                with locked(lock_of(path)):
+                    remove_parts(path)
+            except LockedError:
+                continue  # it is being written
 
     def _work(self) -> None:
         settings = self._settings
@@ -103,34 +152,6 @@ class JobService:
         for thread in (self._thread, self._cleaner):
             if thread.is_alive():
                 thread.join(STOP_WAIT_S)
-        if self._exporter is not None:
-            self._exporter.end()
+        self.reading.close()
+        self.writing.close()
         self.store.close()
-
-    async def file_of(self, job: Job, name: str) -> Path:
-        """Return the file of a job in one format, made if need be.
-
-        Raises
-        ------
-        OSError
-            If there is no space for it.
-        """
-        path = self._files / f"{job.id}.{name}"
-        async with self._making.setdefault(path, asyncio.Lock()):
-            if not path.is_file():
-                await self._make(job, name, path)
-        self._making.pop(path, None)
-        return path
-
-    async def _make(self, job: Job, name: str, path: Path) -> None:
-        if self._exporter is None:
-            self._exporter = processes(1)
-        try:
-            future = self._exporter.executor.submit(
-                write_result_of, self.store.url, job.id, name, str(path)
-            )
-            await asyncio.wrap_future(future)
-        except BrokenExecutor:
-            self._exporter.end()
-            self._exporter = None
-            raise

@@ -5,18 +5,19 @@ rows are in the same record). Whoever records a chunk must still hold it: what w
 cancelled meanwhile is dropped, so that nothing is lost or doubled.
 """
 
+import time
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import fields
+from typing import Any
 
 import sqlalchemy as sa
+from sqlalchemy.exc import IntegrityError
 
-from service.jobs.database import opened
+from service.jobs.claims import Claimer, has_rows
+from service.jobs.database import StoreError, opened
+from service.jobs.records import DELETED, ENDED, UNFINISHED, Claim, Done, Job, NewJob
 from service.jobs.schema import CHUNKS, JOBS
-
-State = Literal["waiting", "running", "done", "failed", "cancelled"]
-
-UNFINISHED = ("waiting", "running")
+from service.operations import version as version_of_product
 
 MOST_FAILURES = 3
 """A chunk that fails so often fails its job."""
@@ -24,91 +25,29 @@ MOST_FAILURES = 3
 RATE_WINDOW_S = 30.0
 """The rate is that of the chunks done so recently [s]."""
 
-INSERTED_AT_ONCE = 10_000
+ERASED_AT_ONCE = 100
+"""Chunks erased in one transaction: at 10,000 rows, tens of megabytes."""
+
 BLOBS_AT_ONCE = 8
 """Chunks read at a time: at 10,000 rows, a few megabytes."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NewJob:
-    """What a job is made of: its specification as canonical JSON, and its size.
-
-    ``impulses``: of each row; None where the kind of shaper says.
-    """
-
-    id: str
-    specification: str
-    sha256: str
-    version: str
-    rows: int
-    chunk_rows: int
-    impulses: int | None = None
+SEEN = (
+    JOBS.c.id,
+    JOBS.c.state,
+    JOBS.c.reason,
+    JOBS.c.created,
+    JOBS.c.sha256,
+    JOBS.c.version,
+    JOBS.c.rows,
+    JOBS.c.chunks,
+    JOBS.c.estimated_bytes,
+)
+"""What lists show of a job: not its specification, which may be large."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Job:
-    """A job and how far it is.
-
-    Attributes
-    ----------
-    done, verified, verified_ideal, infeasible
-        Rows that are computed, and what became of them.
-    rate_rows_s
-        Rows done lately [1/s].
-    created
-        Seconds since 1970, by the database's clock [s].
-    """
-
-    id: str
-    state: State
-    reason: str
-    created: float
-    specification: str
-    sha256: str
-    version: str
-    rows: int
-    chunks: int
-    done: int
-    verified: int
-    verified_ideal: int
-    infeasible: int
-    rate_rows_s: float
-    impulses: int | None = None
-
-    @property
-    def failed(self) -> int:
-        """Rows whose solver or proof failed."""
-        return self.done - self.verified - self.verified_ideal - self.infeasible
-
-    @property
-    def ended(self) -> bool:
-        """Whether nothing more will happen to it."""
-        return self.state not in UNFINISHED
-
-    @property
-    def left_s(self) -> float | None:
-        """Time left at the present rate; None where that is not known [s]."""
-        if self.state != "running" or self.rate_rows_s == 0:
-            return None
-        return (self.rows - self.done) / self.rate_rows_s
-
-
-@dataclass(frozen=True, slots=True)
-class Claim:
-    """A chunk that a worker holds."""
-
-    job: str
-    number: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Done:
-    """A computed chunk: its rows as one blob, and what became of them."""
-
-    blob: bytes
-    verified: int
-    infeasible: int
-    verified_ideal: int = 0
+class KeyReusedError(Exception):
+    """A key that began a job came with another specification."""
 
 
 class Store:
@@ -120,13 +59,16 @@ class Store:
         Of an SQLite file or a PostgreSQL database; made or migrated if need be.
     stalled_s
         A chunk whose worker has been silent for so long may be claimed by another [s].
+    version
+        Of what computes the rows; that of this product if not given.
     """
 
-    def __init__(self, url: str, *, stalled_s: float) -> None:
+    def __init__(self, url: str, *, stalled_s: float, version: str | None = None) -> None:
         self.url = url
         self.stalled_s = stalled_s
-        self._engine = opened(url)
-        self._reading = self._engine.execution_options(isolation_level="AUTOCOMMIT")
+        self.version = version_of_product() if version is None else version
+        self._database = opened(url)
+        self._engine, self._reading = self._database.writing, self._database.reading
         postgres = self._engine.dialect.name == "postgresql"
         # One clock for all: that of the database.
         self._now: sa.ColumnElement[float] = sa.literal_column(
@@ -138,11 +80,16 @@ class Store:
 
     def close(self) -> None:
         """Let go of the database."""
-        self._engine.dispose()
+        self._database.close()
 
-    def add(self, job: NewJob) -> None:
-        """Add a job; all of it, or nothing."""
-        chunks = -(-job.rows // job.chunk_rows)
+    def add(self, job: NewJob, key: str | None = None) -> str:
+        """Add a job, unless its key has begun one already; return the id of the one that is there.
+
+        Raises
+        ------
+        KeyReusedError
+            If the key began a job of another specification.
+        """
         new = {
             "id": job.id,
             "state": "waiting",
@@ -151,139 +98,92 @@ class Store:
             "sha256": job.sha256,
             "version": job.version,
             "rows": job.rows,
-            "chunks": chunks,
+            "chunks": job.chunks,
             "impulses": job.impulses,
+            "chunk_rows": job.chunk_rows,
+            "estimated_bytes": job.estimated_bytes,
+            "key": key,
         }
-        with self._engine.begin() as connection:
-            connection.execute(JOBS.insert().values(new))
-            for first in range(0, chunks, INSERTED_AT_ONCE):
-                connection.execute(
-                    CHUNKS.insert(),
-                    [
-                        {
-                            "job": job.id,
-                            "number": number,
-                            "state": "waiting",
-                            "rows": min(job.chunk_rows, job.rows - number * job.chunk_rows),
-                        }
-                        for number in range(first, min(first + INSERTED_AT_ONCE, chunks))
-                    ],
-                )
+        try:
+            with self._engine.begin() as connection:
+                connection.execute(JOBS.insert().values(new))
+        except IntegrityError:
+            begun = self._begun_by(key)
+            if begun is None:
+                raise
+            known, sha256 = begun
+            if sha256 != job.sha256:
+                raise KeyReusedError("this key began a table of another specification") from None
+            return known
+        return job.id
+
+    def _begun_by(self, key: str | None) -> tuple[str, str] | None:
+        """Return id and hash of the job that a key began."""
+        with self._reading.connect() as connection:
+            wanted = sa.select(JOBS.c.id, JOBS.c.sha256).where(JOBS.c.key == key)
+            found = connection.execute(wanted).one_or_none()
+        return None if found is None else (found.id, found.sha256)
 
     def claim(self, worker: str, most: int) -> list[Claim]:
-        """Claim chunks for a worker: of the oldest job first, in order."""
-        claimed: list[Claim] = []
-        with self._engine.begin() as connection:
-            active = sa.select(JOBS.c.id).where(JOBS.c.state.in_(UNFINISHED))
-            for job in connection.scalars(active.order_by(JOBS.c.created, JOBS.c.id)).all():
-                if len(claimed) == most:
-                    break
-                claimed += self._claim_of(connection, job, worker, most - len(claimed))
-        return claimed
-
-    def _claim_of(self, connection: sa.Connection, job: str, worker: str, most: int) -> list[Claim]:
-        numbers: list[int] = []
-        silent = sa.and_(
-            CHUNKS.c.state == "running", CHUNKS.c.heartbeat < self._now - self.stalled_s
+        """Claim chunks for a worker, of the jobs in turn; see `service.jobs.claims`."""
+        unfinished = sa.select(sa.exists().where(JOBS.c.state.in_(UNFINISHED)))
+        with self._reading.connect() as connection:
+            if not connection.scalar(unfinished):
+                return []
+        claimer = Claimer(
+            worker=worker, now=self._now, stalled_s=self.stalled_s, version=self.version
         )
-        for free in (CHUNKS.c.state == "waiting", silent):
-            numbers += connection.scalars(
-                sa
-                .select(CHUNKS.c.number)
-                .where(CHUNKS.c.job == job, free)
-                .order_by(CHUNKS.c.number)
-                .limit(most - len(numbers))
-                .with_for_update(skip_locked=True)
-            ).all()
-        if numbers:
-            connection.execute(
-                CHUNKS
-                .update()
-                .where(CHUNKS.c.job == job, CHUNKS.c.number.in_(numbers))
-                .values(state="running", worker=worker, heartbeat=self._now)
-            )
-            connection.execute(
-                JOBS
-                .update()
-                .where(JOBS.c.id == job, JOBS.c.state == "waiting")
-                .values(state="running")
-            )
-        return [Claim(job, number) for number in numbers]
+        with self._engine.begin() as connection:
+            return claimer.claim(connection, most)
 
     def beat(self, worker: str, claims: Iterable[Claim]) -> None:
         """Say that a worker still computes its chunks."""
-        with self._engine.begin() as connection:
-            for claim in claims:
-                connection.execute(
-                    CHUNKS.update().where(*_held(worker, claim)).values(heartbeat=self._now)
-                )
-
-    def release(self, job: str) -> None:
-        """Take back all chunks of a job: for one who knows that nobody else computes them."""
-        with self._engine.begin() as connection:
-            connection.execute(
-                CHUNKS
-                .update()
-                .where(CHUNKS.c.job == job, CHUNKS.c.state == "running")
-                .values(state="waiting", worker=None)
-            )
-
-    def reopen(self, job: str) -> None:
-        """Let a failed job be tried again."""
-        with self._engine.begin() as connection:
-            failed = JOBS.c.id == job, JOBS.c.state == "failed"
-            held = connection.execute(
-                JOBS.update().where(*failed).values(state="running", reason="")
-            )
-            if held.rowcount:
-                connection.execute(CHUNKS.update().where(CHUNKS.c.job == job).values(attempt=0))
+        for claim in claims:
+            self._change(worker, claim, heartbeat=self._now)
 
     def give_back(self, worker: str, claims: Iterable[Claim]) -> None:
         """Leave chunks to others, as a worker does when it stops."""
-        with self._engine.begin() as connection:
-            for claim in claims:
-                connection.execute(
-                    CHUNKS
-                    .update()
-                    .where(*_held(worker, claim))
-                    .values(state="waiting", worker=None)
-                )
+        for claim in claims:
+            self._change(worker, claim, state="waiting", worker=None)
 
     def finish(self, worker: str, claim: Claim, done: Done) -> bool:
         """Record a chunk, and return whether the worker still held it."""
+        return self._change(
+            worker,
+            claim,
+            state="done",
+            finished=self._now,
+            blob=done.blob,
+            verified=done.verified,
+            verified_ideal=done.verified_ideal,
+            infeasible=done.infeasible,
+        )
+
+    def _change(self, _holder: str, _claim: Claim, **values: Any) -> bool:  # noqa: ANN401
+        """Change a chunk if a worker holds it; one a transaction, so that none waits for two."""
         with self._engine.begin() as connection:
-            held = connection.execute(
-                CHUNKS
-                .update()
-                .where(*_held(worker, claim))
-                .values(
-                    state="done",
-                    finished=self._now,
-                    blob=done.blob,
-                    verified=done.verified,
-                    verified_ideal=done.verified_ideal,
-                    infeasible=done.infeasible,
-                )
-            )
+            held = connection.execute(CHUNKS.update().where(*_held(_holder, _claim)).values(values))
         return held.rowcount == 1
 
     def settle(self) -> None:
         """Mark jobs as done whose chunks all are.
 
-        In a transaction after that of the last chunk: of two that end at once, neither sees the
-        other's before.
+        After the transaction of the last chunk: of two that end at once, neither sees the other's
+        before.
         """
-        with self._engine.begin() as connection:
-            open_chunk = sa.exists().where(
-                CHUNKS.c.job == JOBS.c.id, CHUNKS.c.state.in_(UNFINISHED)
-            )
-            connection.execute(
-                JOBS.update().where(JOBS.c.state == "running", ~open_chunk).values(state="done")
-            )
+        open_chunk = sa.exists().where(CHUNKS.c.job == JOBS.c.id, CHUNKS.c.state.in_(UNFINISHED))
+        complete = sa.and_(JOBS.c.state == "running", JOBS.c.begun == JOBS.c.chunks, ~open_chunk)
+        with self._reading.connect() as connection:
+            found = connection.scalars(sa.select(JOBS.c.id).where(complete)).all()
+        for job in found:
+            with self._engine.begin() as connection:
+                done = JOBS.update().where(JOBS.c.id == job, complete).values(state="done")
+                connection.execute(done)
 
     def fail(self, worker: str, claim: Claim, reason: str) -> None:
         """Record that a chunk failed: it is tried again, or its job fails with the reason."""
         with self._engine.begin() as connection:
+            self._lock(connection, claim.job)
             held = connection.execute(
                 CHUNKS
                 .update()
@@ -297,12 +197,41 @@ class Store:
             )
             if held.rowcount == 1 and attempts is not None and attempts >= MOST_FAILURES:
                 told = f"chunk {claim.number} failed {attempts} times, last: {reason}"
-                connection.execute(
-                    JOBS
-                    .update()
-                    .where(JOBS.c.id == claim.job, JOBS.c.state == "running")
-                    .values(state="failed", reason=told)
-                )
+                connection.execute(_failed(claim.job, told))
+
+    def fail_job(self, job: str, reason: str) -> None:
+        """Record that a job cannot go on, whatever its chunks do."""
+        with self._engine.begin() as connection:
+            connection.execute(_failed(job, reason))
+
+    def release(self, job: str) -> None:
+        """Take back all chunks of a job: for one who knows that nobody else computes them."""
+        with self._engine.begin() as connection:
+            connection.execute(
+                CHUNKS
+                .update()
+                .where(CHUNKS.c.job == job, CHUNKS.c.state == "running")
+                .values(state="waiting", worker=None)
+            )
+
+    def resume(self, job: str) -> bool:
+        """Let a failed job be tried again, and return whether it is unfinished now.
+
+        One that has rows of another version is not: its rows would be of both.
+        """
+        with self._engine.begin() as connection:
+            self._lock(connection, job)
+            same = sa.or_(JOBS.c.version == self.version, ~has_rows(job))
+            held = connection.execute(
+                JOBS
+                .update()
+                .where(JOBS.c.id == job, JOBS.c.state == "failed", same)
+                .values(state="running", reason="")
+            )
+            if held.rowcount:
+                tried = CHUNKS.c.job == job, CHUNKS.c.state.in_(UNFINISHED)
+                connection.execute(CHUNKS.update().where(*tried).values(attempt=0))
+            return _state_of(connection, job) in UNFINISHED
 
     def cancel(self, job: str) -> bool:
         """Cancel a job, drop its rows, and return whether it is cancelled now."""
@@ -313,50 +242,97 @@ class Store:
                 .where(JOBS.c.id == job, JOBS.c.state.in_(UNFINISHED))
                 .values(state="cancelled")
             )
-            state = connection.scalar(sa.select(JOBS.c.state).where(JOBS.c.id == job))
-            if state == "cancelled":
-                connection.execute(CHUNKS.delete().where(CHUNKS.c.job == job))
-        return state == "cancelled"
+            cancelled = _state_of(connection, job) == "cancelled"
+        if cancelled:
+            self._erase_chunks(job)
+        return cancelled
+
+    def delete(self, job: str) -> bool:
+        """Erase a job that has ended, with its rows, and return whether it had.
+
+        Nobody sees it from the first moment on; what a killed process leaves, `erase_deleted` ends.
+        """
+        with self._engine.begin() as connection:
+            held = connection.execute(
+                JOBS
+                .update()
+                .where(JOBS.c.id == job, JOBS.c.state.not_in((*UNFINISHED, DELETED)))
+                .values(state=DELETED, key=None)
+            )
+        if held.rowcount:
+            self._erase(job)
+        return held.rowcount == 1
+
+    def erase_deleted(self) -> None:
+        """Erase what was deleted by processes that were killed meanwhile."""
+        with self._reading.connect() as connection:
+            wanted = sa.select(JOBS.c.id).where(JOBS.c.state == DELETED)
+            left = connection.scalars(wanted).all()
+        for job in left:
+            self._erase(job)
 
     def drop_ended(self, older_than_s: float) -> int:
-        """Drop jobs that ended so long ago, with their rows; return how many.
+        """Delete jobs that ended so long ago; return how many.
 
         A job has ended with the last chunk that was recorded; one without any when it was begun.
         """
+        last = sa.select(sa.func.max(CHUNKS.c.finished)).where(CHUNKS.c.job == JOBS.c.id)
+        ended = sa.func.coalesce(last.scalar_subquery(), JOBS.c.created)
+        old = JOBS.c.state.in_(ENDED), ended < self._now - older_than_s
+        with self._reading.connect() as connection:
+            found = connection.scalars(sa.select(JOBS.c.id).where(*old)).all()
+        dropped = sum(self.delete(job) for job in found)
+        self.erase_deleted()
+        return dropped
+
+    def _erase(self, job: str) -> None:
+        self._erase_chunks(job)
         with self._engine.begin() as connection:
-            last = sa.select(sa.func.max(CHUNKS.c.finished)).where(CHUNKS.c.job == JOBS.c.id)
-            ended = sa.func.coalesce(last.scalar_subquery(), JOBS.c.created)
-            old = connection.scalars(
-                sa
-                .select(JOBS.c.id)
-                .where(JOBS.c.state.not_in(UNFINISHED), ended < self._now - older_than_s)
-                .with_for_update(skip_locked=True)
-            ).all()
-            for table, column in ((CHUNKS, CHUNKS.c.job), (JOBS, JOBS.c.id)):
-                connection.execute(table.delete().where(column.in_(old)))
-        return len(old)
+            connection.execute(JOBS.delete().where(JOBS.c.id == job))
+
+    def _erase_chunks(self, job: str) -> None:
+        """Erase the chunks of a job, some at a time: others may write in between."""
+        some = sa.select(CHUNKS.c.number).where(CHUNKS.c.job == job).limit(ERASED_AT_ONCE)
+        while True:
+            began = time.monotonic()
+            with self._engine.begin() as connection:
+                numbers = connection.scalars(some).all()
+                erased = CHUNKS.c.job == job, CHUNKS.c.number.in_(numbers)
+                connection.execute(CHUNKS.delete().where(*erased))
+            if len(numbers) < ERASED_AT_ONCE:
+                return
+            time.sleep(time.monotonic() - began)
 
     def job(self, job: str) -> Job | None:
         """Return a job, or None."""
-        found = self._jobs(sa.select(JOBS).where(JOBS.c.id == job))
+        found = self._jobs(sa.select(*SEEN).where(JOBS.c.id == job, JOBS.c.state != DELETED))
         return found[0] if found else None
 
     def jobs(self, most: int) -> list[Job]:
         """Return the newest jobs, newest first."""
-        newest = sa.select(JOBS).order_by(JOBS.c.created.desc(), JOBS.c.id).limit(most)
-        return self._jobs(newest)
+        seen = sa.select(*SEEN).where(JOBS.c.state != DELETED)
+        return self._jobs(seen.order_by(JOBS.c.created.desc(), JOBS.c.id).limit(most))
 
-    def specification(self, job: str) -> tuple[str, int | None]:
-        """Return the specification of a job as canonical JSON, and the impulses of each row."""
+    def made_of(self, job: str) -> NewJob:
+        """Return what a job is made of.
+
+        Raises
+        ------
+        StoreError
+            If it has gone.
+        """
+        wanted = [JOBS.c[one.name] for one in fields(NewJob)]
         with self._reading.connect() as connection:
-            wanted = sa.select(JOBS.c.specification, JOBS.c.impulses).where(JOBS.c.id == job)
-            canonical, impulses = connection.execute(wanted).one()
-            return canonical, impulses
+            seen = sa.select(*wanted).where(JOBS.c.id == job, JOBS.c.state != DELETED)
+            found = connection.execute(seen).mappings().one_or_none()
+        if found is None:
+            raise StoreError(f"the job {job} has gone")
+        return NewJob(**found)
 
     def _jobs(self, wanted: sa.Select[Any]) -> list[Job]:
         with self._reading.connect() as connection:
             return [
-                Job(**row, **self._progress(connection, row["id"]))
+                Job(**{**row, **_known(row["state"])}, **self._progress(connection, row["id"]))
                 for row in connection.execute(wanted).mappings().all()
             ]
 
@@ -386,21 +362,51 @@ class Store:
         }
 
     def blobs(self, job: str) -> Iterator[bytes]:
-        """Yield the rows of a job's chunks in order."""
-        first = 0
-        while True:
+        """Yield the rows of a job's chunks in order.
+
+        Raises
+        ------
+        StoreError
+            If the job is deleted before all are read.
+        """
+        with self._reading.connect() as connection:
+            chunks = connection.scalar(sa.select(JOBS.c.chunks).where(JOBS.c.id == job))
+        if chunks is None:
+            raise StoreError(f"the job {job} has gone")
+        for first in range(0, chunks, BLOBS_AT_ONCE):
+            after = min(first + BLOBS_AT_ONCE, chunks)
             with self._reading.connect() as connection:
                 held = connection.scalars(
                     sa
                     .select(CHUNKS.c.blob)
-                    .where(CHUNKS.c.job == job, CHUNKS.c.number >= first)
+                    .where(CHUNKS.c.job == job, CHUNKS.c.number >= first, CHUNKS.c.number < after)
                     .order_by(CHUNKS.c.number)
-                    .limit(BLOBS_AT_ONCE)
                 ).all()
+            if len(held) < after - first:
+                raise StoreError(f"the rows of job {job} have gone")
             yield from held
-            if len(held) < BLOBS_AT_ONCE:
-                return
-            first += BLOBS_AT_ONCE
+
+    def _lock(self, connection: sa.Connection, job: str) -> None:
+        """Lock a job before its chunks, as all do who need both."""
+        connection.execute(sa.select(JOBS.c.id).where(JOBS.c.id == job).with_for_update())
+
+
+def _known(state: str) -> dict[str, str]:
+    """Return what replaces a state that this version does not know."""
+    if state in UNFINISHED or state in ENDED:
+        return {}
+    told = f"its state {state!r} is none that this version of shapersmith knows"
+    return {"state": "failed", "reason": told}
+
+
+def _failed(job: str, reason: str) -> sa.Update:
+    unfinished = JOBS.c.id == job, JOBS.c.state.in_(UNFINISHED)
+    return JOBS.update().where(*unfinished).values(state="failed", reason=reason)
+
+
+def _state_of(connection: sa.Connection, job: str) -> str | None:
+    found: str | None = connection.scalar(sa.select(JOBS.c.state).where(JOBS.c.id == job))
+    return found
 
 
 def _held(worker: str, claim: Claim) -> tuple[sa.ColumnElement[bool], ...]:

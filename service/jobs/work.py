@@ -12,7 +12,7 @@ from design.tables.compute import compute_rows
 from design.tables.rows import INFEASIBLE, VERIFIED, VERIFIED_IDEAL
 from design.tables.specification import TableSpecification
 from service.jobs.blobs import to_blob
-from service.jobs.store import Done
+from service.jobs.records import Done
 
 ALONE = threading.Lock()
 """One solver at a time in a process, however many threads a Dask worker has: CasADi crashes when

@@ -14,8 +14,9 @@ from alembic.config import Config
 
 import service.jobs
 from service.jobs.database import StoreError
+from service.jobs.records import Claim, Done, NewJob
 from service.jobs.schema import CHUNKS
-from service.jobs.store import MOST_FAILURES, Claim, Done, NewJob, Store
+from service.jobs.store import MOST_FAILURES, Store
 from tests.postgres import running_cluster
 
 MIGRATIONS = Path(service.jobs.__file__).parent / "migrations"
@@ -48,7 +49,7 @@ def url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
 
 @pytest.fixture
 def store(url: str) -> Iterator[Store]:
-    opened = Store(url, stalled_s=HOUR_S)
+    opened = Store(url, stalled_s=HOUR_S, version="1")
     for job in opened.jobs(100):
         opened.cancel(job.id)
     yield opened
@@ -63,6 +64,7 @@ def job(rows: int = 10, chunk_rows: int = 4) -> NewJob:
         version="1",
         rows=rows,
         chunk_rows=chunk_rows,
+        estimated_bytes=0,
     )
 
 
@@ -135,7 +137,7 @@ def test_a_chunk_that_fails_again_and_again_fails_its_job_with_the_reason(store:
     assert found is not None
     assert (found.state, found.reason) == ("failed", "chunk 0 failed 3 times, last: it broke")
     assert store.claim("one", 1) == []
-    store.reopen(new.id)
+    assert store.resume(new.id)
     assert len(store.claim("one", 1)) == 1
 
 
@@ -185,7 +187,8 @@ def test_rows_of_a_dropped_job_are_gone(store: Store) -> None:
     assert store.finish("a", claim, done())
     store.settle()
     assert store.drop_ended(-1.0) == 1
-    assert list(store.blobs(old.id)) == []
+    with pytest.raises(StoreError, match=f"job {old.id} has gone"):
+        list(store.blobs(old.id))
 
 
 def test_many_claim_at_once_and_none_gets_what_another_has(store: Store, url: str) -> None:
@@ -193,7 +196,7 @@ def test_many_claim_at_once_and_none_gets_what_another_has(store: Store, url: st
     claimed: list[Claim] = []
 
     def claim(name: str) -> None:
-        mine = Store(url, stalled_s=30.0)
+        mine = Store(url, stalled_s=30.0, version="1")
         while got := mine.claim(name, 3):
             claimed.extend(got)
         mine.close()

@@ -1,7 +1,9 @@
 """Table jobs over HTTP."""
 
 import json
+import sqlite3
 import time
+import uuid
 from pathlib import Path
 from typing import Any
 
@@ -77,8 +79,8 @@ def test_progress_is_sent_while_a_job_runs(client: httpx.Client) -> None:
         for line in stream.iter_lines():
             if line.startswith("data: "):
                 states.append(json.loads(line.removeprefix("data: ")))
-            if states and states[-1]["rows_done"] > 0 and states[-1]["state"] == "running":
-                client.delete(location)
+                if states[-1]["rows_done"] > 0 and states[-1]["state"] == "running":
+                    client.delete(location)
     assert states[-1]["state"] == "cancelled"
     counts = [one["rows_done"] for one in states[:-1]]
     assert counts == sorted(counts)
@@ -119,30 +121,129 @@ def test_an_unknown_format_is_named(client: httpx.Client, finished: str) -> None
     assert refused.json()["errors"][0]["pointer"] == "/format"
 
 
-def test_a_result_asked_for_too_early_is_a_conflict_and_a_job_is_cancelled_twice_like_once(
+def test_a_result_asked_for_too_early_is_a_conflict_and_a_job_is_cancelled_then_deleted(
     client: httpx.Client,
 ) -> None:
     location = client.post("/v1/tables", json=ENDLESS).headers["location"]
     early = client.get(f"{location}/result")
     assert (early.status_code, early.json()["type"]) == (409, "urn:shapersmith:conflict")
-    for _ in range(2):
-        cancelled = client.delete(location)
-        assert (cancelled.status_code, cancelled.json()["state"]) == (200, "cancelled")
+    cancelled = client.delete(location)
+    assert (cancelled.status_code, cancelled.json()["state"]) == (200, "cancelled")
     assert client.get(f"{location}/result").status_code == 409
-    assert location.removeprefix("/v1/tables/") in [
-        job["id"] for job in client.get("/v1/tables").json()["tables"]
-    ]
+    assert location.removeprefix("/v1/tables/") in listed(client)
+    deleted = client.delete(location)
+    assert (deleted.status_code, deleted.json()["state"]) == (200, "cancelled")
+    require_gone(client, location)
 
 
-def test_a_job_that_is_done_cannot_be_cancelled(client: httpx.Client, finished: str) -> None:
-    refused = client.delete(finished)
-    assert (refused.status_code, refused.json()["type"]) == (409, "urn:shapersmith:conflict")
+def listed(client: httpx.Client) -> list[str]:
+    return [job["id"] for job in client.get("/v1/tables").json()["tables"]]
 
 
-@pytest.mark.parametrize("route", ["", "/events", "/result"])
-def test_a_job_that_is_none_is_not_found(client: httpx.Client, route: str) -> None:
-    missing = client.get(f"/v1/tables/none{route}")
-    assert (missing.status_code, missing.json()["type"]) == (404, "urn:shapersmith:not-found")
+def require_gone(client: httpx.Client, location: str) -> None:
+    for method, route in [
+        ("GET", ""),
+        ("GET", "/events"),
+        ("GET", "/result"),
+        ("POST", "/resume"),
+        ("DELETE", ""),
+    ]:
+        missing = client.request(method, f"{location}{route}")
+        assert (missing.status_code, missing.json()["type"]) == (404, "urn:shapersmith:not-found")
+    assert location.removeprefix("/v1/tables/") not in listed(client)
+
+
+def test_a_job_that_is_done_is_deleted_with_its_files(tmp_path: Path) -> None:
+    with running_service(tmp_path / "log", workers=1) as service, service.client() as client:
+        location = client.post("/v1/tables", json=TABLE).headers["location"]
+        job = ended(client, location)
+        for name in ("csv", "json"):
+            assert client.get(f"{location}/result", params={"format": name}).status_code == 200
+        files = tmp_path / "data" / "results"
+        assert sorted(path.suffix for path in files.iterdir()) == [".csv", ".json"]
+        deleted = client.delete(location)
+        assert (deleted.status_code, deleted.json()["verified"]) == (200, job["verified"])
+        require_gone(client, location)
+        assert not list(files.iterdir())
+
+
+def test_a_client_that_has_a_file_is_told_so_without_making_it(tmp_path: Path) -> None:
+    files = tmp_path / "data" / "results"
+    with running_service(tmp_path / "log", workers=1) as service, service.client() as client:
+        location = client.post("/v1/tables", json=TABLE).headers["location"]
+        ended(client, location)
+        tag = client.get(f"{location}/result").headers["etag"]
+        for path in files.iterdir():
+            path.unlink()
+        for given in (tag, f"W/{tag}", f'"other", {tag}'):
+            held = client.get(f"{location}/result", headers={"if-none-match": given})
+            assert (held.status_code, held.headers["etag"]) == (304, tag)
+        assert not list(files.iterdir())
+        held = client.get(f"{location}/result", headers={"if-none-match": "*"})
+        assert held.status_code == 304
+
+
+def test_a_request_that_is_sent_again_with_its_key_begins_no_second_table(
+    client: httpx.Client,
+) -> None:
+    key = {"idempotency-key": f"the {uuid.uuid4()} ~"}
+    first = client.post("/v1/tables", json=TABLE, headers=key)
+    again = client.post("/v1/tables", content=json.dumps(TABLE, indent=3), headers=key)
+    assert (first.status_code, again.status_code) == (202, 202)
+    assert again.headers["location"] == first.headers["location"]
+    assert again.json()["id"] == first.json()["id"]
+    other = client.post("/v1/tables", json={**TABLE, "title": "another"}, headers=key)
+    assert (other.status_code, other.json()["type"]) == (422, "urn:shapersmith:invalid-input")
+    assert "Idempotency-Key" in other.json()["detail"]
+    without = client.post("/v1/tables", json=TABLE)
+    assert without.headers["location"] != first.headers["location"]
+    ended(client, first.headers["location"])
+    client.delete(first.headers["location"])
+    anew = client.post("/v1/tables", json=TABLE, headers=key)
+    assert anew.headers["location"] != first.headers["location"]
+
+
+@pytest.mark.parametrize(
+    "keys", [[b""], [b"k" * 256], [b"a\tb"], [b"\xfc"], [b"one", b"two"], [b"one", b"one"]]
+)
+def test_a_key_that_breaks_its_rule_is_refused(client: httpx.Client, keys: list[bytes]) -> None:
+    headers = [(b"idempotency-key", key) for key in keys]
+    refused = client.post("/v1/tables", json=TABLE, headers=headers)
+    assert (refused.status_code, refused.json()["type"]) == (422, "urn:shapersmith:invalid-input")
+    assert "Idempotency-Key" in refused.json()["detail"]
+
+
+def changed(service: Any, location: str, **values: Any) -> None:
+    """Change the record of a job under the service."""
+    store = sqlite3.connect(service.log.parent / "data" / "jobs.sqlite", timeout=60)
+    for name, value in values.items():
+        store.execute(
+            f"UPDATE jobs SET {name} = ? WHERE id = ?", (value, location.rpartition("/")[2])
+        )
+    store.commit()
+    store.close()
+
+
+def test_a_failed_table_is_resumed_and_no_other(service: Any, client: httpx.Client) -> None:
+    location = client.post("/v1/tables", json=TABLE).headers["location"]
+    ended(client, location)
+    changed(service, location, state="failed", reason="why")
+    assert client.get(location).json()["reason"] == "why"
+    resumed = client.post(f"{location}/resume")
+    assert (resumed.status_code, resumed.json()["state"]) == (202, "running")
+    ended(client, location)
+    again = client.post(f"{location}/resume")
+    assert (again.status_code, again.json()["type"]) == (409, "urn:shapersmith:conflict")
+    assert "is done" in again.json()["detail"]
+    changed(service, location, state="failed", version="0.0.1")
+    other = client.post(f"{location}/resume")
+    assert (other.status_code, other.json()["type"]) == (409, "urn:shapersmith:conflict")
+    assert "by version 0.0.1" in other.json()["detail"]
+
+
+@pytest.mark.parametrize("id", ["none", 32 * "0", 31 * "0" + "%00", "%00", "%ff", 33 * "0", "%0a"])
+def test_a_job_that_is_none_is_not_found(client: httpx.Client, id: str) -> None:
+    require_gone(client, f"/v1/tables/{id}")
 
 
 def axis(**changes: Any) -> dict[str, Any]:
