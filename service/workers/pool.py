@@ -32,6 +32,9 @@ MOST_DEATHS = 10
 LONGEST_WAIT_S = 30.0
 """How long a task may wait for a worker, or be expected to [s]."""
 
+IDLING_S = 4 * SLICE_S
+"""A task that takes so long is large whatever it costs: it waits for something [s]."""
+
 START_PAUSES_S = (0.0, 0.0, 0.1, 0.5, 1.0)
 """Wait after as many workers in a row that could not be started: do not spin on it [s]."""
 
@@ -191,6 +194,17 @@ class WorkerPool:
             if run.callers == 0 and not run.done.done():
                 self._give_up(run)
 
+    def refusal(self, client: str) -> Problem | None:
+        """Return why a small single request would be refused at once; None where it would not.
+
+        For those who want to know before they have read it.
+        """
+        cost_s = self.costs.small_s
+        wait_s = self._wait_s(Flow(client), cost_s)
+        if self._patience.refuses(self._loop.time(), wait_s, cost_s):
+            return _expected(wait_s).problem
+        return None
+
     @property
     def pending(self) -> int:
         """Tasks running and waiting."""
@@ -219,7 +233,7 @@ class WorkerPool:
                 else self._patience.admits(self._loop.time(), wait_s, cost_s)
             )
             if not admitted:
-                raise _refused(f"a worker is expected to be free in {wait_s:.2g} s only", wait_s)
+                raise _expected(wait_s)
         self._wait(run, flow, cost_s)
         if run.key is not None:
             self._shared[run.key] = run
@@ -228,7 +242,9 @@ class WorkerPool:
     def _wait_s(self, flow: Flow, cost_s: float) -> float:
         if flow.large:
             return self._large.wait_s(flow, cost_s, self._large_places)
-        return 0.0 if self._idle else self._small.wait_s(flow, cost_s, self.workers)
+        if self._idle:
+            return 0.0
+        return self._small.wait_s(flow, cost_s, self.workers) * self.costs.slowness
 
     def _wait(self, run: _Run, flow: Flow, cost_s: float, start: float | None = None) -> None:
         run.ticket = Ticket(flow, cost_s)
@@ -299,7 +315,7 @@ class WorkerPool:
             worker.kill()  # it has made way, which it cannot take back, or is near its limit
         else:
             self._idle.append(worker)
-        self._account(run)
+        self._account(run, worker.cost_s)
         if outcome == "done":
             self._leave(run)
             if not run.done.done():
@@ -314,22 +330,21 @@ class WorkerPool:
             self._fail(run, TaskError(Problem(INTERNAL, told)))
         self._dispatch()
 
-    def _account(self, run: _Run) -> None:
+    def _account(self, run: _Run, spent_s: float) -> None:
         """Learn what a task has cost."""
-        spent_s = self._charge(run)
+        self._charge(run, spent_s)
+        self.costs.took(time.perf_counter() - run.begun, spent_s)
         if not run.splits:
             self.costs.record(run.shape, spent_s)
         if not run.large and run.kind != "batch":
             self._patience.answered(self._loop.time())
 
-    def _charge(self, run: _Run) -> float:
-        """Charge what a task has cost to its flow, and return it [s]."""
-        spent_s = time.perf_counter() - run.begun
+    def _charge(self, run: _Run, spent_s: float) -> None:
+        """Charge what a task has cost to its flow."""
         if run.ticket.flow.large:
             self._large.charge(run.ticket, spent_s)
         else:
             self._small.charge(run.ticket, min(spent_s, SLICE_S))
-        return spent_s
 
     def _fail(self, run: _Run, error: Exception) -> None:
         self._leave(run)
@@ -348,7 +363,7 @@ class WorkerPool:
     def _end_worker(self, run: _Run, reason: str) -> None:
         worker, run.worker = run.worker, None
         if worker is not None and self._busy.pop(worker, None) is not None:
-            self._charge(run)
+            self._charge(run, worker.spent_s())
             LOG.info("worker %s ended: %s", worker.pid, reason)
             worker.kill()
 
@@ -364,9 +379,12 @@ class WorkerPool:
     def _look_again(self, run: _Run, after_s: float) -> None:
         """Move a task out of the way that has taken longer than a slice; once more at twice that.
 
-        Until it ends nobody knows what it costs: as much again is the best guess.
+        Until it ends nobody knows what it costs: as much again is the best guess. Small work on a
+        machine that is busy with other things takes long too, and costs no more for it.
         """
         run.timers.append(self._loop.call_later(after_s, self._look_again, run, 2 * after_s))
+        if run.worker is None or (after_s < IDLING_S and run.worker.spent_s() < SLICE_S / 2):
+            return
         if run.splits:
             self._end_worker(run, "some of its parts are large: they are run apart")
             self._fail(run, SplitError())
@@ -389,8 +407,7 @@ class WorkerPool:
             run = self._runs[ticket]
             wait_s = ahead_s / self._large_places
             if wait_s > LONGEST_WAIT_S and run.kind != "batch":
-                late = f"a worker is expected to be free in {wait_s:.2g} s only"
-                self._fail(run, _refused(late, wait_s))
+                self._fail(run, _expected(wait_s))
             else:
                 ahead_s += self.costs.of(run.shape)
 
@@ -525,3 +542,7 @@ def _refused(detail: str, wait_s: float) -> TaskError:
         OVERLOADED, f"{detail}; try again later", retry_after_s=max(1, math.ceil(wait_s))
     )
     return TaskError(problem)
+
+
+def _expected(wait_s: float) -> TaskError:
+    return _refused(f"a worker is expected to be free in {wait_s:.2g} s only", wait_s)

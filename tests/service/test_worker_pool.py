@@ -124,7 +124,7 @@ def test_large_work_makes_way_for_small_work_and_is_done_all_the_same() -> None:
     async def story() -> None:
         async with pool(workers=1) as one:
             large = [
-                asyncio.create_task(one.run(tasks.asleep, 4 * SLICE_S, shape=number))
+                asyncio.create_task(one.run(tasks.busy, 8 * SLICE_S, shape=number))
                 for number in range(3)
             ]
             await asyncio.sleep(0)
