@@ -15,7 +15,8 @@ import pytest
 
 from service.problems import INTERNAL, OVERLOADED, TIME_LIMIT, TOO_LARGE
 from service.workers.costs import SLICE_S
-from service.workers.pool import MOST_DEATHS, SplitError, TaskError, WorkerPool
+from service.workers.pool import MOST_DEATHS, WorkerPool
+from service.workers.runs import SplitError, TaskError
 from tests import pool_tasks as tasks
 from tests.processes import HUNG_S, running
 
