@@ -46,8 +46,8 @@ class Batch:
         """Return an answer or a problem for each line."""
         try:
             async with asyncio.timeout(self._limit_s), asyncio.TaskGroup() as group:
-                # No more at once than there are workers: a batch must not fill the queue of others.
-                for _ in range(self._pool.workers):
+                # A worker fewer than there are: a batch must not hold up the small work of others.
+                for _ in range(max(1, self._pool.workers - 1)):
                     group.create_task(self._work())
         except TimeoutError:
             pass  # the lines that are left have their problem already

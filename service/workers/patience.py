@@ -18,6 +18,9 @@ GROWING = 1.2
 """Arrivals over answers from which it is an overload, and no long queue alone: a fixed number of
 clients, each waiting for its own answer, has as many of the one as of the other."""
 
+FEW = 5
+"""Arrivals beyond that which are chance."""
+
 BURST_COSTS, STANDING_COSTS = 10.0, 1.0
 """The same waits in multiples of what the request itself is expected to take, where longer [-]."""
 
@@ -59,6 +62,6 @@ class Patience:
 
     def _turn(self, now: float) -> None:
         if now - self._since > INTERVAL_S:
-            grows = self._arrived > GROWING * max(self._answered, 1)
+            grows = self._arrived > GROWING * self._answered + FEW
             self._growing = self._growing + 1 if grows else 0
             self._since, self._arrived, self._answered = now, 0, 0

@@ -306,7 +306,8 @@ class WorkerPool:
         machine that is busy with other things takes long too, and costs no more for it.
         """
         run.timers.append(self._loop.call_later(after_s, self._look_again, run, 2 * after_s))
-        if run.worker is None or (after_s < IDLING_S and run.worker.spent_s() < SLICE_S / 2):
+        starved = run.worker is not None and run.worker.spent_s() < SLICE_S / 2
+        if starved and after_s < IDLING_S and not run.splits:
             return
         if run.splits:
             self._end_worker(run, "some of its parts are large: they are run apart")
