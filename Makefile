@@ -6,7 +6,7 @@ STAMP := $(VENV)/.installed
 PORT ?= 8000
 
 .DEFAULT_GOAL := help
-.PHONY: help setup serve demo test check bench lock clean
+.PHONY: help setup serve demo test check bench chaos lock clean
 
 help: ## this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/ -/'
@@ -36,6 +36,9 @@ check: $(STAMP) ## format, lint, types, import rules
 
 bench: $(STAMP) ## speed, beside peers in the same run
 	$(BIN)/python -m benchmarks
+
+chaos: $(STAMP) ## what the service withstands: overload, kills, locks
+	$(BIN)/python -m benchmarks.chaos
 
 lock: ## resolve the dependencies anew (needs uv)
 	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 --extra postgres pyproject.toml -o requirements.lock

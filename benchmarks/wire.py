@@ -8,6 +8,9 @@ from dataclasses import dataclass
 LENGTH = re.compile(rb"\r\ncontent-length: *(\d+)", re.IGNORECASE)
 END_OF_HEAD = b"\r\n\r\n"
 
+LONGEST_IDLE_S = 2.0
+"""A connection that was idle for longer is not used again: the server closes it at 5 s [s]."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Answer:
@@ -87,7 +90,7 @@ class Client:
     def __init__(self, port: int, source: str = "127.0.0.1") -> None:
         self._port = port
         self._source = source
-        self._idle: list[tuple[asyncio.Transport, _Reader]] = []
+        self._idle: list[tuple[asyncio.Transport, _Reader, float]] = []
         self._busy: set[asyncio.Transport] = set()
 
     async def ask(self, message: bytes) -> Answer:
@@ -111,21 +114,22 @@ class Client:
             # One that was given up would hand its late answer to the next request.
             self._busy.discard(transport)
             if answered:
-                self._idle.append((transport, reader))
+                self._idle.append((transport, reader, time.perf_counter()))
             else:
                 transport.abort()
         return Answer(status=int(reader.head[9:12]), sent_s=sent_s, head=reader.head, body=body)
 
     async def _connection(self) -> tuple[asyncio.Transport, _Reader]:
         while self._idle:
-            transport, reader = self._idle.pop()
-            if not transport.is_closing():
+            transport, reader, since_s = self._idle.pop()
+            if not transport.is_closing() and time.perf_counter() - since_s < LONGEST_IDLE_S:
                 return transport, reader
+            transport.abort()
         return await asyncio.get_running_loop().create_connection(
             _Reader, "127.0.0.1", self._port, local_addr=(self._source, 0)
         )
 
     def close(self) -> None:
         """Close all connections at once, under whatever waits for an answer too."""
-        for transport in [*self._busy, *(transport for transport, _ in self._idle)]:
+        for transport in [*self._busy, *(transport for transport, _, _ in self._idle)]:
             transport.abort()

@@ -3,6 +3,7 @@
 import argparse
 import importlib
 import os
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -22,6 +23,8 @@ def main() -> int:
     options = parser.parse_args()
     if unknown := set(options.parts) - set(PARTS):
         parser.error(f"there is no part {', '.join(sorted(unknown))}")
+    # Whoever ends this ends the services that it started.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     trial = Trial(seconds=options.seconds, times=options.times)
     missed = 0
     for part in options.parts or PARTS:

@@ -36,59 +36,54 @@ ASKED_S = 1.0
 END_WAIT_S = 60.0
 """What may pass between SIGTERM and the end [s]."""
 
-Kill = Callable[[Running, Load, int], Awaitable[float]]
-"""Waits for its moment, kills, and returns how long it took until the pool was full again [s]."""
+Kill = Callable[[Running, int, set[int], int], Awaitable[float]]
+"""Is told which worker is at a slow design, which are not, and how many kills were before; kills,
+and returns how long it took until as many workers lived as before [s]."""
 
 
-async def _solving(service: Running, load: Load, number: int) -> float:
-    """Kill the worker that is at a slow design, which another takes over."""
-    del number
-    before = (await settled(service, WORKERS)).used_s
-    asked = asyncio.create_task(load.slow())
-
-    def at_it() -> list[int]:
-        return [pid for pid, used in workers(service).items() if used - before[pid] > SOLVING_S]
-
-    await until(at_it, "a worker is at work")
-    full_s = await _full_without(service, at_it()[0])
-    await asked
-    return full_s
+async def _solving(service: Running, solving: int, idle: set[int], number: int) -> float:
+    """Kill the worker that is at the slow design, which another takes over."""
+    del idle, number
+    return await _full_without(service, solving)
 
 
-async def _starting(service: Running, load: Load, number: int) -> float:
+async def _starting(service: Running, solving: int, idle: set[int], number: int) -> float:
     """Kill a worker, and the one that takes its place as soon as it is seen."""
-    del load, number
-    before = await settled(service, WORKERS, busy=1)
-    os.kill(before.idle, signal.SIGKILL)
+    del number
+    os.kill(min(idle), signal.SIGKILL)
 
     def new() -> set[int]:
-        return workers(service).keys() - before.used_s.keys()
+        return workers(service).keys() - idle - {solving}
 
     await until(new, "a worker is started in place of one that was killed")
     return await _full_without(service, min(new()))
 
 
-async def _idle(service: Running, load: Load, number: int) -> float:
+async def _idle(service: Running, solving: int, idle: set[int], number: int) -> float:
     """Kill a worker that has nothing to do."""
-    del load, number
-    return await _full_without(service, (await settled(service, WORKERS, busy=1)).idle)
+    del solving, number
+    return await _full_without(service, min(idle))
 
 
-async def _fork_server(service: Running, load: Load, number: int) -> float:
+async def _fork_server(service: Running, solving: int, idle: set[int], number: int) -> float:
     """Kill what forks the workers: before it is needed, or in the middle of starting one."""
-    del load
-    worker = (await settled(service, WORKERS, busy=1)).idle
-    forking = next(
-        one.parent
-        for pid, one in of_service(service).items()
-        if pid in workers(service) and one.parent in of_service(service)
-    )
+    del solving
+    forking = _forking(service)
     if number % 2:
         os.kill(forking, signal.SIGSTOP)
-        os.kill(worker, signal.SIGKILL)
+        os.kill(min(idle), signal.SIGKILL)
         await asyncio.sleep(ASKED_S)
     os.kill(forking, signal.SIGKILL)
-    return await _full_without(service, worker)
+    return await _full_without(service, min(idle))
+
+
+def _forking(service: Running) -> int:
+    """Return the process that forks the workers: one of the service, and parent of a worker."""
+    found = of_service(service)
+    parents = {one.parent for one in found.values()} & found.keys() - {service.process.pid}
+    if not parents:
+        raise HungError("no process of the service forks its workers")
+    return parents.pop()
 
 
 async def _full_without(service: Running, victim: int) -> float:
@@ -96,7 +91,7 @@ async def _full_without(service: Running, victim: int) -> float:
     with suppress(ProcessLookupError):
         os.kill(victim, signal.SIGKILL)
     return await until(
-        lambda: len(workers(service).keys() - {victim}) >= WORKERS, "the pool is full again"
+        lambda: len(workers(service).keys() - {victim}) >= WORKERS, "the pool is not full again"
     )
 
 
@@ -120,12 +115,13 @@ async def _killed(service: Running, what: str, kill: Kill, times: int) -> list[F
     await load.learn()
     full_s: list[float] = []
     gave_up = ""
-    async with load.running(slow=kill is not _solving):
+    async with load.small_ones():
         try:
             for number in range(times):
-                full_s.append(await kill(service, load, number))
+                full_s.append(await _once(service, load, kill, number))
         except HungError as error:
             gave_up = f"; given up after {len(full_s)} of {times}: {error}"
+    load.close()
 
     service.process.send_signal(signal.SIGTERM)
     with suppress(HungError):
@@ -142,3 +138,20 @@ async def _killed(service: Running, what: str, kill: Kill, times: int) -> list[F
         none_of(f"{what} killed: wrong answers", load.wrong),
         none_of(f"{what} killed: processes left after SIGTERM", of_service(service)),
     ]
+
+
+async def _once(service: Running, load: Load, kill: Kill, number: int) -> float:
+    """Kill while a slow design is under way, and see it answered: it must not be killed twice."""
+    before = await settled(service, WORKERS)
+    asked = asyncio.create_task(load.slow())
+
+    def at_it() -> set[int]:
+        used = workers(service)
+        return {pid for pid in before.keys() & used if used[pid] - before[pid] > SOLVING_S}
+
+    try:
+        await until(at_it, "no worker is at work")
+        solving = at_it().pop()
+        return await kill(service, solving, before.keys() - {solving}, number)
+    finally:
+        await asked

@@ -39,16 +39,17 @@ class Load:
         self._outcomes.append(await outcome(lambda: self._checked(self._slow), now))
 
     @asynccontextmanager
-    async def running(self, *, slow: bool) -> AsyncIterator[None]:
-        """Ask for a few designs a second meanwhile, and for slow ones, one after another."""
+    async def small_ones(self) -> AsyncIterator[None]:
+        """Ask for a few designs a second meanwhile."""
         async with asyncio.TaskGroup() as under_way:
             under_way.create_task(self._small_ones())
-            if slow:
-                under_way.create_task(self._slow_ones())
             try:
                 yield
             finally:
                 self._stopping = True
+
+    def close(self) -> None:
+        """Leave."""
         self._client.close()
 
     async def _small_ones(self) -> None:
@@ -56,10 +57,6 @@ class Load:
             self._outcomes += await open_loop(
                 lambda: self._checked(next(self._next)), rate_hz=RATE_HZ, seconds=1.0
             )
-
-    async def _slow_ones(self) -> None:
-        while not self._stopping:
-            await self.slow()
 
     async def _checked(self, asked: bytes) -> Answer:
         answer = await self._client.ask(asked)

@@ -26,7 +26,7 @@ HUNG_S = 120.0
 LOOK_S = 0.25
 """Between two looks at what processes have used [s]."""
 
-IDLE_S = 0.2 * LOOK_S
+IDLE_S = 0.12 * LOOK_S
 """Who uses more between two looks is at a long design, or builds its solvers [s]."""
 
 
@@ -66,21 +66,13 @@ def served(place: Path, *, workers: int = WORKERS, **settings: Any) -> Iterator[
             service.process.kill()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Seen:
-    """The workers of a service: what each has used so far, and which are at work [s]."""
+async def settled(service: Running, count: int) -> dict[int, float]:
+    """Wait until there are so many workers, all started, and none at work.
 
-    used_s: dict[int, float]
-    at_work: set[int]
-
-    @property
-    def idle(self) -> int:
-        """One that is not at work."""
-        return min(self.used_s.keys() - self.at_work)
-
-
-async def settled(service: Running, count: int, *, busy: int = 0) -> Seen:
-    """Wait until there are so many workers, all started, and no more than some at work.
+    Returns
+    -------
+    dict
+        The processor time that each has used, by its id [s].
 
     Raises
     ------
@@ -92,9 +84,9 @@ async def settled(service: Running, count: int, *, busy: int = 0) -> Seen:
     while True:
         await asyncio.sleep(LOOK_S)
         now = workers(service)
-        at_work = {pid for pid, used in now.items() if used - before.get(pid, 0.0) > IDLE_S}
-        if len(now) >= count and now.keys() <= before.keys() and len(at_work) <= busy:
-            return Seen(used_s=now, at_work=at_work)
+        at_work = [pid for pid, used in now.items() if used - before.get(pid, 0.0) > IDLE_S]
+        if len(now) >= count and now.keys() <= before.keys() and not at_work:
+            return now
         if time.perf_counter() - start > HUNG_S:
             raise HungError(f"{len(now)} of {count} workers, {len(at_work)} at work")
         before = now
