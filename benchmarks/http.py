@@ -1,7 +1,8 @@
 """Designs a second over HTTP, and the echo of the same body by the same server stack."""
 
-import asyncio
+import itertools
 import json
+import math
 import socket
 import subprocess
 import sys
@@ -9,17 +10,25 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import uvloop
+
+from benchmarks.loops import Outcome, closed_loop, latencies, with_status
 from benchmarks.measure import Figure
+from benchmarks.wire import Client, message
 
 CLIENTS = 32
-REQUESTS = 4000
+WARM_S = 2.0
+SECONDS = 8.0
+GOLDEN = (math.sqrt(5) - 1) / 2
+"""Its multiples, without their whole parts, fill 0 to 1 evenly, and none comes twice."""
+
 PORT_WAIT_S = 30.0
 
 
 def request_body(number: int) -> bytes:
     """Return one request; every number gives another plant."""
     return json.dumps({
-        "plant": {"kind": "pendulum", "cable_length_m": 0.3 + 1.1 * number / REQUESTS},
+        "plant": {"kind": "pendulum", "cable_length_m": 0.3 + 1.1 * (number * GOLDEN % 1)},
         "actuator": {
             "kind": "second_order",
             "accel": {"natural_frequency_rad_s": 20, "damping_ratio": 0.8},
@@ -65,49 +74,40 @@ def running(*command: str) -> Iterator[int]:
         server.wait(30)
 
 
-async def load(port: int, bodies: list[bytes]) -> tuple[float, int]:
-    """Send all bodies over keep-alive connections; return seconds and answers not 200."""
-    waiting = iter(bodies)
-    failures = 0
-
-    async def client() -> None:
-        nonlocal failures
-        reader, writer = await asyncio.open_connection("127.0.0.1", port)
-        for body in waiting:
-            writer.write(
-                b"POST /v1/designs HTTP/1.1\r\nhost: bench\r\ncontent-type: application/json\r\n"
-                b"content-length: " + str(len(body)).encode() + b"\r\n\r\n" + body
-            )
-            head = await reader.readuntil(b"\r\n\r\n")
-            length = int(head.lower().split(b"content-length:")[1].split(b"\r\n")[0])
-            answer = await reader.readexactly(length)
-            if b" 200 " not in head[:15] or not answer:
-                failures += 1
-        writer.close()
-
-    started = time.perf_counter()
-    await asyncio.gather(*(client() for _ in range(CLIENTS)))
-    return time.perf_counter() - started, failures
+async def load(port: int, seconds: float) -> list[Outcome]:
+    """Send designs, all different, over keep-alive connections; return what became of them."""
+    client = Client(port)
+    bodies = map(request_body, itertools.count())
+    told = await closed_loop(
+        lambda: client.ask(message("POST", "/v1/designs", next(bodies))),
+        callers=CLIENTS,
+        seconds=seconds,
+    )
+    client.close()
+    return [one for of_a_client in told for one in of_a_client]
 
 
-def rate(port: int) -> tuple[float, int]:
-    """Return requests a second, and failures, after a warm-up."""
-    asyncio.run(load(port, [request_body(0)] * 4 * CLIENTS))
-    seconds, failures = asyncio.run(load(port, [request_body(n) for n in range(REQUESTS)]))
-    return REQUESTS / seconds, failures
+def measured(port: int) -> list[Outcome]:
+    """Return what became of the requests of some seconds, after a warm-up."""
+    uvloop.run(load(port, WARM_S))
+    return uvloop.run(load(port, SECONDS))
 
 
 def figures() -> Iterator[Figure]:
     """Measure."""
     with running(sys.executable, "-m", "service.cli", "serve") as port:
-        designs, failures = rate(port)
+        told = measured(port)
     with running(
         sys.executable, "-m", "uvicorn", "benchmarks.http:echo", "--no-access-log"
     ) as port:
-        echoes, _ = rate(port)
+        echoes = len(measured(port)) / SECONDS
+    answered = with_status(told, 200)
+    failures = len(told) - len(answered)
+    designs = len(answered) / SECONDS
     yield Figure(
         what=f"designs over HTTP, {CLIENTS} clients, all different, {failures} errors",
         value=f"{designs:.0f}/s (echo of the same bodies: {echoes:.0f}/s)",
         limit=">= 500/s",
         met=designs >= 500 and failures == 0,
     )
+    yield Figure(what="time of each", value=str(latencies(answered)), limit="", met=None)

@@ -3,10 +3,13 @@
 import multiprocessing
 import os
 import re
+import signal
+import threading
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import forkserver
+from typing import cast
 
 CONNECT_WAIT_S = 20.0
 """How long a scheduler may take to answer [s]."""
@@ -14,6 +17,22 @@ CONNECT_WAIT_S = 20.0
 MOST_DASK_SLOTS = 256
 """Chunks that wait at a scheduler at once, however many workers it has."""
 
+JOIN_WAIT_S = 10.0
+"""How long the workers of a pool that has broken may take to end [s]."""
+
+LOST_STATUS = 255
+"""What multiprocessing makes of the status of a process whose fork server has died."""
+
+FAULTS = frozenset({
+    signal.SIGSEGV,
+    signal.SIGABRT,
+    signal.SIGBUS,
+    signal.SIGFPE,
+    signal.SIGILL,
+    signal.SIGSYS,
+    signal.SIGTRAP,
+})
+"""Signals that a process brings on itself."""
 
 ADDRESS = re.compile(r"((tcp|tls|ws|wss)://)?[\w.\-\[\]:]+:\d+\Z")
 
@@ -24,11 +43,23 @@ class SchedulerError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Started:
-    """An executor, how many chunks it should have at once, and how to end it at once."""
+    """An executor.
+
+    Attributes
+    ----------
+    slots
+        How many chunks it should have at once.
+    end
+        Ends it at once.
+    fault
+        By what fault of its own a worker of it died, once it has broken: as "SIGSEGV" or "exit
+        status 1". Empty where none did, or nobody knows: it was killed then, by whomever.
+    """
 
     executor: Executor
     slots: int
     end: Callable[[], None]
+    fault: Callable[[], str]
 
 
 Start = Callable[[], Started]
@@ -48,15 +79,38 @@ def processes(workers: int) -> Started:
 
     prepare()
     context = multiprocessing.get_context("forkserver")
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=begin)
+    lifeline, held = multiprocessing.Pipe(duplex=False)
+    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=begin, initargs=(lifeline,))
+
+    def fault() -> str:
+        manager = cast("threading.Thread | None", pool._executor_manager_thread)
+        if manager is not None:  # it joins the workers; two that ask would spoil the exit status
+            manager.join(JOIN_WAIT_S)
+        codes = [process.exitcode for process in (pool._processes or {}).values()]
+        return next(filter(None, map(fault_of, codes)), "")
 
     def end() -> None:
+        held.close()
+        lifeline.close()
         running = list((pool._processes or {}).values())
         pool.shutdown(wait=False, cancel_futures=True)
         for process in running:
             process.kill()  # in the middle of a chunk, which is computed anew
 
-    return Started(pool, workers + 1, end)
+    return Started(pool, workers + 1, end, fault)
+
+
+def fault_of(code: int | None) -> str:
+    """Return what fault the exit status of a process tells, empty where it tells none.
+
+    A process that ended well or was killed has none; neither has one whose status went with its
+    fork server.
+    """
+    if code is None or code in {0, LOST_STATUS}:
+        return ""
+    if code > 0:
+        return f"exit status {code}"
+    return signal.Signals(-code).name if -code in FAULTS else ""
 
 
 def dask(address: str) -> Started:
@@ -81,7 +135,7 @@ def dask(address: str) -> Started:
     threads = sum(client.nthreads().values())
     # Not pure: a chunk that failed is computed again, not remembered.
     executor: Executor = client.get_executor(pure=False)
-    return Started(executor, min(max(2 * threads, 2), MOST_DASK_SLOTS), client.close)
+    return Started(executor, min(max(2 * threads, 2), MOST_DASK_SLOTS), client.close, str)
 
 
 def starter(workers: int, scheduler: str | None) -> Start:

@@ -1,6 +1,5 @@
 """From a body to a job, and from a job to the head of its files."""
 
-import functools
 import uuid
 from dataclasses import dataclass, replace
 
@@ -79,7 +78,6 @@ def size_of(specification: TableSpecification) -> TableSize:
     )
 
 
-@functools.lru_cache(maxsize=8)
 def specification_of(canonical: str, impulses: int | None = None) -> TableSpecification:
     """Return the specification of a job whose rows have so many impulses."""
     specification = TableRequest.model_validate_json(canonical).to_design()

@@ -6,19 +6,18 @@ import socket
 import threading
 import time
 import uuid
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from typing import TypeVar
 
 from sqlalchemy.exc import DBAPIError, OperationalError
 
-from design.tables.specification import TableSpecification
 from service.jobs.database import StoreError, disk_full
 from service.jobs.executors import Start, Started
-from service.jobs.plan import specification_of
 from service.jobs.records import Claim, Done
-from service.jobs.store import Store
-from service.jobs.work import compute_chunk, part_of
+from service.jobs.store import GoneError, Store
+from service.jobs.work import UnreadableError, compute_chunk, packed
 
 Answer = TypeVar("Answer")
 
@@ -32,6 +31,12 @@ LONGEST_PAUSE_S = 2.0
 
 IDLE_PAUSE_S = 0.5
 """Between two looks for new jobs [s]."""
+
+START_PAUSE_S = 0.5
+"""Before workers are started anew that could not be started [s]."""
+
+MOST_KILLS = 20
+"""A chunk whose worker is killed so often in a row, while it is computed alone, fails its job."""
 
 
 class Runner:
@@ -64,9 +69,10 @@ class Runner:
         self._database_wait_s = database_wait_s
         self._tell = tell
         self._started: Started | None = None
-        self._specification: tuple[str, TableSpecification] | None = None
+        self._specifications: dict[str, tuple[bytes, int | None]] = {}
         self._running: dict[Future[Done], Claim] = {}
-        self._suspects = 0
+        self._suspects: deque[Claim] = deque()
+        self._kills = 0
         self._beaten = time.monotonic()
 
     def run(self, *, until: Callable[[], bool], pause_s: float = IDLE_PAUSE_S) -> None:
@@ -93,59 +99,121 @@ class Runner:
             self._end()
 
     def _round(self, pause_s: float) -> None:
-        slots = 1 if self._started is None else self._started.slots
-        free = (1 if self._suspects else slots) - len(self._running)
-        claims: list[Claim] = []
-        if free > 0:
-            claims = self.patiently(lambda: self._store.claim(self.name, free))
-        for claim in claims:
+        for claim in self._next():
             self._submit(claim)
         if not self._running:
             self.patiently(self._store.settle)
-            self.stopping.wait(pause_s)
+            if not self._suspects:
+                self.stopping.wait(pause_s)
             return
         beat_s = self._store.stalled_s / BEATS_A_STALL
         ended, _ = wait(
             self._running, timeout=min(beat_s, IDLE_PAUSE_S), return_when=FIRST_COMPLETED
         )
         if time.monotonic() - self._beaten > beat_s:
-            held = list(self._running.values())
-            self.patiently(lambda: self._store.beat(self.name, held))
+            self.patiently(lambda: self._store.beat(self.name, self._held))
             self._beaten = time.monotonic()
-        for future in ended:
+        sound = {future for future in ended if not _broken(future)}
+        for future in sound:
             self._record(self._running.pop(future), future)
+        if sound:
+            self.patiently(self._store.settle)
+        if sound != ended:
+            self._start_over()
+
+    @property
+    def _held(self) -> list[Claim]:
+        return [*self._running.values(), *self._suspects]
+
+    def _next(self) -> list[Claim]:
+        """Return the chunks to be computed next: of suspects one at a time, with none beside it."""
+        if self._suspects:
+            return [] if self._running else [self._suspects.popleft()]
+        slots = 1 if self._started is None else self._started.slots
+        free = slots - len(self._running)
+        return self.patiently(lambda: self._store.claim(self.name, free)) if free > 0 else []
 
     def _submit(self, claim: Claim) -> None:
-        if self._started is None:
-            self._started = self._start()
-        if self._specification is None or self._specification[0] != claim.job:
-            made_of = self.patiently(lambda: self._store.made_of(claim.job))
-            specification = specification_of(made_of.specification, made_of.impulses)
-            self._specification = claim.job, specification
-        part = part_of(self._specification[1], claim.number)
         try:
-            future = self._started.executor.submit(compute_chunk, *part)
-        except (BrokenExecutor, RuntimeError) as error:
-            future = Future()
-            future.set_exception(error)
-        self._running[future] = claim
+            content, impulses = self._specification(claim.job)
+        except GoneError:
+            return  # and its chunks with it
+        try:
+            if self._started is None:
+                self._started = self._start()
+            future = self._started.executor.submit(compute_chunk, content, impulses, claim.number)
+        except (BrokenExecutor, RuntimeError, OSError, EOFError) as error:
+            self._tell(f"workers are started anew: {type(error).__name__}: {error}")
+            self._suspects.appendleft(claim)
+            self._suspects.extend(self._running.values())
+            self._running.clear()
+            self._drop_executor()
+            self.stopping.wait(START_PAUSE_S)
+        else:
+            self._running[future] = claim
+
+    def _specification(self, job: str) -> tuple[bytes, int | None]:
+        """Return the specification of a job for workers, kept while a chunk of it is in flight."""
+        if job not in self._specifications:
+            made_of = self.patiently(lambda: self._store.made_of(job))
+            in_flight = {claim.job for claim in self._held}
+            kept = {
+                one: self._specifications[one] for one in self._specifications if one in in_flight
+            }
+            self._specifications = {**kept, job: (packed(made_of.specification), made_of.impulses)}
+        return self._specifications[job]
 
     def _record(self, claim: Claim, future: "Future[Done]") -> None:
         error = future.exception()
         if error is None:
             done = future.result()
             self.patiently(lambda: self._store.finish(self.name, claim, done))
-            self._suspects = max(self._suspects - 1, 0)
+            self._kills = 0
+            return
+        reason = f"{type(error).__name__}: {error}"
+        self._tell(f"chunk {claim.number} of job {claim.job} failed: {reason}")
+        if isinstance(error, UnreadableError):
+            self._fail_job(claim, str(error))
         else:
-            reason = f"{type(error).__name__}: {error}"
-            self._tell(f"chunk {claim.number} of job {claim.job} failed: {reason}")
             self.patiently(lambda: self._store.fail(self.name, claim, reason))
-            if isinstance(error, BrokenExecutor):
-                # One of the chunks in flight killed its worker. Try them one by one, so that it
-                # spoils no other.
-                self._suspects = max(self._suspects, len(self._running) + 1)
-                self._drop_executor()
-        self.patiently(self._store.settle)
+
+    def _start_over(self) -> None:
+        """Find out whom the death of a worker is to be blamed on.
+
+        With several chunks in flight, on none: they are computed once more, each alone. One that
+        was alone has failed if its worker died by its own fault; if it was killed, by whom is not
+        known: a person, or the system for want of memory. That is borne for long, not for ever.
+        """
+        lost = list(self._running.values())
+        self._running.clear()
+        fault = "" if self._started is None else self._started.fault()
+        self._drop_executor()
+        if len(lost) > 1:
+            self._tell(f"a worker died; the {len(lost)} chunks in flight are computed one by one")
+            self._suspects.extend(lost)
+            return
+        (claim,) = lost
+        of_job = f"chunk {claim.number} of job {claim.job}"
+        if fault:
+            self._tell(f"{of_job} failed: its worker died by {fault}")
+            reason = f"its worker died by {fault}"
+            self.patiently(lambda: self._store.fail(self.name, claim, reason))
+            return
+        self._kills += 1
+        self._tell(f"the worker of {of_job} was killed, {self._kills} times in a row")
+        if self._kills < MOST_KILLS:
+            self._suspects.appendleft(claim)
+            return
+        self._kills = 0
+        self._fail_job(
+            claim,
+            f"the worker of chunk {claim.number} was killed {MOST_KILLS} times in a row, as the "
+            "system does for want of memory: take fewer chunk_rows, or fewer workers",
+        )
+
+    def _fail_job(self, claim: Claim, reason: str) -> None:
+        self.patiently(lambda: self._store.fail_job(claim.job, reason))
+        self.patiently(lambda: self._store.give_back(self.name, [claim]))
 
     def patiently(self, ask: Callable[[], Answer]) -> Answer:
         """Ask the store; wait, for a bounded time, while the database is gone."""
@@ -183,8 +251,9 @@ class Runner:
             started.end()
 
     def _end(self) -> None:
-        held = list(self._running.values())
+        held = self._held
         self._running.clear()
+        self._suspects.clear()
         self._drop_executor()
         if held:
             try:
@@ -192,6 +261,11 @@ class Runner:
             except DBAPIError as error:
                 # They count as stalled soon, and are claimed by others.
                 self._tell(f"chunks could not be given back: {_first_line(error)}")
+
+
+def _broken(future: "Future[Done]") -> bool:
+    """Whether the executor of a task that has ended broke, or dropped it."""
+    return future.cancelled() or isinstance(future.exception(), BrokenExecutor)
 
 
 def _first_line(error: DBAPIError) -> str:

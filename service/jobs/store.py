@@ -46,6 +46,10 @@ SEEN = (
 """What lists show of a job: not its specification, which may be large."""
 
 
+class GoneError(StoreError):
+    """The job that is asked for is not there any more."""
+
+
 class KeyReusedError(Exception):
     """A key that began a job came with another specification."""
 
@@ -318,7 +322,7 @@ class Store:
 
         Raises
         ------
-        StoreError
+        GoneError
             If it has gone.
         """
         wanted = [JOBS.c[one.name] for one in fields(NewJob)]
@@ -326,7 +330,7 @@ class Store:
             seen = sa.select(*wanted).where(JOBS.c.id == job, JOBS.c.state != DELETED)
             found = connection.execute(seen).mappings().one_or_none()
         if found is None:
-            raise StoreError(f"the job {job} has gone")
+            raise GoneError(f"the job {job} has gone")
         return NewJob(**found)
 
     def _jobs(self, wanted: sa.Select[Any]) -> list[Job]:
@@ -366,13 +370,13 @@ class Store:
 
         Raises
         ------
-        StoreError
+        GoneError
             If the job is deleted before all are read.
         """
         with self._reading.connect() as connection:
             chunks = connection.scalar(sa.select(JOBS.c.chunks).where(JOBS.c.id == job))
         if chunks is None:
-            raise StoreError(f"the job {job} has gone")
+            raise GoneError(f"the job {job} has gone")
         for first in range(0, chunks, BLOBS_AT_ONCE):
             after = min(first + BLOBS_AT_ONCE, chunks)
             with self._reading.connect() as connection:
@@ -383,7 +387,7 @@ class Store:
                     .order_by(CHUNKS.c.number)
                 ).all()
             if len(held) < after - first:
-                raise StoreError(f"the rows of job {job} have gone")
+                raise GoneError(f"the rows of job {job} have gone")
             yield from held
 
     def _lock(self, connection: sa.Connection, job: str) -> None:

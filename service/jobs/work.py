@@ -1,41 +1,70 @@
-"""What a worker process does: one chunk from its part of the specification to its blob."""
+"""What a worker process does: one chunk from the specification to its blob."""
 
+import functools
 import multiprocessing
 import multiprocessing.connection
 import os
 import signal
 import threading
 import warnings
-from dataclasses import replace
+import zlib
+from multiprocessing.connection import Connection
 
+from design.errors import DesignError
 from design.tables.compute import compute_rows
 from design.tables.rows import INFEASIBLE, VERIFIED, VERIFIED_IDEAL
 from design.tables.specification import TableSpecification
 from service.jobs.blobs import to_blob
+from service.jobs.plan import specification_of
 from service.jobs.records import Done
 
 ALONE = threading.Lock()
 """One solver at a time in a process, however many threads a Dask worker has: CasADi crashes when
 threads share it."""
 
-
-def part_of(specification: TableSpecification, number: int) -> tuple[TableSpecification, int, int]:
-    """Return what a worker needs to know of one chunk: of listed designs, its own only."""
-    start, stop = specification.chunk(number)
-    if specification.listed is not None:
-        return replace(specification, listed=specification.listed[start:stop]), start, stop
-    return specification, start, stop
+MOST_SPECIFICATIONS = 2
+"""Specifications that a worker keeps expanded: two jobs in turn are not read again and again."""
 
 
-def compute_chunk(part: TableSpecification, start: int, stop: int) -> Done:
-    """Compute the rows of one chunk."""
+class UnreadableError(Exception):
+    """The specification of a job is none, or none that this version knows."""
+
+
+def packed(specification: str) -> bytes:
+    """Return a specification as it travels to workers, which alone read and expand it."""
+    return zlib.compress(specification.encode())
+
+
+@functools.lru_cache(maxsize=MOST_SPECIFICATIONS)
+def _expanded(content: bytes, impulses: int | None) -> TableSpecification:
+    try:
+        return specification_of(zlib.decompress(content).decode(), impulses)
+    except (DesignError, ValueError) as error:  # pydantic's are ValueErrors
+        raise UnreadableError(f"its specification cannot be read: {error}") from error
+
+
+def compute_chunk(content: bytes, impulses: int | None, number: int) -> Done:
+    """Compute the rows of one chunk.
+
+    Parameters
+    ----------
+    content
+        The specification of the job, `packed`.
+    impulses
+        Of each row; None where the kind of shaper says.
+    number
+        Of the chunk.
+
+    Raises
+    ------
+    UnreadableError
+        If the specification is none that this version knows.
+    """
     with ALONE, warnings.catch_warnings():
         # Results are checked to be finite.
         warnings.simplefilter("ignore", RuntimeWarning)
-        if part.listed is not None:
-            rows = replace(compute_rows(part, 0, stop - start), first=start)
-        else:
-            rows = compute_rows(part, start, stop)
+        specification = _expanded(content, impulses)
+        rows = compute_rows(specification, *specification.chunk(number))
     return Done(
         blob=to_blob(rows),
         verified=int((rows.status == VERIFIED).sum()),
@@ -44,15 +73,21 @@ def compute_chunk(part: TableSpecification, start: int, stop: int) -> Done:
     )
 
 
-def begin() -> None:
-    """Prepare a worker process: it ends with its parent, which alone hears signals."""
+def begin(lifeline: Connection) -> None:
+    """Prepare a worker process: it ends with its parent, which alone hears signals.
+
+    It ends with its executor too, which holds the other end of the lifeline: nobody else can end a
+    worker whose fork server has died.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    watched: list[Connection | int] = [lifeline]
     parent = multiprocessing.parent_process()
     if parent is not None:
-        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+        watched.append(parent.sentinel)
+    threading.Thread(target=_end_with, args=(watched,), daemon=True).start()
 
 
-def _end_with(sentinel: int) -> None:
-    multiprocessing.connection.wait([sentinel])
+def _end_with(watched: list[Connection | int]) -> None:
+    multiprocessing.connection.wait(watched)
     os._exit(0)

@@ -206,12 +206,12 @@ class WorkerPool:
 
     def _admit(self, run: _Run) -> None:
         """Let a task wait, or refuse it at once where it would wait too long."""
-        if self.pending >= self._max_pending:
-            raise _refused(f"{self.pending} tasks are running or waiting", LONGEST_WAIT_S / 10)
         cost_s = self.costs.of(run.shape)
         large = cost_s > SLICE_S and not run.splits
         flow = Flow(run.client, run.kind, large)
         wait_s = self._wait_s(flow, cost_s)
+        if self.pending >= self._max_pending:
+            raise _refused(f"{self.pending} tasks are running or waiting", wait_s)
         if run.kind != "batch":
             admitted = (
                 wait_s <= LONGEST_WAIT_S
@@ -521,5 +521,7 @@ class WorkerPool:
 
 
 def _refused(detail: str, wait_s: float) -> TaskError:
-    problem = Problem(OVERLOADED, f"{detail}; try again later", retry_after_s=math.ceil(wait_s))
+    problem = Problem(
+        OVERLOADED, f"{detail}; try again later", retry_after_s=max(1, math.ceil(wait_s))
+    )
     return TaskError(problem)

@@ -44,12 +44,12 @@ built [s]."""
 def at_work(service: Running, before: dict[int, float]) -> int:
     """Return a worker that has worked since, waiting for one; a ready worker that waits does not.
 
-    Two ticks of the processor's clock are work.
+    Four ticks of the processor's clock are work: to be born takes fewer.
     """
-    ticks = 2.5 / TICKS_A_SECOND
+    ticks = 4.5 / TICKS_A_SECOND
     return until(
         lambda: next(
-            (pid for pid, used in workers(service).items() if used > before.get(pid, used) + ticks),
+            (pid for pid, used in workers(service).items() if used > before.get(pid, 0.0) + ticks),
             0,
         ),
         "no worker is at work",
@@ -144,7 +144,7 @@ def test_too_much_waiting_work_is_refused_with_a_time_to_retry(tmp_path: Path) -
         service.process.kill()
         thread.join(HUNG_S)
     assert (refused.status_code, refused.json()["type"]) == (503, "urn:shapersmith:overloaded")
-    assert refused.headers["retry-after"] == "1"
+    assert int(refused.headers["retry-after"]) >= 1
 
 
 def _refuses(service: Running) -> bool:

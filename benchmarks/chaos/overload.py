@@ -1,0 +1,99 @@
+"""Three times as many requests as the service can answer: it serves on, and refuses the rest."""
+
+import asyncio
+from collections.abc import Iterator
+
+import uvloop
+
+from benchmarks.chaos.trial import Trial, at_least, at_most, designs, folder, none_of, served
+from benchmarks.loops import closed_loop, latencies, open_loop, with_status
+from benchmarks.measure import Figure
+from benchmarks.wire import Client
+
+CLIENTS = 32
+CAPACITY_S = 10.0
+NORMAL_S = 10.0
+FLOOD_S = 60.0
+FLOOD = 3.0
+"""Requests of the flood over what can be answered."""
+
+RECOVERED_S = 2.0
+"""After the flood, answers come as before within [s]."""
+
+
+def figures(trial: Trial) -> Iterator[Figure]:
+    """Measure."""
+    with folder() as place, served(place) as service:
+        yield from uvloop.run(_flooded(service.port, trial))
+
+
+async def _flooded(port: int, trial: Trial) -> list[Figure]:
+    client = Client(port)
+    ask = designs(client)
+
+    # What it can do, with always as many waiting as there are clients.
+    seconds = trial.span_s(CAPACITY_S)
+    told = await closed_loop(ask, callers=CLIENTS, seconds=seconds)
+    capacity_hz = sum(len(with_status(mine, 200)) for mine in told) / seconds
+
+    # How fast it is at half of that.
+    quiet = await open_loop(ask, rate_hz=capacity_hz / 2, seconds=trial.span_s(NORMAL_S))
+    normal = latencies(with_status(quiet, 200))
+    normal_ms = normal.percentile(99)
+
+    # Three times that, and at once half of it again, while the last of the flood are answered.
+    seconds = trial.span_s(FLOOD_S)
+    flood = asyncio.create_task(open_loop(ask, rate_hz=FLOOD * capacity_hz, seconds=seconds))
+    await asyncio.sleep(seconds)
+    after = await open_loop(
+        ask, rate_hz=capacity_hz / 2, seconds=RECOVERED_S + trial.span_s(NORMAL_S)
+    )
+    flooded = await flood
+    client.close()
+
+    start_s = flooded[0].planned_s
+    served_all = with_status(flooded, 200)
+    refused = with_status(flooded, 503)
+    in_time = [one for one in served_all if one.done_s <= start_s + seconds]
+    others = len(flooded) - len(served_all) - len(refused)
+    recovered_s = after[0].planned_s + RECOVERED_S
+    recovered = latencies([one for one in after if one.planned_s >= recovered_s])
+    return [
+        Figure(
+            what=f"capacity, {CLIENTS} clients, all designs different",
+            value=f"{capacity_hz:.0f}/s; at half of it {normal}",
+            limit="",
+            met=None,
+        ),
+        at_most(
+            f"served at {FLOOD:g} times capacity for {seconds:g} s, p99 since planned / normal",
+            latencies(served_all).percentile(99) / normal_ms,
+            3.0,
+            told=f"planned {latencies(served_all)}; sent {latencies(served_all, planned=False)}",
+        ),
+        at_most(
+            "refused meanwhile with 503, p99 since planned",
+            latencies(refused).percentile(99),
+            100.0,
+            "ms",
+            told=f"{len(refused)}; sent {latencies(refused, planned=False)}",
+        ),
+        none_of("refused without Retry-After", [x for x in refused if not x.told_to_retry]),
+        none_of("neither served nor refused", range(others)),
+        at_least(
+            "served a second meanwhile / capacity",
+            len(in_time) / seconds / capacity_hz,
+            0.8,
+            told=f"{len(in_time) / seconds:.0f}/s",
+        ),
+        none_of(
+            "not served at half of capacity, from 2 s after",
+            [one for one in after if one.planned_s >= recovered_s and one.status != 200],
+        ),
+        at_most(
+            f"p99 at half of capacity, from {RECOVERED_S:g} s after / normal",
+            recovered.percentile(99) / normal_ms,
+            1.5,
+            told=str(recovered),
+        ),
+    ]
