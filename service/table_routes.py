@@ -262,7 +262,7 @@ async def events(request: Request, id: str) -> Response:
     "/v1/tables/{id}/result",
     response_class=Response,
     responses={
-        **_problems(404, 409, 416, 422, 500, 503, 504),
+        **_problems(404, 409, 413, 416, 422, 500, 503, 504),
         200: {
             "description": "The file",
             "content": {export.media_type: {} for export in EXPORTS.values()},

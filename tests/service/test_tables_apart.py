@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sqlite3
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 from service.files import locked as file_locked
 from service.jobs.results import lock_of, write_result_of
 from service.jobs.service import JobService
+from service.problems import NOT_FOUND
 from service.settings import Settings
 from tests.conftest import CRANE, Running, running_service
 from tests.harmed_stores import HARMS, locked
@@ -147,6 +149,35 @@ def test_what_a_killed_writer_left_is_removed_and_what_a_live_one_writes_is_wait
     maker.join()
     assert refused == [None]
     assert [one.name for one in path.parent.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize("blob", [None, b"", b"no rows", "cut", "text"])
+def test_rows_that_are_damaged_are_told_and_leave_no_file(
+    stored: tuple[str, str, Path], client: httpx.Client, blob: Any
+) -> None:
+    _, job, path = stored
+    store = sqlite3.connect(path.parents[1] / "jobs.sqlite", timeout=60)
+    if blob == "cut":
+        ((whole,),) = store.execute("SELECT blob FROM chunks WHERE job = ? AND number = 1", (job,))
+        blob = whole[: len(whole) // 2]
+    store.execute("UPDATE chunks SET blob = ? WHERE job = ? AND number = 1", (blob, job))
+    store.commit()
+    store.close()
+    refused = client.get(f"/v1/tables/{job}/result")
+    assert (refused.status_code, refused.json()["type"]) == (503, "urn:shapersmith:overloaded")
+    assert "chunk 1 of job" in refused.json()["detail"]
+    assert not list(path.parent.iterdir())
+
+
+def test_a_table_that_is_deleted_while_its_file_is_made_is_not_found(
+    stored: tuple[str, str, Path], client: httpx.Client
+) -> None:
+    url, job, path = stored
+    client.delete(f"/v1/tables/{job}").raise_for_status()
+    problem = write_result_of(url, job, "csv", str(path))
+    assert problem is not None
+    assert problem.kind is NOT_FOUND
+    assert not list(path.parent.iterdir())
 
 
 def test_files_that_nobody_needs_are_removed_by_the_service(
