@@ -6,7 +6,8 @@ from collections import deque
 from service.answers import Answer, answer_lines
 from service.problems import TIME_LIMIT, Problem
 from service.workers.costs import shape_of
-from service.workers.pool import SplitError, TaskError, WorkerPool
+from service.workers.pool import WorkerPool
+from service.workers.runs import SplitError, TaskError
 
 PART_S = 0.05
 """What a part of a batch is expected to take, so that batches share workers [s]."""

@@ -9,10 +9,15 @@ import uuid
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.problems import INTERNAL, Problem
+from service.answers import OPERATIONS
+from service.problems import INTERNAL, OVERLOADED, Problem
+from service.workers.pool import WorkerPool
 
 REQUEST_ID = re.compile(rb"[A-Za-z0-9._-]{1,64}\Z")
 """Ids of clients that are taken over; others are replaced."""
+
+PATHS = {operation.path for operation in OPERATIONS.values()}
+"""Paths whose requests a worker answers, most of them small."""
 
 CLIENT_CLOSED_REQUEST = 499
 """Logged, as nginx does, for a client that left before its body was here."""
@@ -44,6 +49,16 @@ class RequestMiddleware:
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
+    def _refusal(self, scope: Scope) -> Problem | None:
+        """Return why a request is refused before its body is read, as routes would after it.
+
+        Under an overload that is most of what there is to do.
+        """
+        if scope["method"] != "POST" or scope["path"] not in PATHS or scope["client"] is None:
+            return None
+        pool: WorkerPool = scope["app"].state.pool
+        return pool.refusal(scope["client"][0])
+
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve one request."""
         if scope["type"] != "http":
@@ -63,7 +78,11 @@ class RequestMiddleware:
             await send(message)
 
         try:
-            await self._app(scope, receive, send_with_id)
+            problem = self._refusal(scope)
+            if problem is not None:
+                await _send_problem(problem, request_id, send_with_id)
+            else:
+                await self._app(scope, receive, send_with_id)
         except ClientDisconnect:
             status = CLIENT_CLOSED_REQUEST
         except Exception:  # noqa: BLE001 - the last resort, logged with its traceback
@@ -91,12 +110,15 @@ class RequestMiddleware:
 
 async def _send_problem(problem: Problem, request_id: str, send: Send) -> None:
     body = problem.document(request_id).model_dump_json().encode()
+    headers = [
+        (b"content-type", b"application/problem+json"),
+        (b"content-length", str(len(body)).encode()),
+    ]
+    if problem.kind is OVERLOADED:
+        headers.append((b"retry-after", str(problem.retry_after_s).encode()))
     await send({
         "type": "http.response.start",
         "status": problem.kind.http.value,
-        "headers": [
-            (b"content-type", b"application/problem+json"),
-            (b"content-length", str(len(body)).encode()),
-        ],
+        "headers": headers,
     })
     await send({"type": "http.response.body", "body": body})

@@ -22,7 +22,8 @@ from service.bodies import (
 from service.problems import NOT_JSON, OVERLOADED, TOO_LARGE, Problem
 from service.settings import Settings
 from service.workers.costs import shape_of
-from service.workers.pool import TaskError, WorkerPool
+from service.workers.pool import WorkerPool
+from service.workers.runs import TaskError
 
 JSON = ("application/json",)
 JSON_LINES = (

@@ -10,7 +10,7 @@ from starlette.responses import Response
 from service.bodies import BodyError, problem_response
 from service.jobs.asking import UnansweredError
 from service.problems import OVERLOADED, Problem
-from service.workers.pool import TaskError
+from service.workers.runs import TaskError
 
 
 class ProblemError(Exception):

@@ -17,6 +17,14 @@ def asleep(seconds: float) -> int:
     return os.getpid()
 
 
+def busy(seconds: float) -> int:
+    """Use so much processor time, and return the worker's process id."""
+    end = time.process_time() + seconds
+    while time.process_time() < end:
+        pass
+    return os.getpid()
+
+
 def noted(path: str, value: str) -> None:
     """Add a line to a file: who was served, in order."""
     with Path(path).open("a") as file:

@@ -1,4 +1,7 @@
-"""What work is expected to cost, learned from what work of the same shape has cost."""
+"""What work is expected to cost, learned from what work of the same shape has cost.
+
+Costs are processor time: how busy a machine is changes how long work takes, not how large it is.
+"""
 
 import re
 from collections import OrderedDict
@@ -30,25 +33,39 @@ def shape_of(operation: str, body: bytes) -> Hashable:
 
 
 class Costs:
-    """Mean cost of each shape, and of small work at large for shapes that are not known."""
+    """Mean cost of each shape, and of small work at large for shapes that are not known.
+
+    Attributes
+    ----------
+    small_s
+        What small work takes, in the mean [s].
+    slowness
+        How much longer work takes than the processor time that it costs [-].
+    """
 
     def __init__(self) -> None:
         self._means: OrderedDict[Hashable, float] = OrderedDict()
-        self._small_s = FIRST_GUESS_S
+        self.small_s = FIRST_GUESS_S
+        self.slowness = 1.0
 
     def of(self, shape: Hashable) -> float:
         """Return what work of a shape is expected to take [s]."""
         if shape not in self._means:
-            return self._small_s
+            return self.small_s
         self._means.move_to_end(shape)
         return self._means[shape]
 
     def record(self, shape: Hashable, seconds: float) -> None:
         """Learn what work of a shape has taken."""
         if seconds < SLICE_S:
-            self._small_s += LEARNING * (seconds - self._small_s)
+            self.small_s += LEARNING * (seconds - self.small_s)
         known = self._means.get(shape, seconds)
         self._remember(shape, known + LEARNING * (seconds - known))
+
+    def took(self, seconds: float, cost_s: float) -> None:
+        """Learn how long work has taken beside what it cost."""
+        if cost_s > 0.0:
+            self.slowness += LEARNING * (max(seconds / cost_s, 1.0) - self.slowness)
 
     def at_least(self, shape: Hashable, seconds: float) -> None:
         """Learn that work of a shape takes so long at least: it still runs."""

@@ -38,9 +38,19 @@ class Patience:
         """Count an arrival, and return whether one that would wait so long may wait."""
         self._turn(now)
         self._arrived += 1
+        return wait_s <= self._limit_s(cost_s)
+
+    def refuses(self, now: float, wait_s: float, cost_s: float) -> bool:
+        """Return whether an arrival may not wait, which only then is counted."""
+        self._turn(now)
+        refused = wait_s > self._limit_s(cost_s)
+        self._arrived += refused
+        return refused
+
+    def _limit_s(self, cost_s: float) -> float:
         if self._growing >= INTERVALS:
-            return wait_s <= max(STANDING_S, STANDING_COSTS * cost_s)
-        return wait_s <= max(BURST_S, BURST_COSTS * cost_s)
+            return max(STANDING_S, STANDING_COSTS * cost_s)
+        return max(BURST_S, BURST_COSTS * cost_s)
 
     def answered(self, now: float) -> None:
         """Count an answer."""

@@ -9,19 +9,18 @@ milliseconds.
 
 import asyncio
 import logging
-import math
 import time
-from collections.abc import Callable, Coroutine, Hashable
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from collections.abc import Callable, Hashable
 from functools import partial
 from typing import Any
 
-from service.problems import INTERNAL, OVERLOADED, TIME_LIMIT, TOO_LARGE, Problem
+from service.problems import INTERNAL, TIME_LIMIT, TOO_LARGE, Problem
 from service.workers.costs import SLICE_S, Costs
+from service.workers.crew import Crew
 from service.workers.patience import Patience
-from service.workers.process import Outcome, Worker, prepare
+from service.workers.process import Outcome, Worker
 from service.workers.queue import FairQueue, Flow, Kind, Ticket
+from service.workers.runs import Run, SplitError, TaskError, expected, refused
 
 MOST_CRASHES = 2
 """Workers that a task may crash: it is the task's fault then."""
@@ -32,69 +31,10 @@ MOST_DEATHS = 10
 LONGEST_WAIT_S = 30.0
 """How long a task may wait for a worker, or be expected to [s]."""
 
-START_PAUSES_S = (0.0, 0.0, 0.1, 0.5, 1.0)
-"""Wait after as many workers in a row that could not be started: do not spin on it [s]."""
-
-START_LIMIT_S = 60.0
-"""How long a worker may take to be ready [s]."""
-
-STOP_WAIT_S = 5.0
-"""How long an idle worker may take to end before it is killed [s]."""
+IDLING_S = 4 * SLICE_S
+"""A task that takes so long is large whatever it costs: it waits for something [s]."""
 
 LOG = logging.getLogger("shapersmith.pool")
-
-
-class TaskError(Exception):
-    """A task that has no answer."""
-
-    def __init__(self, problem: Problem) -> None:
-        super().__init__(problem.detail)
-        self.problem = problem
-
-
-class SplitError(Exception):
-    """A task of several parts that takes longer than a slice: its parts are to be run apart."""
-
-
-@dataclass(eq=False, slots=True, kw_only=True)
-class _Run:
-    """One task on its way: waiting, or in a worker.
-
-    Attributes
-    ----------
-    shape
-        What tasks share that cost alike.
-    splits
-        Whether it is given up where it is large, for its parts to be run apart.
-    callers
-        How many wait for it.
-    large, overdue
-        Whether it has one of the places for large work; whether it should.
-    """
-
-    task: Callable[..., Any]
-    arguments: tuple[Any, ...]
-    client: str
-    kind: Kind
-    shape: Hashable
-    key: Hashable | None
-    limit_s: float
-    splits: bool
-    done: "asyncio.Future[Any]"
-    ticket: Ticket
-    callers: int = 0
-    crashes: int = 0
-    deaths: int = 0
-    large: bool = False
-    overdue: bool = False
-    worker: Worker | None = None
-    begun: float = 0.0
-    timers: list[asyncio.TimerHandle] = field(default_factory=list)
-
-    def stop_timers(self) -> None:
-        for timer in self.timers:
-            timer.cancel()
-        self.timers.clear()
 
 
 class WorkerPool:
@@ -123,19 +63,12 @@ class WorkerPool:
         self._memory_bytes = memory_bytes
         self._small, self._large = FairQueue(), FairQueue()
         self._patience = Patience()
-        self._runs: dict[Ticket, _Run] = {}
-        self._shared: dict[Hashable, _Run] = {}
-        self._idle: list[Worker] = []
-        self._busy: dict[Worker, _Run] = {}
-        self._starting: dict[Worker, asyncio.TimerHandle] = {}
-        self._to_start = 0
-        self._failed_starts = 0
-        self._closed = False
+        self._runs: dict[Ticket, Run] = {}
+        self._shared: dict[Hashable, Run] = {}
+        self._busy: dict[Worker, Run] = {}
         self._loop = asyncio.get_running_loop()
-        self._starter = ThreadPoolExecutor(1, thread_name_prefix="worker-starter")
-        self._tasks: set[asyncio.Task[None]] = set()
-        prepare()
-        self._fill()
+        self._crew = Crew(self, memory_bytes)
+        self._crew.keep(workers)
 
     async def run(
         self,
@@ -176,7 +109,7 @@ class WorkerPool:
         run = self._shared.get(key) if key is not None else None
         if run is None:
             limit_s = self._time_limit_s if limit_s is None else limit_s
-            run = _Run(
+            run = Run(
                 task=task, arguments=arguments, client=client, kind=kind,
                 shape=shape if shape is not None else task.__qualname__, key=key,
                 limit_s=limit_s, splits=splits,
@@ -191,6 +124,17 @@ class WorkerPool:
             if run.callers == 0 and not run.done.done():
                 self._give_up(run)
 
+    def refusal(self, client: str) -> Problem | None:
+        """Return why a small single request would be refused at once; None where it would not.
+
+        For those who want to know before they have read it.
+        """
+        cost_s = self.costs.small_s
+        wait_s = self._wait_s(Flow(client), cost_s)
+        if self._patience.refuses(self._loop.time(), wait_s, cost_s):
+            return expected(wait_s).problem
+        return None
+
     @property
     def pending(self) -> int:
         """Tasks running and waiting."""
@@ -199,19 +143,18 @@ class WorkerPool:
     @property
     def ready(self) -> bool:
         """Whether a worker lives whose solvers are built, and there is room for a task."""
-        built = bool(self._idle or self._busy)
-        return built and self.pending < self._max_pending
+        return self._crew.built and self.pending < self._max_pending
 
     # Waiting.
 
-    def _admit(self, run: _Run) -> None:
+    def _admit(self, run: Run) -> None:
         """Let a task wait, or refuse it at once where it would wait too long."""
         cost_s = self.costs.of(run.shape)
         large = cost_s > SLICE_S and not run.splits
         flow = Flow(run.client, run.kind, large)
         wait_s = self._wait_s(flow, cost_s)
         if self.pending >= self._max_pending:
-            raise _refused(f"{self.pending} tasks are running or waiting", wait_s)
+            raise refused(f"{self.pending} tasks are running or waiting", wait_s)
         if run.kind != "batch":
             admitted = (
                 wait_s <= LONGEST_WAIT_S
@@ -219,27 +162,29 @@ class WorkerPool:
                 else self._patience.admits(self._loop.time(), wait_s, cost_s)
             )
             if not admitted:
-                raise _refused(f"a worker is expected to be free in {wait_s:.2g} s only", wait_s)
+                raise expected(wait_s)
         self._wait(run, flow, cost_s)
         if run.key is not None:
             self._shared[run.key] = run
-        self._dispatch()
+        self.may_begin()
 
     def _wait_s(self, flow: Flow, cost_s: float) -> float:
         if flow.large:
             return self._large.wait_s(flow, cost_s, self._large_places)
-        return 0.0 if self._idle else self._small.wait_s(flow, cost_s, self.workers)
+        if self._crew.idle:
+            return 0.0
+        return self._small.wait_s(flow, cost_s, self.workers) * self.costs.slowness
 
-    def _wait(self, run: _Run, flow: Flow, cost_s: float, start: float | None = None) -> None:
+    def _wait(self, run: Run, flow: Flow, cost_s: float, start: float | None = None) -> None:
         run.ticket = Ticket(flow, cost_s)
         self._runs[run.ticket] = run
         (self._large if flow.large else self._small).add(run.ticket, start)
         if run.kind != "batch":
             late = f"no worker was free within {LONGEST_WAIT_S:g} s"
-            refuse = partial(self._fail, run, _refused(late, LONGEST_WAIT_S))
+            refuse = partial(self._fail, run, refused(late, LONGEST_WAIT_S))
             run.timers.append(self._loop.call_later(LONGEST_WAIT_S, refuse))
 
-    def _leave(self, run: _Run) -> None:
+    def _leave(self, run: Run) -> None:
         """Take a task out of the queue and the books."""
         run.stop_timers()
         (self._large if run.ticket.flow.large else self._small).remove(run.ticket)
@@ -249,17 +194,18 @@ class WorkerPool:
 
     # Running.
 
-    def _dispatch(self) -> None:
-        """Give workers that are idle to those that are next."""
+    def may_begin(self) -> None:
+        """Give the workers that are idle to those that are next."""
         while self._large_running < self._large_places and self._promote():
             continue
-        while self._idle and self._small_running < self.workers and len(self._small):
+        while self._crew.idle and self._small_running < self.workers and len(self._small):
             self._begin(self._small, large=False)
-        while self._idle and self._large_running < self._large_places and len(self._large):
+        while self._crew.idle and self._large_running < self._large_places and len(self._large):
             self._begin(self._large, large=True)
         if len(self._small) and self._small_running >= self.workers:
             self._end_an_overdue()
-        self._fill()
+        waiting = min(self._large_places, self._large_running + len(self._large))
+        self._crew.keep(self.workers + waiting)
 
     @property
     def _large_running(self) -> int:
@@ -273,7 +219,7 @@ class WorkerPool:
         ticket = queue.pop()
         if ticket is None:
             return
-        run, worker = self._runs[ticket], self._idle.pop()
+        run, worker = self._runs[ticket], self._crew.take()
         run.stop_timers()
         run.worker, run.begun, run.large, run.overdue = worker, time.perf_counter(), large, False
         self._busy[worker] = run
@@ -285,21 +231,14 @@ class WorkerPool:
             self._loop.call_later(run.limit_s, self._end_late, run),
         ]
 
-    def _told(self, worker: Worker, outcome: Outcome, result: Any) -> None:  # noqa: ANN401
-        """Take what a worker tells."""
-        starting = self._starting.pop(worker, None)
-        if starting is not None:
-            starting.cancel()
-            self._failed_starts = 0
-            self._idle.append(worker)
-            self._dispatch()
-            return
+    def told(self, worker: Worker, outcome: Outcome, result: Any) -> None:  # noqa: ANN401
+        """Take what a worker tells of its task."""
         run = self._busy.pop(worker)
         if outcome == "memory" or run.large:
-            worker.kill()  # it has made way, which it cannot take back, or is near its limit
+            self._crew.end(worker)  # it is near its limit, or has made way for good
         else:
-            self._idle.append(worker)
-        self._account(run)
+            self._crew.give_back(worker)
+        self._account(run, worker.cost_s)
         if outcome == "done":
             self._leave(run)
             if not run.done.done():
@@ -312,61 +251,63 @@ class WorkerPool:
             LOG.error("a task failed: %s", result)
             told = "the service failed; its log has the reason"
             self._fail(run, TaskError(Problem(INTERNAL, told)))
-        self._dispatch()
+        self.may_begin()
 
-    def _account(self, run: _Run) -> None:
+    def _account(self, run: Run, spent_s: float) -> None:
         """Learn what a task has cost."""
-        spent_s = self._charge(run)
+        self._charge(run, spent_s)
+        self.costs.took(time.perf_counter() - run.begun, spent_s)
         if not run.splits:
             self.costs.record(run.shape, spent_s)
         if not run.large and run.kind != "batch":
             self._patience.answered(self._loop.time())
 
-    def _charge(self, run: _Run) -> float:
-        """Charge what a task has cost to its flow, and return it [s]."""
-        spent_s = time.perf_counter() - run.begun
+    def _charge(self, run: Run, spent_s: float) -> None:
+        """Charge what a task has cost to its flow."""
         if run.ticket.flow.large:
             self._large.charge(run.ticket, spent_s)
         else:
             self._small.charge(run.ticket, min(spent_s, SLICE_S))
-        return spent_s
 
-    def _fail(self, run: _Run, error: Exception) -> None:
+    def _fail(self, run: Run, error: Exception) -> None:
         self._leave(run)
         if not run.done.done():
             run.done.set_exception(error)
             if run.callers == 0:
                 run.done.exception()  # nobody is there to retrieve it
 
-    def _give_up(self, run: _Run) -> None:
+    def _give_up(self, run: Run) -> None:
         """End a task for which nobody waits any more."""
         self._leave(run)
         run.done.cancel()
         self._end_worker(run, "its client has left")
-        self._dispatch()
+        self.may_begin()
 
-    def _end_worker(self, run: _Run, reason: str) -> None:
+    def _end_worker(self, run: Run, reason: str) -> None:
         worker, run.worker = run.worker, None
         if worker is not None and self._busy.pop(worker, None) is not None:
-            self._charge(run)
+            self._charge(run, worker.spent_s())
             LOG.info("worker %s ended: %s", worker.pid, reason)
-            worker.kill()
+            self._crew.end(worker)
 
-    def _end_late(self, run: _Run) -> None:
+    def _end_late(self, run: Run) -> None:
         self.costs.at_least(run.shape, run.limit_s)
         self._end_worker(run, f"its task ran for {run.limit_s:g} s")
         told = f"the work was ended after {run.limit_s:g} s"
         self._fail(run, TaskError(Problem(TIME_LIMIT, told)))
-        self._dispatch()
+        self.may_begin()
 
     # What is large.
 
-    def _look_again(self, run: _Run, after_s: float) -> None:
+    def _look_again(self, run: Run, after_s: float) -> None:
         """Move a task out of the way that has taken longer than a slice; once more at twice that.
 
-        Until it ends nobody knows what it costs: as much again is the best guess.
+        Until it ends nobody knows what it costs: as much again is the best guess. Small work on a
+        machine that is busy with other things takes long too, and costs no more for it.
         """
         run.timers.append(self._loop.call_later(after_s, self._look_again, run, 2 * after_s))
+        if run.worker is None or (after_s < IDLING_S and run.worker.spent_s() < SLICE_S / 2):
+            return
         if run.splits:
             self._end_worker(run, "some of its parts are large: they are run apart")
             self._fail(run, SplitError())
@@ -375,7 +316,7 @@ class WorkerPool:
             if not run.large:
                 run.overdue = True
             self._sort_out()
-        self._dispatch()
+        self.may_begin()
 
     def _sort_out(self) -> None:
         """Move what waits among the small and is known as large; refuse what waits in vain."""
@@ -389,12 +330,11 @@ class WorkerPool:
             run = self._runs[ticket]
             wait_s = ahead_s / self._large_places
             if wait_s > LONGEST_WAIT_S and run.kind != "batch":
-                late = f"a worker is expected to be free in {wait_s:.2g} s only"
-                self._fail(run, _refused(late, wait_s))
+                self._fail(run, expected(wait_s))
             else:
                 ahead_s += self.costs.of(run.shape)
 
-    def _to_large(self, run: _Run, cost_s: float) -> None:
+    def _to_large(self, run: Run, cost_s: float) -> None:
         """Let a task wait for a place for large work."""
         self._small.remove(run.ticket)
         del self._runs[run.ticket]
@@ -418,70 +358,23 @@ class WorkerPool:
             self._end_worker(run, "its task is large and all places for such are taken")
             self._to_large(run, self.costs.of(run.shape))
 
-    def _oldest_overdue(self) -> _Run | None:
+    def _oldest_overdue(self) -> Run | None:
         overdue = [run for run in self._busy.values() if run.overdue]
         return min(overdue, key=lambda one: one.begun, default=None)
 
-    # Workers.
+    # What dies.
 
-    def _fill(self) -> None:
-        """Start the workers that are missing, and end those that are too many."""
-        if self._closed:
+    def lost(self, worker: Worker) -> Callable[[bool], None]:
+        """Forget a worker that has died at a task, which others do."""
+        run = self._busy.pop(worker)
+        run.worker = None
+        run.stop_timers()
+        return partial(self._try_again, run)
+
+    def _try_again(self, run: Run, crashed: bool) -> None:
+        """Have a task run by another worker, unless it is the task that ends them."""
+        if run.done.done():
             return
-        wanted = self.workers + min(self._large_places, self._large_running + len(self._large))
-        there = len(self._idle) + len(self._busy) + len(self._starting) + self._to_start
-        for _ in range(wanted - there):
-            self._to_start += 1
-            self._soon(self._start())
-        for _ in range(min(there - wanted, len(self._idle))):
-            self._idle.pop().close()
-
-    async def _start(self) -> None:
-        pause_s = START_PAUSES_S[min(self._failed_starts, len(START_PAUSES_S) - 1)]
-        try:
-            if pause_s:
-                await asyncio.sleep(pause_s)
-            prepare()
-            worker = await self._loop.run_in_executor(
-                self._starter, Worker, self._memory_bytes, self._told, self._lost
-            )
-            self._starting[worker] = self._loop.call_later(START_LIMIT_S, self._end_stuck, worker)
-            await worker.connect()
-        except (OSError, EOFError) as error:
-            # EOFError: the fork server died while it forked; the next start begins another.
-            self._failed_starts += 1
-            LOG.error("no worker could be started: %r", error)
-        finally:
-            self._to_start -= 1
-        self._fill()
-
-    def _lost(self, worker: Worker) -> None:
-        """Replace a worker that has died."""
-        if self._closed:
-            return
-        where, run = "idle", self._busy.pop(worker, None)
-        if run is not None:
-            where, run.worker = "at a task", None
-            run.stop_timers()
-        elif worker in self._starting:
-            self._starting.pop(worker).cancel()
-            self._failed_starts += 1
-            where = "at its start"
-        elif worker in self._idle:
-            self._idle.remove(worker)
-        else:
-            return  # it was one too many
-        self._fill()
-        self._soon(self._buried(worker, where, run))
-
-    async def _buried(self, worker: Worker, where: str, run: _Run | None) -> None:
-        """Tell how a worker has died, and have its task run by another."""
-        how = await worker.ending()
-        LOG.error("worker %s died %s: %s; another takes its place", worker.pid, where, how)
-        worker.close()
-        if run is None or run.done.done():
-            return
-        crashed = worker.by_its_own_fault
         run.crashes, run.deaths = run.crashes + crashed, run.deaths + (not crashed)
         if run.crashes >= MOST_CRASHES or run.deaths >= MOST_DEATHS:
             self._fail(run, TaskError(Problem(INTERNAL, "every worker died at this request")))
@@ -489,39 +382,8 @@ class WorkerPool:
             ticket = run.ticket
             del self._runs[ticket]
             self._wait(run, ticket.flow, ticket.cost_s, ticket.start)
-        self._dispatch()
-
-    def _soon(self, work: Coroutine[Any, Any, None]) -> None:
-        task = self._loop.create_task(work)
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
-
-    def _end_stuck(self, worker: Worker) -> None:
-        """Replace a worker that is not ready in time."""
-        del self._starting[worker]
-        self._failed_starts += 1
-        LOG.error("worker %s is not ready after %g s; another starts", worker.pid, START_LIMIT_S)
-        worker.kill()
-        self._fill()
+        self.may_begin()
 
     async def close(self) -> None:
         """End the workers; all tasks have ended."""
-        self._closed = True
-        for task in list(self._tasks):
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
-        workers = [*self._idle, *self._busy, *self._starting]
-        for timer in self._starting.values():
-            timer.cancel()
-        for worker in workers:
-            worker.close()
-        joined = (asyncio.to_thread(worker.join, STOP_WAIT_S) for worker in workers)
-        await asyncio.gather(*joined)
-        self._starter.shutdown()
-
-
-def _refused(detail: str, wait_s: float) -> TaskError:
-    problem = Problem(
-        OVERLOADED, f"{detail}; try again later", retry_after_s=max(1, math.ceil(wait_s))
-    )
-    return TaskError(problem)
+        await self._crew.close()

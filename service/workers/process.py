@@ -14,12 +14,14 @@ import signal
 import socket
 import struct
 import threading
+import time
 import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing import forkserver
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from pathlib import Path
 from typing import Any, Literal
 
 from service.workers.solvers import warm_solvers
@@ -29,6 +31,8 @@ LENGTH = struct.Struct("!i")
 
 NICENESS = 10
 """Of a worker that is busy with large work: what is small goes first on the processors too."""
+
+TICKS_A_SECOND = os.sysconf("SC_CLK_TCK")
 
 STATUS_WAIT_S = 0.5
 """How long the exit status of a process that has ended may take to arrive [s]."""
@@ -60,6 +64,11 @@ class Worker(asyncio.Protocol):
         Called with each outcome and what came with it.
     lost
         Called once, when the process has ended or is out of reach.
+
+    Attributes
+    ----------
+    cost_s
+        Processor time of its latest task that has ended [s].
     """
 
     def __init__(
@@ -71,6 +80,8 @@ class Worker(asyncio.Protocol):
         self._told = told
         self._lost = lost
         self._received = bytearray()
+        self._used_s = 0.0
+        self.cost_s = 0.0
         self._transport: asyncio.WriteTransport | None = None
         context = multiprocessing.get_context("forkserver")
         ours, theirs = context.Pipe()
@@ -107,7 +118,9 @@ class Worker(asyncio.Protocol):
                 return
             message = bytes(self._received[LENGTH.size : LENGTH.size + size])
             del self._received[: LENGTH.size + size]
-            self._told(self, *pickle.loads(message))
+            outcome, result, used_s = pickle.loads(message)
+            self.cost_s, self._used_s = used_s - self._used_s, used_s
+            self._told(self, outcome, result)
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Tell that the process is gone."""
@@ -120,6 +133,16 @@ class Worker(asyncio.Protocol):
         message = pickle.dumps((task, arguments))
         if self._transport is not None:
             self._transport.write(LENGTH.pack(len(message)) + message)
+
+    def spent_s(self) -> float:
+        """Return the processor time of its present task, to the system's ticks [s]."""
+        try:
+            told = Path(f"/proc/{self.pid}/stat").read_text()
+        except (FileNotFoundError, ProcessLookupError):
+            return 0.0  # it has just ended, which is told
+        # The name, in brackets, may hold anything.
+        fields = told.rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / TICKS_A_SECOND - self._used_s
 
     def make_way(self) -> None:
         """Let other processes go first."""
@@ -190,10 +213,10 @@ def _work(pipe: Connection, memory_bytes: int) -> None:
     warm_solvers()
     resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
     try:
-        pipe.send(("ready", None))
+        pipe.send(("ready", None, time.process_time()))
         while True:
             task, arguments = pipe.recv()
-            pipe.send(_outcome(task, arguments))
+            pipe.send((*_outcome(task, arguments), time.process_time()))
     except (EOFError, OSError):
         return  # the pool has closed its end
 

@@ -15,7 +15,8 @@ import pytest
 
 from service.problems import INTERNAL, OVERLOADED, TIME_LIMIT, TOO_LARGE
 from service.workers.costs import SLICE_S
-from service.workers.pool import MOST_DEATHS, SplitError, TaskError, WorkerPool
+from service.workers.pool import MOST_DEATHS, WorkerPool
+from service.workers.runs import SplitError, TaskError
 from tests import pool_tasks as tasks
 from tests.processes import HUNG_S, running
 
@@ -124,7 +125,7 @@ def test_large_work_makes_way_for_small_work_and_is_done_all_the_same() -> None:
     async def story() -> None:
         async with pool(workers=1) as one:
             large = [
-                asyncio.create_task(one.run(tasks.asleep, 4 * SLICE_S, shape=number))
+                asyncio.create_task(one.run(tasks.busy, 8 * SLICE_S, shape=number))
                 for number in range(3)
             ]
             await asyncio.sleep(0)

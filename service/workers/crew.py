@@ -1,0 +1,180 @@
+"""The workers of a pool: as many as are wanted, whatever they die of."""
+
+import asyncio
+import logging
+from collections.abc import Callable, Coroutine
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, Protocol
+
+from service.workers.process import Outcome, Worker, prepare
+
+START_PAUSES_S = (0.0, 0.0, 0.1, 0.5, 1.0)
+"""Wait after as many workers in a row that could not be started: do not spin on it [s]."""
+
+START_LIMIT_S = 60.0
+"""How long a worker may take to be ready [s]."""
+
+STOP_WAIT_S = 5.0
+"""How long an idle worker may take to end before it is killed [s]."""
+
+LOG = logging.getLogger("shapersmith.pool")
+
+
+class Foreman(Protocol):
+    """Who gives the workers their tasks."""
+
+    def may_begin(self) -> None:
+        """Hear that a worker is idle that was not."""
+
+    def told(self, worker: Worker, outcome: Outcome, result: Any) -> None:  # noqa: ANN401
+        """Take what a busy worker tells; give it back or end it."""
+
+    def lost(self, worker: Worker) -> Callable[[bool], None]:
+        """Forget a busy worker that has died; return who is told whether it has crashed."""
+
+
+class Crew:
+    """Keeps a number of workers alive; those that are idle can be taken.
+
+    Parameters
+    ----------
+    foreman
+        Who gives them their tasks.
+    memory_bytes
+        What each may have of memory of its own [bytes].
+    """
+
+    def __init__(self, foreman: Foreman, memory_bytes: int) -> None:
+        self.idle: list[Worker] = []
+        self._foreman = foreman
+        self._memory_bytes = memory_bytes
+        self._wanted = 0
+        self._busy: set[Worker] = set()
+        self._starting: dict[Worker, asyncio.TimerHandle] = {}
+        self._to_start = 0
+        self._failed_starts = 0
+        self._closed = False
+        self._loop = asyncio.get_running_loop()
+        self._starter = ThreadPoolExecutor(1, thread_name_prefix="worker-starter")
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    @property
+    def built(self) -> bool:
+        """Whether a worker lives whose solvers are built."""
+        return bool(self.idle or self._busy)
+
+    def keep(self, wanted: int) -> None:
+        """Start the workers that are missing of so many, and end those that are too many."""
+        if self._closed:
+            return
+        self._wanted = wanted
+        there = len(self.idle) + len(self._busy) + len(self._starting) + self._to_start
+        for _ in range(wanted - there):
+            self._to_start += 1
+            self._soon(self._start())
+        for _ in range(min(there - wanted, len(self.idle))):
+            self.idle.pop().close()
+
+    def take(self) -> Worker:
+        """Return an idle worker, who is busy from now on."""
+        worker = self.idle.pop()
+        self._busy.add(worker)
+        return worker
+
+    def give_back(self, worker: Worker) -> None:
+        """Count a worker as idle that was busy."""
+        self._busy.remove(worker)
+        self.idle.append(worker)
+
+    def end(self, worker: Worker) -> None:
+        """Kill a busy worker; whether another takes its place is what is wanted."""
+        self._busy.remove(worker)
+        worker.kill()
+
+    async def _start(self) -> None:
+        pause_s = START_PAUSES_S[min(self._failed_starts, len(START_PAUSES_S) - 1)]
+        try:
+            if pause_s:
+                await asyncio.sleep(pause_s)
+            prepare()
+            worker = await self._loop.run_in_executor(
+                self._starter, Worker, self._memory_bytes, self._told, self._lost
+            )
+            self._starting[worker] = self._loop.call_later(START_LIMIT_S, self._end_stuck, worker)
+            await worker.connect()
+        except (OSError, EOFError) as error:
+            # EOFError: the fork server died while it forked; the next start begins another.
+            self._failed_starts += 1
+            LOG.error("no worker could be started: %r", error)
+        finally:
+            self._to_start -= 1
+        self.keep(self._wanted)
+
+    def _told(self, worker: Worker, outcome: Outcome, result: Any) -> None:  # noqa: ANN401
+        starting = self._starting.pop(worker, None)
+        if starting is None:
+            self._foreman.told(worker, outcome, result)
+            return
+        starting.cancel()
+        self._failed_starts = 0
+        self.idle.append(worker)
+        self._foreman.may_begin()
+
+    def _lost(self, worker: Worker) -> None:
+        """Replace a worker that has died."""
+        if self._closed:
+            return
+        where = "idle"
+        bury: Callable[[bool], None] = _nothing
+        if worker in self._busy:
+            self._busy.remove(worker)
+            where, bury = "at a task", self._foreman.lost(worker)
+        elif worker in self._starting:
+            self._starting.pop(worker).cancel()
+            self._failed_starts += 1
+            where = "at its start"
+        elif worker in self.idle:
+            self.idle.remove(worker)
+        else:
+            return  # it was one too many
+        self.keep(self._wanted)
+        self._soon(self._buried(worker, where, bury))
+
+    async def _buried(self, worker: Worker, where: str, bury: Callable[[bool], None]) -> None:
+        """Tell how a worker has died."""
+        how = await worker.ending()
+        LOG.error("worker %s died %s: %s; another takes its place", worker.pid, where, how)
+        worker.close()
+        bury(worker.by_its_own_fault)
+
+    def _end_stuck(self, worker: Worker) -> None:
+        """Replace a worker that is not ready in time."""
+        del self._starting[worker]
+        self._failed_starts += 1
+        LOG.error("worker %s is not ready after %g s; another starts", worker.pid, START_LIMIT_S)
+        worker.kill()
+        self.keep(self._wanted)
+
+    def _soon(self, work: Coroutine[Any, Any, None]) -> None:
+        task = self._loop.create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def close(self) -> None:
+        """End the workers; all tasks have ended."""
+        self._closed = True
+        for task in list(self._tasks):
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        workers = [*self.idle, *self._busy, *self._starting]
+        for timer in self._starting.values():
+            timer.cancel()
+        for worker in workers:
+            worker.close()
+        await asyncio.gather(*(asyncio.to_thread(worker.join, STOP_WAIT_S) for worker in workers))
+        self._starter.shutdown()
+
+
+def _nothing(crashed: bool) -> None:
+    """Hear of a worker that had no task."""
+    del crashed

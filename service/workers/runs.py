@@ -1,0 +1,78 @@
+"""A task on its way through the pool, and how it ends without an answer."""
+
+import asyncio
+import math
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field
+from typing import Any
+
+from service.problems import OVERLOADED, Problem
+from service.workers.process import Worker
+from service.workers.queue import Kind, Ticket
+
+
+class TaskError(Exception):
+    """A task that has no answer."""
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(problem.detail)
+        self.problem = problem
+
+
+class SplitError(Exception):
+    """A task of several parts that takes longer than a slice: its parts are to be run apart."""
+
+
+@dataclass(eq=False, slots=True, kw_only=True)
+class Run:
+    """One task on its way: waiting, or in a worker.
+
+    Attributes
+    ----------
+    shape
+        What tasks share that cost alike.
+    splits
+        Whether it is given up where it is large, for its parts to be run apart.
+    callers
+        How many wait for it.
+    large, overdue
+        Whether it has one of the places for large work; whether it should.
+    """
+
+    task: Callable[..., Any]
+    arguments: tuple[Any, ...]
+    client: str
+    kind: Kind
+    shape: Hashable
+    key: Hashable | None
+    limit_s: float
+    splits: bool
+    done: "asyncio.Future[Any]"
+    ticket: Ticket
+    callers: int = 0
+    crashes: int = 0
+    deaths: int = 0
+    large: bool = False
+    overdue: bool = False
+    worker: Worker | None = None
+    begun: float = 0.0
+    timers: list[asyncio.TimerHandle] = field(default_factory=list)
+
+    def stop_timers(self) -> None:
+        """Let nothing happen to it by time."""
+        for timer in self.timers:
+            timer.cancel()
+        self.timers.clear()
+
+
+def refused(detail: str, wait_s: float) -> TaskError:
+    """Return that there is no room for a task, and when there may be [s]."""
+    problem = Problem(
+        OVERLOADED, f"{detail}; try again later", retry_after_s=max(1, math.ceil(wait_s))
+    )
+    return TaskError(problem)
+
+
+def expected(wait_s: float) -> TaskError:
+    """Return that a task would wait too long [s]."""
+    return refused(f"a worker is expected to be free in {wait_s:.2g} s only", wait_s)
