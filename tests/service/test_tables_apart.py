@@ -19,6 +19,7 @@ from service.settings import Settings
 from tests.conftest import CRANE, Running, running_service
 from tests.harmed_stores import HARMS, locked
 from tests.processes import until, workers
+from tests.service.test_locked_store import new_job
 from tests.service.test_tables_over_http import TABLE, ended
 
 
@@ -149,6 +150,20 @@ def test_what_a_killed_writer_left_is_removed_and_what_a_live_one_writes_is_wait
     maker.join()
     assert refused == [None]
     assert [one.name for one in path.parent.iterdir()] == [path.name]
+
+
+def test_what_was_left_of_a_deletion_is_erased_at_the_next_start(tmp_path: Path) -> None:
+    file = tmp_path / "jobs.sqlite"
+    jobs = JobService(Settings(data_dir=str(tmp_path), job_workers=0))
+    new = new_job()
+    jobs.store.add(new)
+    store = sqlite3.connect(file, timeout=60)
+    store.execute("UPDATE jobs SET state = 'deleted'")
+    store.commit()
+    jobs.start()
+    until(lambda: not store.execute("SELECT * FROM jobs").fetchall(), "the job is still there")
+    jobs.close()
+    store.close()
 
 
 @pytest.mark.parametrize("blob", [None, b"", b"no rows", "cut", "text"])
