@@ -30,6 +30,9 @@ class Settings(BaseModel):
     batch_limit_s: Annotated[float, Field(gt=0, description="Longest run of one batch [s].")] = (
         300.0
     )
+    export_limit_s: Annotated[
+        float, Field(gt=0, description="Longest that the file of a table is made [s].")
+    ] = 600.0
     worker_memory_bytes: Annotated[
         int,
         Field(ge=256 * 1024**2, description="What a worker may have of memory of its own [bytes]."),

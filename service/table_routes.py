@@ -1,6 +1,7 @@
 """HTTP routes of table jobs."""
 
 import re
+from pathlib import Path
 from typing import Any
 
 from fastapi import APIRouter, Request
@@ -10,7 +11,7 @@ from design.errors import InvalidInputError
 from design.export.registry import EXPORTS
 from schemas.problems import FieldFault
 from schemas.tables import TableJob, TableJobs
-from service.bodies import read_body
+from service.bodies import client_of, read_body, while_connected
 from service.byte_ranges import file_response
 from service.jobs.plan import Plan, planned, told
 from service.jobs.records import Job
@@ -130,7 +131,8 @@ async def begin(request: Request) -> Response:
     jobs = _jobs(request)
     key = _key_of(request)
     body = await read_body(request, limit_bytes=settings.max_table_bytes, media_types=JSON)
-    plan: Plan | Problem = await _pool(request).run(planned, body)
+    work = _pool(request).run(planned, body, client=client_of(request))
+    plan: Plan | Problem = await while_connected(request, work)
     if isinstance(plan, Problem):
         raise ProblemError(plan)
     try:
@@ -260,7 +262,7 @@ async def events(request: Request, id: str) -> Response:
     "/v1/tables/{id}/result",
     response_class=Response,
     responses={
-        **_problems(404, 409, 416, 422, 500, 503, 504),
+        **_problems(404, 409, 413, 416, 422, 500, 503, 504),
         200: {
             "description": "The file",
             "content": {export.media_type: {} for export in EXPORTS.values()},
@@ -288,11 +290,7 @@ async def result(request: Request, id: str, format: str = "csv") -> Response:
         return Response(status_code=304, headers={"etag": tag})
     path = jobs.path_of(id, format)
     if not path.is_file():
-        problem: Problem | None = await _pool(request).run(
-            write_result_of, jobs.store.url, id, format, str(path)
-        )
-        if problem is not None:
-            raise ProblemError(problem)
+        await _made(request, id, format, path)
     if "*" in held:
         return Response(status_code=304, headers={"etag": tag})
     name = f"table-{id[:8]}{export.suffix}"
@@ -305,6 +303,25 @@ async def result(request: Request, id: str, format: str = "csv") -> Response:
         return file_response(path, request.headers, headers)
     except FileNotFoundError:
         raise _missing(id) from None  # deleted meanwhile
+
+
+async def _made(request: Request, job_id: str, name: str, path: Path) -> None:
+    """Have a worker make a file, once for all who ask for it, as long as one of them waits."""
+    settings: Settings = request.app.state.settings
+    work = _pool(request).run(
+        write_result_of,
+        _jobs(request).store.url,
+        job_id,
+        name,
+        str(path),
+        client=client_of(request),
+        kind="background",
+        key=(write_result_of, path),
+        limit_s=settings.export_limit_s,
+    )
+    problem: Problem | None = await while_connected(request, work)
+    if problem is not None:
+        raise ProblemError(problem)
 
 
 def _tags(header: str) -> set[str]:

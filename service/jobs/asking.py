@@ -10,10 +10,10 @@ from typing import ParamSpec, TypeVar
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.exc import TimeoutError as NoConnectionError
 
-from service.jobs.database import reason_of
+from service.jobs.database import LOCK_WAIT_S, reason_of
 
-LONGEST_WAIT_S = 10.0
-"""How long a caller waits for an answer; twice what the store waits for a lock [s]."""
+LONGEST_WAIT_S = LOCK_WAIT_S + 1.0
+"""How long a caller waits for an answer; a little more than the store for a lock [s]."""
 
 Arguments = ParamSpec("Arguments")
 Answer = TypeVar("Answer")

@@ -16,8 +16,18 @@ from service.jobs.blobs import from_blob
 from service.jobs.database import StoreError, reason_of
 from service.jobs.plan import head_of
 from service.jobs.records import Job, NewJob
-from service.jobs.store import Store
-from service.problems import OVERLOADED, Problem, problem_of_design
+from service.jobs.store import GoneError, Store
+from service.problems import NOT_FOUND, OVERLOADED, Problem, problem_of_design
+
+UNREADABLE = (
+    OSError,
+    ValueError,
+    TypeError,
+    LookupError,
+    AttributeError,
+    NotImplementedError,
+)
+"""What bytes raise that are no rows: Arrow's errors are of these."""
 
 LOCK_PAUSE_S = 0.1
 """Between two looks at a file that another process writes [s]."""
@@ -52,8 +62,19 @@ def require_taken(job: NewJob, name: str) -> None:
 
 
 def rows_of_job(store: Store, job: str) -> Iterator[Rows]:
-    """Yield the rows of a job that is done, a chunk at a time."""
-    return map(from_blob, store.blobs(job))
+    """Yield the rows of a job that is done, a chunk at a time.
+
+    Raises
+    ------
+    StoreError
+        If the job is deleted before all are read, or some cannot be read.
+    """
+    for number, blob in enumerate(store.blobs(job)):
+        try:
+            rows = from_blob(blob)
+        except UNREADABLE as error:
+            raise StoreError(f"the rows of chunk {number} of job {job} are damaged") from error
+        yield rows
 
 
 def pieces(store: Store, job: Job, name: str, path: Path | None = None) -> Iterator[bytes]:
@@ -103,6 +124,8 @@ def _written(url: str, job: str, name: str, path: Path) -> Problem | None:
     except DesignError as error:
         # What a format finds in the rows, as a damping ratio that a firmware does not take.
         return problem_of_design(error)
+    except GoneError as error:
+        return Problem(NOT_FOUND, str(error))
     except StoreError as error:
         return Problem(OVERLOADED, f"the file could not be made: {error}")
     except DBAPIError as error:

@@ -104,6 +104,7 @@ class JobService:
             try:
                 if self._settings.keep_tables_days > 0:
                     self.store.drop_ended(self._settings.keep_tables_days * DAY_S)
+                self.store.erase_deleted()
                 self._clean_files()
             except DBAPIError as error:
                 LOG.error("old tables are dropped later: %s", reason_of(error))

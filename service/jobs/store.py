@@ -5,7 +5,6 @@ rows are in the same record). Whoever records a chunk must still hold it: what w
 cancelled meanwhile is dropped, so that nothing is lost or doubled.
 """
 
-import time
 from collections.abc import Iterable, Iterator
 from dataclasses import fields
 from typing import Any
@@ -15,35 +14,17 @@ from sqlalchemy.exc import IntegrityError
 
 from service.jobs.claims import Claimer, has_rows
 from service.jobs.database import StoreError, opened
+from service.jobs.erasing import erase_chunks
 from service.jobs.records import DELETED, ENDED, UNFINISHED, Claim, Done, Job, NewJob
 from service.jobs.schema import CHUNKS, JOBS
+from service.jobs.views import seen_jobs
 from service.operations import version as version_of_product
 
 MOST_FAILURES = 3
 """A chunk that fails so often fails its job."""
 
-RATE_WINDOW_S = 30.0
-"""The rate is that of the chunks done so recently [s]."""
-
-ERASED_AT_ONCE = 100
-"""Chunks erased in one transaction: at 10,000 rows, tens of megabytes."""
-
 BLOBS_AT_ONCE = 8
 """Chunks read at a time: at 10,000 rows, a few megabytes."""
-
-
-SEEN = (
-    JOBS.c.id,
-    JOBS.c.state,
-    JOBS.c.reason,
-    JOBS.c.created,
-    JOBS.c.sha256,
-    JOBS.c.version,
-    JOBS.c.rows,
-    JOBS.c.chunks,
-    JOBS.c.estimated_bytes,
-)
-"""What lists show of a job: not its specification, which may be large."""
 
 
 class GoneError(StoreError):
@@ -248,7 +229,7 @@ class Store:
             )
             cancelled = _state_of(connection, job) == "cancelled"
         if cancelled:
-            self._erase_chunks(job)
+            erase_chunks(self._engine, job)
         return cancelled
 
     def delete(self, job: str) -> bool:
@@ -290,32 +271,21 @@ class Store:
         return dropped
 
     def _erase(self, job: str) -> None:
-        self._erase_chunks(job)
+        erase_chunks(self._engine, job)
         with self._engine.begin() as connection:
             connection.execute(JOBS.delete().where(JOBS.c.id == job))
 
-    def _erase_chunks(self, job: str) -> None:
-        """Erase the chunks of a job, some at a time: others may write in between."""
-        some = sa.select(CHUNKS.c.number).where(CHUNKS.c.job == job).limit(ERASED_AT_ONCE)
-        while True:
-            began = time.monotonic()
-            with self._engine.begin() as connection:
-                numbers = connection.scalars(some).all()
-                erased = CHUNKS.c.job == job, CHUNKS.c.number.in_(numbers)
-                connection.execute(CHUNKS.delete().where(*erased))
-            if len(numbers) < ERASED_AT_ONCE:
-                return
-            time.sleep(time.monotonic() - began)
-
     def job(self, job: str) -> Job | None:
         """Return a job, or None."""
-        found = self._jobs(sa.select(*SEEN).where(JOBS.c.id == job, JOBS.c.state != DELETED))
+        with self._reading.connect() as connection:
+            found = seen_jobs(connection, self._now, lambda seen: seen.where(JOBS.c.id == job))
         return found[0] if found else None
 
     def jobs(self, most: int) -> list[Job]:
         """Return the newest jobs, newest first."""
-        seen = sa.select(*SEEN).where(JOBS.c.state != DELETED)
-        return self._jobs(seen.order_by(JOBS.c.created.desc(), JOBS.c.id).limit(most))
+        newest = JOBS.c.created.desc(), JOBS.c.id
+        with self._reading.connect() as connection:
+            return seen_jobs(connection, self._now, lambda seen: seen.order_by(*newest).limit(most))
 
     def made_of(self, job: str) -> NewJob:
         """Return what a job is made of.
@@ -332,38 +302,6 @@ class Store:
         if found is None:
             raise GoneError(f"the job {job} has gone")
         return NewJob(**found)
-
-    def _jobs(self, wanted: sa.Select[Any]) -> list[Job]:
-        with self._reading.connect() as connection:
-            return [
-                Job(**{**row, **_known(row["state"])}, **self._progress(connection, row["id"]))
-                for row in connection.execute(wanted).mappings().all()
-            ]
-
-    def _progress(self, connection: sa.Connection, job: str) -> dict[str, Any]:
-        recent = CHUNKS.c.finished > self._now - RATE_WINDOW_S
-        sums = [
-            sa.func.sum(CHUNKS.c.rows),
-            sa.func.sum(CHUNKS.c.verified),
-            sa.func.sum(CHUNKS.c.verified_ideal),
-            sa.func.sum(CHUNKS.c.infeasible),
-            sa.func.sum(sa.case((recent, CHUNKS.c.rows), else_=0)),
-            sa.func.min(CHUNKS.c.finished),
-            self._now,
-        ]
-        row = connection.execute(
-            sa.select(*sums).where(CHUNKS.c.job == job, CHUNKS.c.state == "done")
-        ).one()
-        done, verified, ideal, infeasible, lately = (int(value or 0) for value in row[:5])
-        # The first chunk marks the start: its own rows took the time before it.
-        seconds = min(RATE_WINDOW_S, row[6] - row[5]) if done else 0.0
-        return {
-            "done": done,
-            "verified": verified,
-            "verified_ideal": ideal,
-            "infeasible": infeasible,
-            "rate_rows_s": lately / seconds if seconds > 0 else 0.0,
-        }
 
     def blobs(self, job: str) -> Iterator[bytes]:
         """Yield the rows of a job's chunks in order.
@@ -393,14 +331,6 @@ class Store:
     def _lock(self, connection: sa.Connection, job: str) -> None:
         """Lock a job before its chunks, as all do who need both."""
         connection.execute(sa.select(JOBS.c.id).where(JOBS.c.id == job).with_for_update())
-
-
-def _known(state: str) -> dict[str, str]:
-    """Return what replaces a state that this version does not know."""
-    if state in UNFINISHED or state in ENDED:
-        return {}
-    told = f"its state {state!r} is none that this version of shapersmith knows"
-    return {"state": "failed", "reason": told}
 
 
 def _failed(job: str, reason: str) -> sa.Update:

@@ -1,12 +1,9 @@
 """A job store that is locked, gone or damaged: what it holds up, and what it says."""
 
 import asyncio
-import multiprocessing
-import sqlite3
 import threading
 import uuid
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +15,7 @@ from service.jobs import database
 from service.jobs.asking import Asking, UnansweredError
 from service.jobs.records import Done, NewJob
 from service.jobs.store import Store
+from tests.harmed_stores import HARMS, deleted, locked
 from tests.postgres import running_cluster
 
 HOUR_S = 3600.0
@@ -71,28 +69,6 @@ def job(store: Store) -> str:
     return new.id
 
 
-def _hold(file: str, kind: str, held: Any, let_go: Any) -> None:
-    connection = sqlite3.connect(file, isolation_level=None)
-    connection.execute(f"BEGIN {kind}")
-    held.set()
-    let_go.wait()
-
-
-@contextmanager
-def locked(file: Path, kind: str) -> Iterator[None]:
-    """Have another process hold a lock on an SQLite file."""
-    context = multiprocessing.get_context("spawn")
-    held, let_go = context.Event(), context.Event()
-    process = context.Process(target=_hold, args=(str(file), kind, held, let_go))
-    process.start()
-    try:
-        assert held.wait(120)
-        yield
-    finally:
-        let_go.set()
-        process.join(120)
-
-
 def refused(store: Store, job: str) -> None:
     with pytest.raises(DBAPIError):
         store.cancel(job)
@@ -134,26 +110,7 @@ def test_a_reader_cannot_write(store: Store, job: str) -> None:
     assert store.job(job) is not None
 
 
-def deleted(file: Path) -> None:
-    for end in ("", "-wal", "-shm"):
-        file.with_name(file.name + end).unlink(missing_ok=True)
-
-
-def emptied(file: Path) -> None:
-    deleted(file)
-    sqlite3.connect(file).close()
-    file.touch()
-
-
-def damaged(file: Path) -> None:
-    deleted(file)
-    file.write_bytes(b"no database at all" * 1000)
-
-
-@pytest.mark.parametrize(
-    ("harm", "told"),
-    [(deleted, "is gone"), (emptied, "tables are gone"), (damaged, "is damaged")],
-)
+@pytest.mark.parametrize(("harm", "told"), HARMS)
 @pytest.mark.parametrize("call", [*READS, *WRITES])
 def test_a_store_that_is_gone_or_damaged_says_so_and_nothing_is_written_to_what_it_was(
     store: Store, job: str, file: Path, harm: Callable[[Path], None], told: str, call: str

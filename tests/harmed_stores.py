@@ -1,0 +1,52 @@
+"""What may befall the SQLite file of a job store: other processes lock it, or it is no more."""
+
+import multiprocessing
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+
+def _hold(file: str, kind: str, held: Any, let_go: Any) -> None:
+    connection = sqlite3.connect(file, isolation_level=None, timeout=120)
+    connection.execute(f"BEGIN {kind}")
+    held.set()
+    let_go.wait()
+
+
+@contextmanager
+def locked(file: Path, kind: str) -> Iterator[None]:
+    """Have another process hold a lock on an SQLite file."""
+    context = multiprocessing.get_context("spawn")
+    held, let_go = context.Event(), context.Event()
+    process = context.Process(target=_hold, args=(str(file), kind, held, let_go))
+    process.start()
+    try:
+        assert held.wait(120)
+        yield
+    finally:
+        let_go.set()
+        process.join(120)
+
+
+def deleted(file: Path) -> None:
+    """Delete a store."""
+    for end in ("", "-wal", "-shm"):
+        file.with_name(file.name + end).unlink(missing_ok=True)
+
+
+def emptied(file: Path) -> None:
+    """Put a database without any table in place of a store."""
+    deleted(file)
+    file.touch()
+
+
+def damaged(file: Path) -> None:
+    """Put a file that is no database in place of a store."""
+    deleted(file)
+    file.write_bytes(b"no database at all" * 1000)
+
+
+HARMS = [(deleted, "is gone"), (emptied, "tables are gone"), (damaged, "is damaged")]
+"""Each with what is told of it."""
