@@ -3,8 +3,6 @@
 import sqlite3
 import threading
 import time
-import uuid
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -14,62 +12,11 @@ from alembic.config import Config
 
 import service.jobs
 from service.jobs.database import StoreError
-from service.jobs.records import Claim, Done, NewJob
-from service.jobs.schema import CHUNKS
+from service.jobs.records import Claim
 from service.jobs.store import MOST_FAILURES, Store
-from tests.postgres import running_cluster
+from tests.job_stores import HOUR_S, changed, done, job, silent_for
 
 MIGRATIONS = Path(service.jobs.__file__).parent / "migrations"
-
-
-HOUR_S = 3600.0
-"""A silence that no test comes to by itself, however slow the machine is [s]."""
-
-
-def silent_for(url: str, seconds: float) -> None:
-    """Make all heartbeats older, as if time had passed."""
-    engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
-    with engine.begin() as connection:
-        connection.execute(sa.update(CHUNKS).values(heartbeat=CHUNKS.c.heartbeat - seconds))
-    engine.dispose()
-
-
-@pytest.fixture(scope="module")
-def postgres_url() -> Iterator[str]:
-    with running_cluster() as cluster:
-        yield cluster.url
-
-
-@pytest.fixture(params=["sqlite", "postgresql"])
-def url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
-    if request.param == "sqlite":
-        return f"sqlite:///{tmp_path / 'jobs.sqlite'}"
-    return str(request.getfixturevalue("postgres_url"))
-
-
-@pytest.fixture
-def store(url: str) -> Iterator[Store]:
-    opened = Store(url, stalled_s=HOUR_S, version="1")
-    for job in opened.jobs(100):
-        opened.cancel(job.id)
-    yield opened
-    opened.close()
-
-
-def job(rows: int = 10, chunk_rows: int = 4) -> NewJob:
-    return NewJob(
-        id=uuid.uuid4().hex,
-        specification="{}",
-        sha256="0" * 64,
-        version="1",
-        rows=rows,
-        chunk_rows=chunk_rows,
-        estimated_bytes=0,
-    )
-
-
-def done(blob: bytes = b"rows") -> Done:
-    return Done(blob=blob, verified=1, infeasible=1, verified_ideal=1)
 
 
 def test_chunks_are_claimed_once_and_in_order(store: Store) -> None:
@@ -222,15 +169,20 @@ def older(url: str) -> None:
 
 
 def test_a_store_of_an_older_schema_is_migrated_with_its_jobs(url: str) -> None:
-    first = Store(url, stalled_s=1.0)
+    first = Store(url, stalled_s=1.0, version="1")
+    changed(url, state="cancelled")  # what other tests left
     new = job()
     first.add(new)
+    (claim,) = first.claim("w", 1)
+    assert first.finish("w", claim, done())
     first.close()
     older(url)
-    again = Store(url, stalled_s=1.0)
+    again = Store(url, stalled_s=1.0, version="1")
     found = again.job(new.id)
     assert found is not None
-    assert found.rows == 10
+    assert (found.rows, found.chunks, found.done) == (10, 3, 4)
+    assert again.made_of(new.id) == new
+    assert [claim.number for claim in again.claim("w", 9)] == [1, 2]
     engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
     indices = [index["name"] for index in sa.inspect(engine).get_indexes("chunks")]
     engine.dispose()

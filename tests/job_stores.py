@@ -1,0 +1,53 @@
+"""Jobs for tests of the store, and what others may do to it."""
+
+import uuid
+
+import sqlalchemy as sa
+
+from service.jobs.records import Done, NewJob
+from service.jobs.schema import CHUNKS, JOBS
+
+HOUR_S = 3600.0
+"""A silence that no test comes to by itself, however slow the machine is [s]."""
+
+
+def silent_for(url: str, seconds: float) -> None:
+    """Make all heartbeats older, as if time had passed."""
+    engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
+    with engine.begin() as connection:
+        connection.execute(sa.update(CHUNKS).values(heartbeat=CHUNKS.c.heartbeat - seconds))
+    engine.dispose()
+
+
+def job(rows: int = 10, chunk_rows: int = 4) -> NewJob:
+    return NewJob(
+        id=uuid.uuid4().hex,
+        specification="{}",
+        sha256="0" * 64,
+        version="1",
+        rows=rows,
+        chunk_rows=chunk_rows,
+        estimated_bytes=0,
+    )
+
+
+def done(blob: bytes = b"rows") -> Done:
+    return Done(blob=blob, verified=1, infeasible=1, verified_ideal=1)
+
+
+def counted(url: str, job: str) -> int:
+    """Return how many chunks of a job have a record."""
+    engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
+    with engine.connect() as connection:
+        wanted = sa.select(sa.func.count()).select_from(CHUNKS).where(CHUNKS.c.job == job)
+        found = int(connection.scalar(wanted) or 0)
+    engine.dispose()
+    return found
+
+
+def changed(url: str, **values: object) -> None:
+    """Change all jobs as another version, or a person, would."""
+    engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
+    with engine.begin() as connection:
+        connection.execute(sa.update(JOBS).values(**values))
+    engine.dispose()
