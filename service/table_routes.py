@@ -29,6 +29,7 @@ from service.problems import (
 )
 from service.settings import Settings
 from service.telling import ProblemError, telling
+from service.workers.costs import shape_of
 from service.workers.pool import WorkerPool
 
 JSON = ("application/json",)
@@ -131,7 +132,9 @@ async def begin(request: Request) -> Response:
     jobs = _jobs(request)
     key = _key_of(request)
     body = await read_body(request, limit_bytes=settings.max_table_bytes, media_types=JSON)
-    work = _pool(request).run(planned, body, client=client_of(request))
+    work = _pool(request).run(
+        planned, body, client=client_of(request), shape=shape_of("planned", body)
+    )
     plan: Plan | Problem = await while_connected(request, work)
     if isinstance(plan, Problem):
         raise ProblemError(plan)
@@ -290,7 +293,7 @@ async def result(request: Request, id: str, format: str = "csv") -> Response:
         return Response(status_code=304, headers={"etag": tag})
     path = jobs.path_of(id, format)
     if not path.is_file():
-        await _made(request, id, format, path)
+        await _made(request, job, format, path)
     if "*" in held:
         return Response(status_code=304, headers={"etag": tag})
     name = f"table-{id[:8]}{export.suffix}"
@@ -305,17 +308,18 @@ async def result(request: Request, id: str, format: str = "csv") -> Response:
         raise _missing(id) from None  # deleted meanwhile
 
 
-async def _made(request: Request, job_id: str, name: str, path: Path) -> None:
+async def _made(request: Request, job: Job, name: str, path: Path) -> None:
     """Have a worker make a file, once for all who ask for it, as long as one of them waits."""
     settings: Settings = request.app.state.settings
     work = _pool(request).run(
         write_result_of,
         _jobs(request).store.url,
-        job_id,
+        job.id,
         name,
         str(path),
         client=client_of(request),
         kind="background",
+        shape=(name, job.rows.bit_length()),
         key=(write_result_of, path),
         limit_s=settings.export_limit_s,
     )
