@@ -13,11 +13,11 @@ from schemas.problems import FieldFault
 from schemas.tables import TableJob, TableJobs
 from service.bodies import client_of, read_body, while_connected
 from service.byte_ranges import file_response
+from service.jobs.adding import KeyReusedError
 from service.jobs.plan import Plan, planned, told
 from service.jobs.records import Job
 from service.jobs.results import export_of, write_result_of
 from service.jobs.service import JobService
-from service.jobs.store import KeyReusedError
 from service.operations import version
 from service.problems import (
     CONFLICT,
@@ -195,18 +195,20 @@ async def state(request: Request, id: str) -> Response:
 async def delete(request: Request, id: str) -> Response:
     """Cancel an unfinished job; one that has ended is deleted with its rows and files.
 
-    The answer is the job's state, of a deleted one its last.
+    It is so at once; rows and files are erased thereafter. The answer is the job's state, of a
+    deleted one its last.
     """
     jobs = _jobs(request)
     job = await _found(request, id)
     if not job.ended:
         if await jobs.writing.ask(jobs.store.cancel, id):
+            jobs.cleaner.wake()
             return _answered(await _found(request, id))
         raise ProblemError(Problem(CONFLICT, "the table has ended by now: once more deletes it"))
     if not await jobs.writing.ask(jobs.store.delete, id):
         now = await _found(request, id)
         raise ProblemError(Problem(CONFLICT, f"the table is {now.state} by now: once more cancels"))
-    await jobs.writing.ask(jobs.remove_files, id)
+    jobs.cleaner.wake()
     return _answered(job)
 
 
@@ -222,6 +224,8 @@ async def resume(request: Request, id: str) -> Response:
     """Try again what failed; the rows that are done are kept."""
     jobs = _jobs(request)
     job = await _found(request, id)
+    if not job.sound:
+        raise ProblemError(Problem(CONFLICT, f"the table cannot go on: {job.reason}"))
     resumed = job.state == "failed" and await jobs.writing.ask(jobs.store.resume, id)
     job = await _found(request, id)
     if resumed:

@@ -7,12 +7,11 @@ from pathlib import Path
 
 from sqlalchemy.exc import DBAPIError
 
-from service.files import LockedError, locked, remove_parts
 from service.jobs.asking import Asking
-from service.jobs.database import StoreError, reason_of, url_of
+from service.jobs.cleaning import Cleaner
+from service.jobs.database import StoreError, url_of
 from service.jobs.executors import SchedulerError, starter
 from service.jobs.records import Job
-from service.jobs.results import lock_of
 from service.jobs.runner import Runner
 from service.jobs.store import Store
 from service.jobs.watching import Watching
@@ -25,9 +24,6 @@ RESTART_PAUSE_S = 5.0
 
 STOP_WAIT_S = 10.0
 """How long the runner may take to give its chunks back [s]."""
-
-CLEAN_EVERY_S = 60.0
-"""Between two looks for files that nobody needs, and tables kept long enough [s]."""
 
 DAY_S = 86_400.0
 
@@ -47,6 +43,8 @@ class JobService:
         The store; from the event loop it is asked by way of ``reading`` and ``writing``.
     watching
         Shows jobs to streams of events.
+    cleaner
+        Erases what is cancelled or deleted.
     stopping
         Whether the service stops; the server tells.
     """
@@ -67,7 +65,7 @@ class JobService:
         self._stop = threading.Event()
         self._runner: Runner | None = None
         self._thread = threading.Thread(target=self._work, name="table-jobs", daemon=True)
-        self._cleaner = threading.Thread(target=self._clean, name="old-tables", daemon=True)
+        self.cleaner = Cleaner(self.store, self._files, keep_s=settings.keep_tables_days * DAY_S)
 
     def start(self) -> None:
         """Begin to work: unfinished jobs go on."""
@@ -77,7 +75,7 @@ class JobService:
             raise StoreError(f"no folder for the files of tables: {error}") from None
         if self._settings.job_workers > 0 or self._settings.scheduler:
             self._thread.start()
-        self._cleaner.start()
+        self.cleaner.start()
 
     async def found(self, job: str) -> Job | None:
         """Return a job, or None.
@@ -92,42 +90,6 @@ class JobService:
     def path_of(self, job: str, name: str) -> Path:
         """Return where the file of a job in a format is, or is to be."""
         return self._files / f"{job}.{name}"
-
-    def remove_files(self, job: str) -> None:
-        """Remove the files of a job that is no more."""
-        for path in self._files.glob(f"{job}.*"):
-            path.unlink(missing_ok=True)
-
-    def _clean(self) -> None:
-        """Drop what nobody needs: old tables, their files, and what killed writers left behind."""
-        while not self._stop.is_set():
-            try:
-                if self._settings.keep_tables_days > 0:
-                    self.store.drop_ended(self._settings.keep_tables_days * DAY_S)
-                self.store.erase_deleted()
-                self._clean_files()
-            except DBAPIError as error:
-                LOG.error("old tables are dropped later: %s", reason_of(error))
-            except OSError as error:
-                LOG.error("files of old tables are removed later: %s", error)
-            except Exception:
-                LOG.exception("old tables are dropped later")
-            self._stop.wait(CLEAN_EVERY_S)
-
-    def _clean_files(self) -> None:
-        """Remove files of tables that are no more, whoever deleted those, and parts of files."""
-        for path in self._files.glob("[!.]*"):
-            if self.store.job(path.stem) is None:
-                path.unlink(missing_ok=True)
-        hidden = [file.name[1:] for file in self._files.glob(".*")]
-        begun = {name.removesuffix(".lock") for name in hidden if name.endswith(".lock")}
-        begun |= {name.rsplit(".", 2)[0] for name in hidden if name.endswith(".part")}
-        for path in map(self._files.joinpath, begun):
-            try:
-                with locked(lock_of(path)):
-                    remove_parts(path)
-            except LockedError:
-                continue  # it is being written
 
     def _work(self) -> None:
         settings = self._settings
@@ -150,9 +112,9 @@ class JobService:
         self._stop.set()
         if self._runner is not None:
             self._runner.stopping.set()
-        for thread in (self._thread, self._cleaner):
-            if thread.is_alive():
-                thread.join(STOP_WAIT_S)
+        if self._thread.is_alive():
+            self._thread.join(STOP_WAIT_S)
+        self.cleaner.close(STOP_WAIT_S)
         self.reading.close()
         self.writing.close()
         self.store.close()
