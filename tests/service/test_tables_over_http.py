@@ -10,6 +10,7 @@ from typing import Any
 import httpx
 import pytest
 
+from service.settings import Settings
 from tests.conftest import CRANE, running_service
 from tests.processes import until
 
@@ -356,6 +357,22 @@ def test_a_table_that_has_been_kept_long_enough_goes_with_its_file(tmp_path: Pat
         while client.get(location).status_code != 404 or list(files.iterdir()):
             assert time.monotonic() < deadline
             time.sleep(0.1)
+
+
+def test_the_largest_body_is_answered(tmp_path: Path) -> None:
+    largest = Settings().max_table_bytes
+    head = json.dumps({**TABLE, "axes": None, "chunk_rows": 10_000})[:-1] + ', "designs": ['
+    first, end = '{"plant": {"damping_ratio": 0.01}}', "]}"
+    others = (largest - len(head + first + end)) // len(",{}")
+    body = (head + first + others * ",{}" + end).ljust(largest)
+    settings: dict[str, Any] = {"workers": 1, "job_workers": 0, "time_limit_s": 600}
+    json_type = {"content-type": "application/json"}
+    with running_service(tmp_path / "log", **settings) as service, service.client() as client:
+        refused = client.post("/v1/tables", content=body + " ", headers=json_type)
+        assert (refused.status_code, refused.json()["type"]) == (413, "urn:shapersmith:too-large")
+        begun = client.post("/v1/tables", content=body, headers=json_type)
+        assert begun.status_code == 202, begun.text
+        assert begun.json()["size"]["rows"] == others + 1
 
 
 HEAVILY_DAMPED: dict[str, Any] = {
