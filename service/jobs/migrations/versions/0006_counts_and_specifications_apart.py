@@ -33,12 +33,6 @@ def upgrade() -> None:
         "WHERE chunks.job = jobs.id AND chunks.state = 'done') "
         "WHERE state NOT IN ('cancelled', 'deleted')"
     )
-    # Of those that were cancelled no chunk told how many rows it had: any number that gives as many
-    # chunks will do.
-    op.execute(
-        "UPDATE jobs SET chunk_rows = (rows + chunks - 1) / chunks "
-        "WHERE chunks > 1 AND chunk_rows >= rows"
-    )
     op.create_table(
         "specifications",
         sa.Column("job", sa.String(32), sa.ForeignKey("jobs.id"), primary_key=True),
