@@ -9,22 +9,16 @@ from sqlalchemy.exc import DBAPIError
 
 from service.files import LockedError, locked, remove_parts
 from service.jobs.asking import Asking
-from service.jobs.database import StoreError, reason_of, url_of
-from service.jobs.executors import SchedulerError, starter
+from service.jobs.database import StoreError, reason_of
+from service.jobs.keeping import Keeper
 from service.jobs.records import Job
 from service.jobs.results import lock_of
-from service.jobs.runner import Runner
+from service.jobs.running import STOP_WAIT_S, store_url
 from service.jobs.store import Store
 from service.jobs.watching import Watching
 from service.settings import Settings
 
 LOG = logging.getLogger("shapersmith.jobs")
-
-RESTART_PAUSE_S = 5.0
-"""Before the runner is tried again that gave up, as on a full disk [s]."""
-
-STOP_WAIT_S = 10.0
-"""How long the runner may take to give its chunks back [s]."""
 
 CLEAN_EVERY_S = 60.0
 """Between two looks for files that nobody needs, and tables kept long enough [s]."""
@@ -54,10 +48,9 @@ class JobService:
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
         self._folder = Path(settings.data_dir).absolute()
-        url = settings.database_url or url_of(self._folder / "jobs.sqlite")
         self._files = self._folder / "results"
         try:
-            self.store = Store(url, stalled_s=settings.stalled_s)
+            self.store = Store(store_url(settings), stalled_s=settings.stalled_s)
         except DBAPIError as error:
             raise StoreError(f"the job store does not answer: {error.orig}") from None
         self.reading = Asking("store-reads", threads=READERS, most=MOST_READS)
@@ -65,8 +58,7 @@ class JobService:
         self.stopping: Callable[[], bool] = lambda: False
         self.watching = Watching(self.found, lambda: self.stopping())
         self._stop = threading.Event()
-        self._runner: Runner | None = None
-        self._thread = threading.Thread(target=self._work, name="table-jobs", daemon=True)
+        self._keeper = Keeper(settings)
         self._cleaner = threading.Thread(target=self._clean, name="old-tables", daemon=True)
 
     def start(self) -> None:
@@ -76,7 +68,7 @@ class JobService:
         except OSError as error:
             raise StoreError(f"no folder for the files of tables: {error}") from None
         if self._settings.job_workers > 0 or self._settings.scheduler:
-            self._thread.start()
+            self._keeper.start()
         self._cleaner.start()
 
     async def found(self, job: str) -> Job | None:
@@ -129,30 +121,12 @@ class JobService:
             except LockedError:
                 continue  # it is being written
 
-    def _work(self) -> None:
-        settings = self._settings
-        start = starter(settings.job_workers, settings.scheduler)
-        while not self._stop.is_set():
-            self._runner = Runner(self.store, start, database_wait_s=settings.database_wait_s)
-            if self._stop.is_set():
-                return
-            try:
-                self._runner.run(until=self._stop.is_set)
-            except (StoreError, SchedulerError, DBAPIError, OSError) as error:
-                LOG.error("table jobs pause for %g s: %s", RESTART_PAUSE_S, error)
-                self._stop.wait(RESTART_PAUSE_S)
-            except Exception:
-                LOG.exception("table jobs pause for %g s", RESTART_PAUSE_S)
-                self._stop.wait(RESTART_PAUSE_S)
-
     def close(self) -> None:
         """Stop working; what is not done is left to the next start."""
         self._stop.set()
-        if self._runner is not None:
-            self._runner.stopping.set()
-        for thread in (self._thread, self._cleaner):
-            if thread.is_alive():
-                thread.join(STOP_WAIT_S)
+        self._keeper.close()
+        if self._cleaner.is_alive():
+            self._cleaner.join(STOP_WAIT_S)
         self.reading.close()
         self.writing.close()
         self.store.close()
