@@ -13,11 +13,11 @@ from schemas.problems import FieldFault
 from schemas.tables import TableJob, TableJobs
 from service.bodies import client_of, read_body, while_connected
 from service.byte_ranges import file_response
+from service.jobs.adding import KeyReusedError
 from service.jobs.plan import Plan, planned, told
 from service.jobs.records import Job
 from service.jobs.results import export_of, write_result_of
 from service.jobs.service import JobService
-from service.jobs.store import KeyReusedError
 from service.operations import version
 from service.problems import (
     CONFLICT,
@@ -29,6 +29,7 @@ from service.problems import (
 )
 from service.settings import Settings
 from service.telling import ProblemError, telling
+from service.workers.costs import shape_of
 from service.workers.pool import WorkerPool
 
 JSON = ("application/json",)
@@ -131,7 +132,9 @@ async def begin(request: Request) -> Response:
     jobs = _jobs(request)
     key = _key_of(request)
     body = await read_body(request, limit_bytes=settings.max_table_bytes, media_types=JSON)
-    work = _pool(request).run(planned, body, client=client_of(request))
+    work = _pool(request).run(
+        planned, body, client=client_of(request), shape=shape_of("planned", body)
+    )
     plan: Plan | Problem = await while_connected(request, work)
     if isinstance(plan, Problem):
         raise ProblemError(plan)
@@ -192,18 +195,20 @@ async def state(request: Request, id: str) -> Response:
 async def delete(request: Request, id: str) -> Response:
     """Cancel an unfinished job; one that has ended is deleted with its rows and files.
 
-    The answer is the job's state, of a deleted one its last.
+    It is so at once; rows and files are erased thereafter. The answer is the job's state, of a
+    deleted one its last.
     """
     jobs = _jobs(request)
     job = await _found(request, id)
     if not job.ended:
         if await jobs.writing.ask(jobs.store.cancel, id):
+            jobs.cleaner.wake()
             return _answered(await _found(request, id))
         raise ProblemError(Problem(CONFLICT, "the table has ended by now: once more deletes it"))
     if not await jobs.writing.ask(jobs.store.delete, id):
         now = await _found(request, id)
         raise ProblemError(Problem(CONFLICT, f"the table is {now.state} by now: once more cancels"))
-    await jobs.writing.ask(jobs.remove_files, id)
+    jobs.cleaner.wake()
     return _answered(job)
 
 
@@ -219,6 +224,8 @@ async def resume(request: Request, id: str) -> Response:
     """Try again what failed; the rows that are done are kept."""
     jobs = _jobs(request)
     job = await _found(request, id)
+    if not job.sound:
+        raise ProblemError(Problem(CONFLICT, f"the table cannot go on: {job.reason}"))
     resumed = job.state == "failed" and await jobs.writing.ask(jobs.store.resume, id)
     job = await _found(request, id)
     if resumed:
@@ -290,7 +297,7 @@ async def result(request: Request, id: str, format: str = "csv") -> Response:
         return Response(status_code=304, headers={"etag": tag})
     path = jobs.path_of(id, format)
     if not path.is_file():
-        await _made(request, id, format, path)
+        await _made(request, job, format, path)
     if "*" in held:
         return Response(status_code=304, headers={"etag": tag})
     name = f"table-{id[:8]}{export.suffix}"
@@ -305,17 +312,18 @@ async def result(request: Request, id: str, format: str = "csv") -> Response:
         raise _missing(id) from None  # deleted meanwhile
 
 
-async def _made(request: Request, job_id: str, name: str, path: Path) -> None:
+async def _made(request: Request, job: Job, name: str, path: Path) -> None:
     """Have a worker make a file, once for all who ask for it, as long as one of them waits."""
     settings: Settings = request.app.state.settings
     work = _pool(request).run(
         write_result_of,
         _jobs(request).store.url,
-        job_id,
+        job.id,
         name,
         str(path),
         client=client_of(request),
         kind="background",
+        shape=(name, job.rows.bit_length()),
         key=(write_result_of, path),
         limit_s=settings.export_limit_s,
     )

@@ -4,6 +4,7 @@ import uuid
 
 import sqlalchemy as sa
 
+from schemas.tables import sha256_of
 from service.jobs.records import Done, NewJob
 from service.jobs.schema import CHUNKS, JOBS
 
@@ -11,9 +12,14 @@ HOUR_S = 3600.0
 """A silence that no test comes to by itself, however slow the machine is [s]."""
 
 
+def engine_of(url: str) -> sa.Engine:
+    """Return a way to a store's database beside the store."""
+    return sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
+
+
 def silent_for(url: str, seconds: float) -> None:
     """Make all heartbeats older, as if time had passed."""
-    engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
+    engine = engine_of(url)
     with engine.begin() as connection:
         connection.execute(sa.update(CHUNKS).values(heartbeat=CHUNKS.c.heartbeat - seconds))
     engine.dispose()
@@ -23,7 +29,7 @@ def job(rows: int = 10, chunk_rows: int = 4) -> NewJob:
     return NewJob(
         id=uuid.uuid4().hex,
         specification="{}",
-        sha256="0" * 64,
+        sha256=sha256_of("{}"),
         version="1",
         rows=rows,
         chunk_rows=chunk_rows,
@@ -31,13 +37,14 @@ def job(rows: int = 10, chunk_rows: int = 4) -> NewJob:
     )
 
 
-def done(blob: bytes = b"rows") -> Done:
-    return Done(blob=blob, verified=1, infeasible=1, verified_ideal=1)
+def done(blob: bytes = b"rows", *, infeasible: int = 0, verified_ideal: int = 0) -> Done:
+    """Return a chunk of a row or more, the first of them verified."""
+    return Done(blob=blob, verified=1, infeasible=infeasible, verified_ideal=verified_ideal)
 
 
 def counted(url: str, job: str) -> int:
     """Return how many chunks of a job have a record."""
-    engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
+    engine = engine_of(url)
     with engine.connect() as connection:
         wanted = sa.select(sa.func.count()).select_from(CHUNKS).where(CHUNKS.c.job == job)
         found = int(connection.scalar(wanted) or 0)
@@ -47,7 +54,7 @@ def counted(url: str, job: str) -> int:
 
 def changed(url: str, **values: object) -> None:
     """Change all jobs as another version, or a person, would."""
-    engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
+    engine = engine_of(url)
     with engine.begin() as connection:
         connection.execute(sa.update(JOBS).values(**values))
     engine.dispose()

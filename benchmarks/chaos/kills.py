@@ -5,6 +5,7 @@ import os
 import signal
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import uvloop
@@ -44,7 +45,7 @@ and returns how long it took until as many workers lived as before [s]."""
 async def _solving(service: Running, solving: int, idle: set[int], number: int) -> float:
     """Kill the worker that is at the slow design, which another takes over."""
     del idle, number
-    return await _full_without(service, solving)
+    return await _full_without(service, solving, solving)
 
 
 async def _starting(service: Running, solving: int, idle: set[int], number: int) -> float:
@@ -56,44 +57,49 @@ async def _starting(service: Running, solving: int, idle: set[int], number: int)
         return workers(service).keys() - idle - {solving}
 
     await until(new, "a worker is started in place of one that was killed")
-    return await _full_without(service, min(new()))
+    return await _full_without(service, min(new()), solving)
 
 
 async def _idle(service: Running, solving: int, idle: set[int], number: int) -> float:
     """Kill a worker that has nothing to do."""
-    del solving, number
-    return await _full_without(service, min(idle))
+    del number
+    return await _full_without(service, min(idle), solving)
 
 
 async def _fork_server(service: Running, solving: int, idle: set[int], number: int) -> float:
     """Kill what forks the workers: before it is needed, or in the middle of starting one."""
-    del solving
     forking = _forking(service)
     if number % 2:
         os.kill(forking, signal.SIGSTOP)
         os.kill(min(idle), signal.SIGKILL)
         await asyncio.sleep(ASKED_S)
     os.kill(forking, signal.SIGKILL)
-    return await _full_without(service, min(idle))
+    return await _full_without(service, min(idle), solving)
 
 
 def _forking(service: Running) -> int:
-    """Return the process that forks the workers: one of the service, and parent of a worker."""
-    found = of_service(service)
-    parents = {one.parent for one in found.values()} & found.keys() - {service.process.pid}
-    if not parents:
-        raise HungError("no process of the service forks its workers")
-    return parents.pop()
+    """Return the process that forks the workers: a child of the service's that says so."""
+    for pid, one in of_service(service).items():
+        if one.parent == service.process.pid:
+            with suppress(FileNotFoundError):
+                if b"forkserver" in Path(f"/proc/{pid}/cmdline").read_bytes():
+                    return pid
+    raise HungError("no process of the service forks its workers")
 
 
-async def _full_without(service: Running, victim: int) -> float:
-    """Kill a worker, if it lives; return how long it takes until as many live as before."""
-    wanted = max(WORKERS, len(workers(service)))
+async def _full_without(service: Running, victim: int, solving: int) -> float:
+    """Kill a worker, if it lives; return how long it takes until the pool is full without it.
+
+    The one at the slow design is one more, until it is done.
+    """
     with suppress(ProcessLookupError):
         os.kill(victim, signal.SIGKILL)
-    return await until(
-        lambda: len(workers(service).keys() - {victim}) >= wanted, "the pool is not full again"
-    )
+
+    def full() -> bool:
+        others = workers(service).keys() - {victim}
+        return len(others) >= WORKERS + (solving in others)
+
+    return await until(full, "the pool is not full again")
 
 
 KILLS: dict[str, Kill] = {

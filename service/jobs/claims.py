@@ -13,6 +13,7 @@ import sqlalchemy as sa
 
 from service.jobs.records import UNFINISHED, Claim
 from service.jobs.schema import CHUNKS, JOBS
+from service.jobs.soundness import damage_of
 
 LOG = logging.getLogger("shapersmith.jobs")
 
@@ -95,22 +96,28 @@ class Claimer:
         return sa.and_(CHUNKS.c.state == "running", CHUNKS.c.heartbeat < self.now - self.stalled_s)
 
     def _turns(self, connection: sa.Connection) -> list[Turn]:
-        """Return the jobs that may get a chunk; of another version only what nobody has begun."""
-        free = _count(CHUNKS.c.state == "waiting") + _count(self._silent)
-        running = _count(CHUNKS.c.state == "running") - _count(self._silent)
+        """Return the jobs that may get a chunk; of another version only what nobody has begun.
+
+        Those whose records are damaged get none: whoever looks at them sees why.
+        """
+        silent = _count(self._silent)
         active = sa.select(
-            JOBS.c.id.label("job"),
-            JOBS.c.version,
-            (JOBS.c.chunks - JOBS.c.begun + free).label("free"),
-            running.label("running"),
-            JOBS.c.served,
-            JOBS.c.created,
+            JOBS,
+            (_count(CHUNKS.c.state == "waiting") + silent).label("left"),
+            (_count(CHUNKS.c.state == "running") - silent).label("running"),
         ).where(JOBS.c.state.in_(UNFINISHED))
         turns = []
-        for row in connection.execute(active).mappings().all():
-            found = dict(row)
-            version = found.pop("version")
-            turn = Turn(**found)
+        for found in map(dict, connection.execute(active).mappings()):
+            if damage_of(found):
+                continue
+            turn = Turn(
+                job=found["id"],
+                free=found["chunks"] - found["begun"] + found["left"],
+                running=found["running"],
+                served=found["served"],
+                created=found["created"],
+            )
+            version = found["version"]
             if version == self.version or self._taken_over(connection, turn, version):
                 turns.append(turn)
         return turns

@@ -139,6 +139,8 @@ def _sqlite_engine(file: Path, mode: str, *, wait_s: float, **options: Any) -> s
             isolation_level=None,  # transactions are begun here, not by the driver
             check_same_thread=False,
         )
+        # What is no UTF-8 is damaged: it is seen, and keeps nobody from reading other rows.
+        connection.text_factory = lambda text: text.decode(errors="replace")
         # A killed process loses nothing; a lost machine may lose the last commits, never the store.
         connection.execute("PRAGMA synchronous=NORMAL")
         return connection

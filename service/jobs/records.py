@@ -53,6 +53,8 @@ class Job:
         Rows done lately [1/s].
     created
         Seconds since 1970, by the database's clock [s].
+    sound
+        Whether its record is one that this version can go on with; else it is told as failed.
     """
 
     id: str
@@ -69,6 +71,7 @@ class Job:
     verified_ideal: int
     infeasible: int
     rate_rows_s: float
+    sound: bool = True
 
     @property
     def failed(self) -> int:

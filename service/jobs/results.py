@@ -13,10 +13,11 @@ from design.export.registry import EXPORTS
 from design.tables.rows import Rows, TableHead
 from service.files import LockedError, locked, remove_parts, write_pieces
 from service.jobs.blobs import from_blob
+from service.jobs.contents import DamagedError, GoneError
 from service.jobs.database import StoreError, reason_of
 from service.jobs.plan import head_of
 from service.jobs.records import Job, NewJob
-from service.jobs.store import GoneError, Store
+from service.jobs.store import Store
 from service.problems import NOT_FOUND, OVERLOADED, Problem, problem_of_design
 
 UNREADABLE = (
@@ -67,13 +68,13 @@ def rows_of_job(store: Store, job: str) -> Iterator[Rows]:
     Raises
     ------
     StoreError
-        If the job is deleted before all are read, or some cannot be read.
+        If the job is deleted before all are read, or some are damaged.
     """
     for number, blob in enumerate(store.blobs(job)):
         try:
             rows = from_blob(blob)
         except UNREADABLE as error:
-            raise StoreError(f"the rows of chunk {number} of job {job} are damaged") from error
+            raise DamagedError(f"the rows of chunk {number} of job {job} are damaged") from error
         yield rows
 
 

@@ -13,10 +13,11 @@ from typing import TypeVar
 
 from sqlalchemy.exc import DBAPIError, OperationalError
 
+from service.jobs.contents import DamagedError, GoneError
 from service.jobs.database import StoreError, disk_full
 from service.jobs.executors import Start, Started
 from service.jobs.records import Claim, Done
-from service.jobs.store import GoneError, Store
+from service.jobs.store import Store
 from service.jobs.work import UnreadableError, compute_chunk, packed
 
 Answer = TypeVar("Answer")
@@ -138,6 +139,9 @@ class Runner:
             content, impulses = self._specification(claim.job)
         except GoneError:
             return  # and its chunks with it
+        except DamagedError as error:
+            self._fail_job(claim, str(error))
+            return
         try:
             if self._started is None:
                 self._started = self._start()

@@ -1,7 +1,8 @@
 """The tables of the job store, as the newest migration leaves them.
 
 The first ``begun`` chunks of a job have a record each: it is made when the chunk is first claimed,
-so that a job costs the same to add whatever its size.
+so that a job costs the same to add whatever its size. What its chunks come to is counted in its own
+record, and its specification lies apart, so that a look at it costs the same too.
 """
 
 import sqlalchemy as sa
@@ -15,7 +16,6 @@ JOBS = sa.Table(
     sa.Column("state", sa.String(10), nullable=False),
     sa.Column("reason", sa.Text, nullable=False, default=""),
     sa.Column("created", sa.Double, nullable=False),
-    sa.Column("specification", sa.Text, nullable=False),
     sa.Column("sha256", sa.String(64), nullable=False),
     sa.Column("version", sa.String(64), nullable=False),
     sa.Column("rows", sa.BigInteger, nullable=False),
@@ -26,7 +26,23 @@ JOBS = sa.Table(
     sa.Column("begun", sa.Integer, nullable=False, default=0),
     sa.Column("served", sa.Double, nullable=False, default=0.0),
     sa.Column("key", sa.String(255)),
+    sa.Column("rows_done", sa.BigInteger, nullable=False, default=0),
+    sa.Column("verified", sa.BigInteger, nullable=False, default=0),
+    sa.Column("verified_ideal", sa.BigInteger, nullable=False, default=0),
+    sa.Column("infeasible", sa.BigInteger, nullable=False, default=0),
+    sa.Column("last_finished", sa.Double),
+    sa.Column("earlier_from", sa.Double),
+    sa.Column("earlier_rows", sa.BigInteger, nullable=False, default=0),
+    sa.Column("lately_from", sa.Double),
+    sa.Column("lately_rows", sa.BigInteger, nullable=False, default=0),
     sa.Index("jobs_by_key", "key", unique=True),
+)
+
+SPECIFICATIONS = sa.Table(
+    "specifications",
+    METADATA,
+    sa.Column("job", sa.String(32), sa.ForeignKey("jobs.id"), primary_key=True),
+    sa.Column("specification", sa.Text, nullable=False),
 )
 
 CHUNKS = sa.Table(
@@ -44,4 +60,5 @@ CHUNKS = sa.Table(
     sa.Column("infeasible", sa.Integer, nullable=False, default=0),
     sa.Column("verified_ideal", sa.Integer, nullable=False, default=0),
     sa.Column("blob", sa.LargeBinary),
+    sa.Column("sha256", sa.String(64)),
 )

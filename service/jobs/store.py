@@ -5,16 +5,15 @@ rows are in the same record). Whoever records a chunk must still hold it: what w
 cancelled meanwhile is dropped, so that nothing is lost or doubled.
 """
 
-from collections.abc import Iterable, Iterator
-from dataclasses import fields
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import sqlalchemy as sa
-from sqlalchemy.exc import IntegrityError
 
+from service.jobs import adding, contents, erasing
 from service.jobs.claims import Claimer, has_rows
-from service.jobs.database import StoreError, opened
-from service.jobs.erasing import erase_chunks
+from service.jobs.counting import NO_RATE, NOTHING, with_chunk
+from service.jobs.database import opened
 from service.jobs.records import DELETED, ENDED, UNFINISHED, Claim, Done, Job, NewJob
 from service.jobs.schema import CHUNKS, JOBS
 from service.jobs.views import seen_jobs
@@ -22,17 +21,6 @@ from service.operations import version as version_of_product
 
 MOST_FAILURES = 3
 """A chunk that fails so often fails its job."""
-
-BLOBS_AT_ONCE = 8
-"""Chunks read at a time: at 10,000 rows, a few megabytes."""
-
-
-class GoneError(StoreError):
-    """The job that is asked for is not there any more."""
-
-
-class KeyReusedError(Exception):
-    """A key that began a job came with another specification."""
 
 
 class Store:
@@ -68,46 +56,8 @@ class Store:
         self._database.close()
 
     def add(self, job: NewJob, key: str | None = None) -> str:
-        """Add a job, unless its key has begun one already; return the id of the one that is there.
-
-        Raises
-        ------
-        KeyReusedError
-            If the key began a job of another specification.
-        """
-        new = {
-            "id": job.id,
-            "state": "waiting",
-            "created": self._now,
-            "specification": job.specification,
-            "sha256": job.sha256,
-            "version": job.version,
-            "rows": job.rows,
-            "chunks": job.chunks,
-            "impulses": job.impulses,
-            "chunk_rows": job.chunk_rows,
-            "estimated_bytes": job.estimated_bytes,
-            "key": key,
-        }
-        try:
-            with self._engine.begin() as connection:
-                connection.execute(JOBS.insert().values(new))
-        except IntegrityError:
-            begun = self._begun_by(key)
-            if begun is None:
-                raise
-            known, sha256 = begun
-            if sha256 != job.sha256:
-                raise KeyReusedError("this key began a table of another specification") from None
-            return known
-        return job.id
-
-    def _begun_by(self, key: str | None) -> tuple[str, str] | None:
-        """Return id and hash of the job that a key began."""
-        with self._reading.connect() as connection:
-            wanted = sa.select(JOBS.c.id, JOBS.c.sha256).where(JOBS.c.key == key)
-            found = connection.execute(wanted).one_or_none()
-        return None if found is None else (found.id, found.sha256)
+        """Add a job and return its id; see `adding.add`."""
+        return adding.add(self._database, job, key, self._now)
 
     def claim(self, worker: str, most: int) -> list[Claim]:
         """Claim chunks for a worker, of the jobs in turn; see `service.jobs.claims`."""
@@ -132,23 +82,36 @@ class Store:
             self._change(worker, claim, state="waiting", worker=None)
 
     def finish(self, worker: str, claim: Claim, done: Done) -> bool:
-        """Record a chunk, and return whether the worker still held it."""
-        return self._change(
-            worker,
-            claim,
-            state="done",
-            finished=self._now,
-            blob=done.blob,
-            verified=done.verified,
-            verified_ideal=done.verified_ideal,
-            infeasible=done.infeasible,
-        )
+        """Record a chunk and count it, and return whether the worker still held it."""
+        told = contents.hash_of(claim.job, claim.number, done.blob)
+        with self._engine.begin() as connection:
+            if _locked(connection, claim.job) in {None, "cancelled", DELETED}:
+                return False
+            rows = connection.execute(
+                CHUNKS
+                .update()
+                .where(*_held(worker, claim))
+                .values(
+                    state="done",
+                    finished=self._now,
+                    blob=done.blob,
+                    sha256=told,
+                    verified=done.verified,
+                    verified_ideal=done.verified_ideal,
+                    infeasible=done.infeasible,
+                )
+                .returning(CHUNKS.c.rows)
+            ).scalar_one_or_none()
+            if rows is None:
+                return False
+            counted = with_chunk(rows, done, self._now)
+            connection.execute(JOBS.update().where(JOBS.c.id == claim.job).values(counted))
+        return True
 
-    def _change(self, _holder: str, _claim: Claim, **values: Any) -> bool:  # noqa: ANN401
+    def _change(self, _holder: str, _claim: Claim, **values: Any) -> None:  # noqa: ANN401
         """Change a chunk if a worker holds it; one a transaction, so that none waits for two."""
         with self._engine.begin() as connection:
-            held = connection.execute(CHUNKS.update().where(*_held(_holder, _claim)).values(values))
-        return held.rowcount == 1
+            connection.execute(CHUNKS.update().where(*_held(_holder, _claim)).values(values))
 
     def settle(self) -> None:
         """Mark jobs as done whose chunks all are.
@@ -168,7 +131,7 @@ class Store:
     def fail(self, worker: str, claim: Claim, reason: str) -> None:
         """Record that a chunk failed: it is tried again, or its job fails with the reason."""
         with self._engine.begin() as connection:
-            self._lock(connection, claim.job)
+            _locked(connection, claim.job)
             held = connection.execute(
                 CHUNKS
                 .update()
@@ -202,83 +165,76 @@ class Store:
     def resume(self, job: str) -> bool:
         """Let a failed job be tried again, and return whether it is unfinished now.
 
-        One that has rows of another version is not: its rows would be of both.
+        One that has rows of another version is not, as its rows would be of both; nor is one whose
+        record is damaged.
         """
         with self._engine.begin() as connection:
-            self._lock(connection, job)
-            same = sa.or_(JOBS.c.version == self.version, ~has_rows(job))
-            held = connection.execute(
-                JOBS
-                .update()
-                .where(JOBS.c.id == job, JOBS.c.state == "failed", same)
-                .values(state="running", reason="")
-            )
-            if held.rowcount:
+            state = _locked(connection, job)
+            seen = self._seen(connection, job)
+            if seen is None or not seen.sound:
+                return False
+            if state == "failed":
+                if seen.version != self.version and connection.scalar(sa.select(has_rows(job))):
+                    return False
+                again = {"state": "running", "reason": "", **NO_RATE}
+                connection.execute(JOBS.update().where(JOBS.c.id == job).values(again))
                 tried = CHUNKS.c.job == job, CHUNKS.c.state.in_(UNFINISHED)
                 connection.execute(CHUNKS.update().where(*tried).values(attempt=0))
-            return _state_of(connection, job) in UNFINISHED
+        return state in {*UNFINISHED, "failed"}
 
     def cancel(self, job: str) -> bool:
-        """Cancel a job, drop its rows, and return whether it is cancelled now."""
-        with self._engine.begin() as connection:
-            connection.execute(
-                JOBS
-                .update()
-                .where(JOBS.c.id == job, JOBS.c.state.in_(UNFINISHED))
-                .values(state="cancelled")
-            )
-            cancelled = _state_of(connection, job) == "cancelled"
-        if cancelled:
-            erase_chunks(self._engine, job)
-        return cancelled
+        """Cancel a job, and return whether it is cancelled now.
 
-    def delete(self, job: str) -> bool:
-        """Erase a job that has ended, with its rows, and return whether it had.
-
-        Nobody sees it from the first moment on; what a killed process leaves, `erase_deleted` ends.
+        Its rows count no more from the first moment on; `erase` drops them.
         """
         with self._engine.begin() as connection:
-            held = connection.execute(
-                JOBS
-                .update()
-                .where(JOBS.c.id == job, JOBS.c.state.not_in((*UNFINISHED, DELETED)))
-                .values(state=DELETED, key=None)
-            )
-        if held.rowcount:
-            self._erase(job)
-        return held.rowcount == 1
+            state = _locked(connection, job)
+            if state in UNFINISHED:
+                cancelled = {"state": "cancelled", **NOTHING}
+                connection.execute(JOBS.update().where(JOBS.c.id == job).values(cancelled))
+        return state in {*UNFINISHED, "cancelled"}
 
-    def erase_deleted(self) -> None:
-        """Erase what was deleted by processes that were killed meanwhile."""
+    def delete(self, job: str) -> bool:
+        """Delete a job that has ended, or cannot go on, and return whether it had.
+
+        Nobody sees it from the first moment on; `erase` drops it and its rows.
+        """
+        with self._engine.begin() as connection:
+            _locked(connection, job)
+            seen = self._seen(connection, job)
+            if seen is None or not seen.ended:
+                return False
+            deleted = {"state": DELETED, "key": None}
+            connection.execute(JOBS.update().where(JOBS.c.id == job).values(deleted))
+        return True
+
+    def left_over(self) -> list[str]:
+        """Return the jobs, cancelled or deleted, of which there is something to erase."""
         with self._reading.connect() as connection:
-            wanted = sa.select(JOBS.c.id).where(JOBS.c.state == DELETED)
-            left = connection.scalars(wanted).all()
-        for job in left:
-            self._erase(job)
+            return list(connection.scalars(sa.select(JOBS.c.id).where(erasing.LEFT)).all())
+
+    def erase(self, job: str, stopping: Callable[[], bool] = lambda: False) -> None:
+        """Erase what is left of a job that is cancelled or deleted; see `erasing.erase_job`."""
+        erasing.erase_job(self._engine, job, stopping)
 
     def drop_ended(self, older_than_s: float) -> int:
         """Delete jobs that ended so long ago; return how many.
 
         A job has ended with the last chunk that was recorded; one without any when it was begun.
         """
-        last = sa.select(sa.func.max(CHUNKS.c.finished)).where(CHUNKS.c.job == JOBS.c.id)
-        ended = sa.func.coalesce(last.scalar_subquery(), JOBS.c.created)
+        ended = sa.func.coalesce(JOBS.c.last_finished, JOBS.c.created)
         old = JOBS.c.state.in_(ENDED), ended < self._now - older_than_s
         with self._reading.connect() as connection:
             found = connection.scalars(sa.select(JOBS.c.id).where(*old)).all()
-        dropped = sum(self.delete(job) for job in found)
-        self.erase_deleted()
-        return dropped
-
-    def _erase(self, job: str) -> None:
-        erase_chunks(self._engine, job)
-        with self._engine.begin() as connection:
-            connection.execute(JOBS.delete().where(JOBS.c.id == job))
+        return sum(self.delete(job) for job in found)
 
     def job(self, job: str) -> Job | None:
         """Return a job, or None."""
         with self._reading.connect() as connection:
-            found = seen_jobs(connection, self._now, lambda seen: seen.where(JOBS.c.id == job))
+            return self._seen(connection, job)
+
+    def _seen(self, connection: sa.Connection, job: str) -> Job | None:
+        found = seen_jobs(connection, self._now, lambda seen: seen.where(JOBS.c.id == job))
         return found[0] if found else None
 
     def jobs(self, most: int) -> list[Job]:
@@ -288,49 +244,12 @@ class Store:
             return seen_jobs(connection, self._now, lambda seen: seen.order_by(*newest).limit(most))
 
     def made_of(self, job: str) -> NewJob:
-        """Return what a job is made of.
-
-        Raises
-        ------
-        GoneError
-            If it has gone.
-        """
-        wanted = [JOBS.c[one.name] for one in fields(NewJob)]
-        with self._reading.connect() as connection:
-            seen = sa.select(*wanted).where(JOBS.c.id == job, JOBS.c.state != DELETED)
-            found = connection.execute(seen).mappings().one_or_none()
-        if found is None:
-            raise GoneError(f"the job {job} has gone")
-        return NewJob(**found)
+        """Return what a job is made of; see `contents.made_of`."""
+        return contents.made_of(self._reading, job)
 
     def blobs(self, job: str) -> Iterator[bytes]:
-        """Yield the rows of a job's chunks in order.
-
-        Raises
-        ------
-        GoneError
-            If the job is deleted before all are read.
-        """
-        with self._reading.connect() as connection:
-            chunks = connection.scalar(sa.select(JOBS.c.chunks).where(JOBS.c.id == job))
-        if chunks is None:
-            raise GoneError(f"the job {job} has gone")
-        for first in range(0, chunks, BLOBS_AT_ONCE):
-            after = min(first + BLOBS_AT_ONCE, chunks)
-            with self._reading.connect() as connection:
-                held = connection.scalars(
-                    sa
-                    .select(CHUNKS.c.blob)
-                    .where(CHUNKS.c.job == job, CHUNKS.c.number >= first, CHUNKS.c.number < after)
-                    .order_by(CHUNKS.c.number)
-                ).all()
-            if len(held) < after - first:
-                raise GoneError(f"the rows of job {job} have gone")
-            yield from held
-
-    def _lock(self, connection: sa.Connection, job: str) -> None:
-        """Lock a job before its chunks, as all do who need both."""
-        connection.execute(sa.select(JOBS.c.id).where(JOBS.c.id == job).with_for_update())
+        """Yield the rows of a job's chunks in order; see `contents.blobs`."""
+        return contents.blobs(self._reading, job)
 
 
 def _failed(job: str, reason: str) -> sa.Update:
@@ -338,9 +257,11 @@ def _failed(job: str, reason: str) -> sa.Update:
     return JOBS.update().where(*unfinished).values(state="failed", reason=reason)
 
 
-def _state_of(connection: sa.Connection, job: str) -> str | None:
-    found: str | None = connection.scalar(sa.select(JOBS.c.state).where(JOBS.c.id == job))
-    return found
+def _locked(connection: sa.Connection, job: str) -> str | None:
+    """Lock a job, before its chunks as all do who need both, and return its state."""
+    wanted = sa.select(JOBS.c.state).where(JOBS.c.id == job).with_for_update()
+    state: str | None = connection.scalar(wanted)
+    return state
 
 
 def _held(worker: str, claim: Claim) -> tuple[sa.ColumnElement[bool], ...]:

@@ -1,28 +1,25 @@
 """What is seen of jobs from outside: how far they are, without their specifications."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import sqlalchemy as sa
 
+from service.jobs.counting import NOTHING, rate_rows_s
 from service.jobs.records import DELETED, ENDED, UNFINISHED, Job
-from service.jobs.schema import CHUNKS, JOBS
+from service.jobs.schema import JOBS
+from service.jobs.soundness import RULES, damage_of
 
-RATE_WINDOW_S = 30.0
-"""The rate is that of the chunks done so recently [s]."""
-
-SEEN = (
-    JOBS.c.id,
-    JOBS.c.state,
-    JOBS.c.reason,
-    JOBS.c.created,
-    JOBS.c.sha256,
-    JOBS.c.version,
-    JOBS.c.rows,
-    JOBS.c.chunks,
-    JOBS.c.estimated_bytes,
-)
-"""Columns: not the specification, which may be megabytes, and which others may have written."""
+UNKNOWN: dict[str, Any] = {
+    "created": 0.0,
+    "rows": 0,
+    "chunks": 0,
+    "estimated_bytes": 0,
+    "sha256": "",
+    "version": "",
+}
+"""What is told in place of a value that cannot be."""
 
 
 def seen_jobs(
@@ -31,42 +28,44 @@ def seen_jobs(
     which: Callable[[sa.Select[Any]], sa.Select[Any]],
 ) -> list[Job]:
     """Return jobs that are not deleted; ``which`` narrows the selection of all of them."""
-    wanted = which(sa.select(*SEEN).where(JOBS.c.state != DELETED))
-    return [
-        Job(**{**row, **_known(row["state"])}, **_progress(connection, now, row["id"]))
-        for row in connection.execute(wanted).mappings().all()
-    ]
+    wanted = which(sa.select(JOBS, now.label("now")).where(JOBS.c.state != DELETED))
+    return [_seen(dict(record)) for record in connection.execute(wanted).mappings()]
 
 
-def _known(state: str) -> dict[str, str]:
-    """Return what replaces a state that this version does not know."""
-    if state in UNFINISHED or state in ENDED:
-        return {}
-    told = f"its state {state!r} is none that this version of shapersmith knows"
-    return {"state": "failed", "reason": told}
+def _seen(record: Mapping[str, Any]) -> Job:
+    """Return a job; one whose record cannot be, or is of no state known here, as failed."""
+    damage = damage_of(record)
+    if damage:
+        whole = {name: value for name, value in record.items() if name not in UNKNOWN}
+        for name, instead in UNKNOWN.items():
+            whole[name] = record[name] if RULES[name](record[name]) else instead
+        return _unsound(_job({**whole, **NOTHING, "id": str(record["id"])}), damage)
+    job = _job(record)
+    if job.state in UNFINISHED or job.state in ENDED:
+        return job
+    told = f"its state {job.state!r} is none that this version of shapersmith knows"
+    return _unsound(job, told)
 
 
-def _progress(connection: sa.Connection, now: sa.ColumnElement[float], job: str) -> dict[str, Any]:
-    recent = CHUNKS.c.finished > now - RATE_WINDOW_S
-    sums = [
-        sa.func.sum(CHUNKS.c.rows),
-        sa.func.sum(CHUNKS.c.verified),
-        sa.func.sum(CHUNKS.c.verified_ideal),
-        sa.func.sum(CHUNKS.c.infeasible),
-        sa.func.sum(sa.case((recent, CHUNKS.c.rows), else_=0)),
-        sa.func.min(CHUNKS.c.finished),
-        now,
-    ]
-    row = connection.execute(
-        sa.select(*sums).where(CHUNKS.c.job == job, CHUNKS.c.state == "done")
-    ).one()
-    done, verified, ideal, infeasible, lately = (int(value or 0) for value in row[:5])
-    # The first chunk marks the start: its own rows took the time before it.
-    seconds = min(RATE_WINDOW_S, row[6] - row[5]) if done else 0.0
-    return {
-        "done": done,
-        "verified": verified,
-        "verified_ideal": ideal,
-        "infeasible": infeasible,
-        "rate_rows_s": lately / seconds if seconds > 0 else 0.0,
-    }
+def _unsound(job: Job, reason: str) -> Job:
+    return replace(job, state="failed", reason=reason, rate_rows_s=0.0, sound=False)
+
+
+def _job(record: Mapping[str, Any]) -> Job:
+    unfinished = record["state"] in UNFINISHED
+    return Job(
+        id=record["id"],
+        state=record["state"],
+        reason=record["reason"],
+        created=record["created"],
+        sha256=record["sha256"],
+        version=record["version"],
+        rows=record["rows"],
+        chunks=record["chunks"],
+        estimated_bytes=record["estimated_bytes"],
+        done=record["rows_done"],
+        verified=record["verified"],
+        verified_ideal=record["verified_ideal"],
+        infeasible=record["infeasible"],
+        rate_rows_s=rate_rows_s(record, record["now"]) if unfinished else 0.0,
+    )

@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass
 
-BURST_S = 0.3
+BURST_S = 0.25
 """Expected wait that is accepted while what comes is not more than what is done [s]."""
 
-STANDING_S = 0.05
+STANDING_S = 0.01
 """The same while more comes than is done, so that what is served is served soon [s]."""
 
-INTERVAL_S = 0.15
+INTERVAL_S = 0.1
 """Over what arrivals and answers are counted [s]."""
 
 INTERVALS = 2

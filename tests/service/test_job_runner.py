@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from schemas.tables import sha256_of
 from service.jobs.executors import Started, fault_of, processes
 from service.jobs.plan import Plan, planned
 from service.jobs.records import Done, Job, NewJob
@@ -227,7 +228,7 @@ def test_a_job_that_cannot_be_read_fails_alone_with_the_reason(
     bad = NewJob(
         id="bad",
         specification=specification,
-        sha256="0" * 64,
+        sha256=sha256_of(specification),
         version=good.version,
         rows=2,
         chunk_rows=1,

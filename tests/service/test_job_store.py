@@ -31,12 +31,13 @@ def test_a_job_is_done_when_its_chunks_are_and_its_rows_come_in_order(store: Sto
     new = job()
     store.add(new)
     for claim in reversed(store.claim("one", 9)):
-        assert store.finish("one", claim, done(b"%d" % claim.number))
+        rows = done(b"%d" % claim.number, infeasible=1, verified_ideal=claim.number % 2)
+        assert store.finish("one", claim, rows)
     store.settle()
     found = store.job(new.id)
     assert found is not None
     assert (found.state, found.done, found.verified, found.infeasible) == ("done", 10, 3, 3)
-    assert (found.verified_ideal, found.failed) == (3, 1)
+    assert (found.verified_ideal, found.failed) == (1, 3)
     assert list(store.blobs(new.id)) == [b"0", b"1", b"2"]
 
 

@@ -2,7 +2,6 @@
 
 import asyncio
 import threading
-import uuid
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -13,9 +12,10 @@ from sqlalchemy.exc import DBAPIError
 
 from service.jobs import database
 from service.jobs.asking import Asking, UnansweredError
-from service.jobs.records import Done, NewJob
+from service.jobs.records import Done
 from service.jobs.store import Store
 from tests.harmed_stores import HARMS, deleted, locked
+from tests.job_stores import job as job_of
 from tests.postgres import running_cluster
 
 HOUR_S = 3600.0
@@ -28,22 +28,10 @@ READS: dict[str, Callable[[Store, str], Any]] = {
 }
 
 WRITES: dict[str, Callable[[Store, str], Any]] = {
-    "add": lambda store, _: store.add(new_job()),
+    "add": lambda store, _: store.add(job_of(2, 1)),
     "claim": lambda store, _: store.claim("one", 1),
     "cancel": lambda store, job: store.cancel(job),
 }
-
-
-def new_job() -> NewJob:
-    return NewJob(
-        id=uuid.uuid4().hex,
-        specification="{}",
-        sha256="0" * 64,
-        version="1",
-        rows=2,
-        chunk_rows=1,
-        estimated_bytes=0,
-    )
 
 
 @pytest.fixture
@@ -61,11 +49,11 @@ def store(file: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Store]:
 
 @pytest.fixture
 def job(store: Store) -> str:
-    new = new_job()
+    new = job_of(2, 1)
     store.add(new)
     for claim in store.claim("one", 2):
         store.finish("one", claim, Done(blob=b"rows", verified=1, infeasible=0))
-    store.add(new_job())  # to be claimed
+    store.add(job_of(2, 1))  # to be claimed
     return new.id
 
 
@@ -128,7 +116,7 @@ def test_a_lock_in_postgresql_holds_up_writers_for_a_while_and_no_reader(
     monkeypatch.setattr(database, "LOCK_WAIT_S", 1)
     with running_cluster() as cluster:
         store = Store(cluster.url, stalled_s=HOUR_S, version="1")
-        new = new_job()
+        new = job_of(2, 1)
         store.add(new)
         other = Store(cluster.url, stalled_s=HOUR_S, version="1")
         with other._engine.begin() as connection:

@@ -18,8 +18,8 @@ from service.problems import NOT_FOUND
 from service.settings import Settings
 from tests.conftest import CRANE, Running, running_service
 from tests.harmed_stores import HARMS, locked
+from tests.job_stores import job
 from tests.processes import until, workers
-from tests.service.test_locked_store import new_job
 from tests.service.test_tables_over_http import TABLE, ended
 
 
@@ -155,8 +155,7 @@ def test_what_a_killed_writer_left_is_removed_and_what_a_live_one_writes_is_wait
 def test_what_was_left_of_a_deletion_is_erased_at_the_next_start(tmp_path: Path) -> None:
     file = tmp_path / "jobs.sqlite"
     jobs = JobService(Settings(data_dir=str(tmp_path), job_workers=0))
-    new = new_job()
-    jobs.store.add(new)
+    jobs.store.add(job())
     store = sqlite3.connect(file, timeout=60)
     store.execute("UPDATE jobs SET state = 'deleted'")
     store.commit()
@@ -208,7 +207,7 @@ def test_files_that_nobody_needs_are_removed_by_the_service(
     with file_locked(path.with_name(f".{32 * '1'}.csv.lock")):
         path.with_name(f".{32 * '1'}.csv.0123.part").write_bytes(b"")
         jobs = JobService(Settings(data_dir=str(service.data), job_workers=0))
-        jobs._clean_files()
+        jobs.cleaner.clean_files()
         jobs.close()
         left = sorted(one.name for one in path.parent.iterdir())
     written = [f".{32 * '1'}.csv.0123.part", f".{32 * '1'}.csv.lock"]

@@ -11,6 +11,7 @@ import httpx
 import pytest
 
 from tests.conftest import CRANE, running_service
+from tests.processes import until
 
 TABLE: dict[str, Any] = {
     "design": CRANE,
@@ -164,7 +165,7 @@ def test_a_job_that_is_done_is_deleted_with_its_files(tmp_path: Path) -> None:
         deleted = client.delete(location)
         assert (deleted.status_code, deleted.json()["verified"]) == (200, job["verified"])
         require_gone(client, location)
-        assert not list(files.iterdir())
+        until(lambda: not list(files.iterdir()), "its files are still there")
 
 
 def test_a_client_that_has_a_file_is_told_so_without_making_it(tmp_path: Path) -> None:
