@@ -116,9 +116,10 @@ class Worker(asyncio.Protocol):
             (size,) = LENGTH.unpack_from(self._received)
             if len(self._received) < LENGTH.size + size:
                 return
-            message = bytes(self._received[LENGTH.size : LENGTH.size + size])
+            # What is large is not copied: the loop has others to serve.
+            with memoryview(self._received) as whole, whole[LENGTH.size :] as rest:
+                outcome, result, used_s = pickle.loads(rest)
             del self._received[: LENGTH.size + size]
-            outcome, result, used_s = pickle.loads(message)
             self.cost_s, self._used_s = used_s - self._used_s, used_s
             self._told(self, outcome, result)
 
@@ -132,7 +133,7 @@ class Worker(asyncio.Protocol):
         """Send a task; its outcome is told, or the worker is lost."""
         message = pickle.dumps((task, arguments))
         if self._transport is not None:
-            self._transport.write(LENGTH.pack(len(message)) + message)
+            self._transport.writelines([LENGTH.pack(len(message)), message])
 
     def spent_s(self) -> float:
         """Return the processor time of its present task, to the system's ticks [s]."""
