@@ -67,7 +67,7 @@ class Batch:
         part: list[int] = []
         cost_s = 0.0
         while self._waiting and len(part) < PART_LINES:
-            cost_s += self._pool.costs.of(self._shape(self._waiting[0]))
+            cost_s += self._pool.costs.of(self._client, self._shape(self._waiting[0]))
             if part and cost_s > PART_S:
                 break
             part.append(self._waiting.popleft())
@@ -83,7 +83,7 @@ class Batch:
         )
         for number, one in zip(part, done, strict=True):
             self._answers[number] = one
-            self._pool.costs.record(self._shape(number), one.seconds)
+            self._pool.costs.record(self._client, self._shape(number), one.seconds)
 
     async def _answer_alone(self, number: int) -> None:
         try:

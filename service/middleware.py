@@ -1,6 +1,5 @@
 """Around every request: an id, one log line, and errors as problem documents."""
 
-import json
 import logging
 import re
 import time
@@ -24,23 +23,6 @@ CLIENT_CLOSED_REQUEST = 499
 
 ACCESS = logging.getLogger("shapersmith.access")
 ERRORS = logging.getLogger("shapersmith.error")
-
-
-class JsonFormatter(logging.Formatter):
-    """One JSON object a line."""
-
-    def format(self, record: logging.LogRecord) -> str:
-        """Return the record's time, level and message, with the fields given beside it."""
-        line = {
-            "time": self.formatTime(record, "%Y-%m-%dT%H:%M:%S%z"),
-            "level": record.levelname.lower(),
-            "logger": record.name,
-            "message": record.getMessage(),
-            **getattr(record, "fields", {}),
-        }
-        if record.exc_info:
-            line["traceback"] = self.formatException(record.exc_info)
-        return json.dumps(line)
 
 
 class RequestMiddleware:

@@ -5,14 +5,13 @@ import math
 import os
 import signal
 import socket
-import sys
 from types import FrameType
 
 import uvicorn
 
 from service.app import create_app
 from service.jobs.service import JobService
-from service.middleware import JsonFormatter
+from service.log import log_to_stderr
 from service.settings import Settings
 
 SHUTDOWN_MARGIN_S = 5
@@ -34,13 +33,7 @@ def serve(settings: Settings, *, host: str, port: int) -> None:
         If the job store cannot be used.
     """
     listener = _listen(host, port)
-    log = logging.StreamHandler(sys.stderr)
-    log.setFormatter(JsonFormatter())
-    for name in ("shapersmith", "uvicorn"):
-        logger = logging.getLogger(name)
-        logger.addHandler(log)
-        logger.setLevel(logging.INFO)
-        logger.propagate = False
+    log_to_stderr()
     # uvicorn raises the signal again once it has stopped: this makes that the end, with status 0.
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, _stop_quietly)

@@ -52,3 +52,8 @@ def hungry(size: int) -> int:
 def failed() -> None:
     """Fail."""
     raise ZeroDivisionError
+
+
+def unsendable() -> object:
+    """Return what cannot be pickled."""
+    return lambda: None

@@ -3,6 +3,7 @@
 import os
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -74,14 +75,27 @@ def of_service(service: Running) -> dict[int, Process]:
     return started_with(f"SHAPERSMITH_DATA_DIR={service.data}")
 
 
-def workers(service: Running) -> dict[int, float]:
-    """Return the worker processes with the processor time that each has used [s].
+def table_process(service: Running) -> int:
+    """Return the process that runs the table jobs of a service; 0 where there is none."""
+    for pid in children(service.process.pid):
+        with suppress(FileNotFoundError, ProcessLookupError):
+            if b"service.jobs.running" in Path(f"/proc/{pid}/cmdline").read_bytes():
+                return pid
+    return 0
 
-    They are forked by a process that the service starts: its own children are none.
+
+def workers(service: Running) -> dict[int, float]:
+    """Return the processes that answer requests, with the processor time each has used [s].
+
+    They are forked by a process that the service starts: its own children are none, nor is what
+    computes tables.
     """
-    own = service.process.pid
+    own, tables = service.process.pid, table_process(service)
+    others = {own, *(children(tables) if tables else ())}
     return {
-        pid: one.used_s for pid, one in of_service(service).items() if own not in {pid, one.parent}
+        pid: one.used_s
+        for pid, one in of_service(service).items()
+        if pid not in others and one.parent != own
     }
 
 

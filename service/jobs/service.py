@@ -1,7 +1,5 @@
 """Table jobs inside the service: their store, what runs them, where their files lie."""
 
-import logging
-import threading
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,21 +7,13 @@ from sqlalchemy.exc import DBAPIError
 
 from service.jobs.asking import Asking
 from service.jobs.cleaning import Cleaner
-from service.jobs.database import StoreError, url_of
-from service.jobs.executors import SchedulerError, starter
+from service.jobs.database import StoreError
+from service.jobs.keeping import Keeper
 from service.jobs.records import Job
-from service.jobs.runner import Runner
+from service.jobs.running import STOP_WAIT_S, store_url
 from service.jobs.store import Store
 from service.jobs.watching import Watching
 from service.settings import Settings
-
-LOG = logging.getLogger("shapersmith.jobs")
-
-RESTART_PAUSE_S = 5.0
-"""Before the runner is tried again that gave up, as on a full disk [s]."""
-
-STOP_WAIT_S = 10.0
-"""How long the runner may take to give its chunks back [s]."""
 
 DAY_S = 86_400.0
 
@@ -52,19 +42,16 @@ class JobService:
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
         self._folder = Path(settings.data_dir).absolute()
-        url = settings.database_url or url_of(self._folder / "jobs.sqlite")
         self._files = self._folder / "results"
         try:
-            self.store = Store(url, stalled_s=settings.stalled_s)
+            self.store = Store(store_url(settings), stalled_s=settings.stalled_s)
         except DBAPIError as error:
             raise StoreError(f"the job store does not answer: {error.orig}") from None
         self.reading = Asking("store-reads", threads=READERS, most=MOST_READS)
         self.writing = Asking("store-writes", threads=WRITERS, most=MOST_WRITES)
         self.stopping: Callable[[], bool] = lambda: False
         self.watching = Watching(self.found, lambda: self.stopping())
-        self._stop = threading.Event()
-        self._runner: Runner | None = None
-        self._thread = threading.Thread(target=self._work, name="table-jobs", daemon=True)
+        self._keeper = Keeper(settings)
         self.cleaner = Cleaner(self.store, self._files, keep_s=settings.keep_tables_days * DAY_S)
 
     def start(self) -> None:
@@ -74,7 +61,7 @@ class JobService:
         except OSError as error:
             raise StoreError(f"no folder for the files of tables: {error}") from None
         if self._settings.job_workers > 0 or self._settings.scheduler:
-            self._thread.start()
+            self._keeper.start()
         self.cleaner.start()
 
     async def found(self, job: str) -> Job | None:
@@ -91,29 +78,9 @@ class JobService:
         """Return where the file of a job in a format is, or is to be."""
         return self._files / f"{job}.{name}"
 
-    def _work(self) -> None:
-        settings = self._settings
-        start = starter(settings.job_workers, settings.scheduler)
-        while not self._stop.is_set():
-            self._runner = Runner(self.store, start, database_wait_s=settings.database_wait_s)
-            if self._stop.is_set():
-                return
-            try:
-                self._runner.run(until=self._stop.is_set)
-            except (StoreError, SchedulerError, DBAPIError, OSError) as error:
-                LOG.error("table jobs pause for %g s: %s", RESTART_PAUSE_S, error)
-                self._stop.wait(RESTART_PAUSE_S)
-            except Exception:
-                LOG.exception("table jobs pause for %g s", RESTART_PAUSE_S)
-                self._stop.wait(RESTART_PAUSE_S)
-
     def close(self) -> None:
         """Stop working; what is not done is left to the next start."""
-        self._stop.set()
-        if self._runner is not None:
-            self._runner.stopping.set()
-        if self._thread.is_alive():
-            self._thread.join(STOP_WAIT_S)
+        self._keeper.close()
         self.cleaner.close(STOP_WAIT_S)
         self.reading.close()
         self.writing.close()

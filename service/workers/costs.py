@@ -19,6 +19,9 @@ LEARNING = 0.3
 FIRST_GUESS_S = 0.005
 """What work of an unknown shape is expected to take before any was done [s]."""
 
+LEAST_S = 1e-4
+"""Work costs no less: below it the system's clocks tell nothing [s]."""
+
 LONGEST_SHAPE = 16_384
 """Bodies up to so long are told apart by all but their numbers; longer ones by length [bytes]."""
 
@@ -35,46 +38,59 @@ def shape_of(operation: str, body: bytes) -> Hashable:
 class Costs:
     """Mean cost of each shape, and of small work at large for shapes that are not known.
 
+    What a task teaches that still runs is of its client's work alone: others ask for the same with
+    other numbers, and theirs may be small.
+
     Attributes
     ----------
     small_s
         What small work takes, in the mean [s].
-    slowness
-        How much longer work takes than the processor time that it costs [-].
     """
 
     def __init__(self) -> None:
         self._means: OrderedDict[Hashable, float] = OrderedDict()
         self.small_s = FIRST_GUESS_S
-        self.slowness = 1.0
+        self._took_s = self._cost_s = FIRST_GUESS_S
 
-    def of(self, shape: Hashable) -> float:
-        """Return what work of a shape is expected to take [s]."""
-        if shape not in self._means:
-            return self.small_s
-        self._means.move_to_end(shape)
-        return self._means[shape]
+    @property
+    def slowness(self) -> float:
+        """How much longer small work takes than the processor time that it costs [-]."""
+        return max(self._took_s / self._cost_s, 1.0)
 
-    def record(self, shape: Hashable, seconds: float) -> None:
-        """Learn what work of a shape has taken."""
+    def of(self, client: str, shape: Hashable) -> float:
+        """Return what a client's work of a shape is expected to take [s]."""
+        for known in ((client, shape), shape):
+            if known in self._means:
+                self._means.move_to_end(known)
+                return self._means[known]
+        return self.small_s
+
+    def record(self, client: str, shape: Hashable, seconds: float) -> None:
+        """Learn what a client's work of a shape has taken."""
+        seconds = max(seconds, LEAST_S)
         if seconds < SLICE_S:
             self.small_s += LEARNING * (seconds - self.small_s)
-        known = self._means.get(shape, seconds)
-        self._remember(shape, known + LEARNING * (seconds - known))
+        self._learn(shape, seconds)
+        if (client, shape) in self._means:
+            self._learn((client, shape), seconds)
 
     def took(self, seconds: float, cost_s: float) -> None:
-        """Learn how long work has taken beside what it cost."""
-        if cost_s > 0.0:
-            self.slowness += LEARNING * (max(seconds / cost_s, 1.0) - self.slowness)
+        """Learn how long small work has taken beside what it cost."""
+        self._took_s += LEARNING * (seconds - self._took_s)
+        self._cost_s += LEARNING * (max(cost_s, LEAST_S) - self._cost_s)
 
-    def at_least(self, shape: Hashable, seconds: float) -> None:
-        """Learn that work of a shape takes so long at least: it still runs."""
-        self._remember(shape, max(self._means.get(shape, 0.0), seconds))
+    def at_least(self, client: str, shape: Hashable, seconds: float) -> None:
+        """Learn that a client's work of a shape takes so long at least: it still runs."""
+        known = client, shape
+        self._remember(known, max(self._means.get(known, 0.0), seconds))
 
-    def _remember(self, shape: Hashable, seconds: float) -> None:
-        if shape is None:
-            return
-        self._means[shape] = seconds
-        self._means.move_to_end(shape)
+    def _learn(self, known: Hashable, seconds: float) -> None:
+        """Move a mean of logarithms, which one outlier does not tip."""
+        mean_s = self._means.get(known, seconds)
+        self._remember(known, mean_s * (seconds / mean_s) ** LEARNING)
+
+    def _remember(self, known: Hashable, seconds: float) -> None:
+        self._means[known] = seconds
+        self._means.move_to_end(known)
         if len(self._means) > MOST_SHAPES:
             self._means.popitem(last=False)

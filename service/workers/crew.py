@@ -93,6 +93,7 @@ class Crew:
 
     async def _start(self) -> None:
         pause_s = START_PAUSES_S[min(self._failed_starts, len(START_PAUSES_S) - 1)]
+        worker: Worker | None = None
         try:
             if pause_s:
                 await asyncio.sleep(pause_s)
@@ -100,14 +101,17 @@ class Crew:
             worker = await self._loop.run_in_executor(
                 self._starter, Worker, self._memory_bytes, self._told, self._lost
             )
-            self._starting[worker] = self._loop.call_later(START_LIMIT_S, self._end_stuck, worker)
-            await worker.connect()
         except (OSError, EOFError) as error:
             # EOFError: the fork server died while it forked; the next start begins another.
             self._failed_starts += 1
             LOG.error("no worker could be started: %r", error)
+        else:
+            late = self._loop.call_later(START_LIMIT_S, self._end_stuck, worker)
+            self._starting[worker] = late
         finally:
             self._to_start -= 1
+        if worker is not None:
+            await worker.connect()
         self.keep(self._wanted)
 
     def _told(self, worker: Worker, outcome: Outcome, result: Any) -> None:  # noqa: ANN401

@@ -14,6 +14,9 @@ INTERVAL_S = 0.1
 INTERVALS = 2
 """Intervals in a row in which more must have come than was done: a burst is of one."""
 
+OVER = 10
+"""Intervals without an arrival or an answer after which an overload is over."""
+
 GROWING = 1.2
 """Arrivals over answers from which it is an overload, and no long queue alone: a fixed number of
 clients, each waiting for its own answer, has as many of the one as of the other."""
@@ -44,9 +47,9 @@ class Patience:
         return wait_s <= self._limit_s(cost_s)
 
     def refuses(self, now: float, wait_s: float, cost_s: float) -> bool:
-        """Return whether an arrival may not wait, which only then is counted."""
+        """Return whether an arrival may not wait under an overload; only then it is counted."""
         self._turn(now)
-        refused = wait_s > self._limit_s(cost_s)
+        refused = self._growing >= INTERVALS and wait_s > self._limit_s(cost_s)
         self._arrived += refused
         return refused
 
@@ -61,7 +64,10 @@ class Patience:
         self._answered += 1
 
     def _turn(self, now: float) -> None:
-        if now - self._since > INTERVAL_S:
+        if now - self._since > OVER * INTERVAL_S:
+            self._growing = 0
+            self._since, self._arrived, self._answered = now, 0, 0
+        elif now - self._since > INTERVAL_S:
             grows = self._arrived > GROWING * self._answered + FEW
             self._growing = self._growing + 1 if grows else 0
             self._since, self._arrived, self._answered = now, 0, 0

@@ -10,11 +10,13 @@ milliseconds.
 import asyncio
 import logging
 import time
+from collections import Counter
 from collections.abc import Callable, Hashable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from service.problems import INTERNAL, TIME_LIMIT, TOO_LARGE, Problem
+from service.problems import INTERNAL, OVERLOADED, TIME_LIMIT, TOO_LARGE, Problem
 from service.workers.costs import SLICE_S, Costs
 from service.workers.crew import Crew
 from service.workers.patience import Patience
@@ -33,6 +35,8 @@ LONGEST_WAIT_S = 30.0
 
 IDLING_S = 4 * SLICE_S
 """A task that takes so long is large whatever it costs: it waits for something [s]."""
+
+STOPPING = Problem(OVERLOADED, "the service is stopping; try again later")
 
 LOG = logging.getLogger("shapersmith.pool")
 
@@ -67,6 +71,7 @@ class WorkerPool:
         self._shared: dict[Hashable, Run] = {}
         self._busy: dict[Worker, Run] = {}
         self._loop = asyncio.get_running_loop()
+        self._closed = False
         self._crew = Crew(self, memory_bytes)
         self._crew.keep(workers)
 
@@ -106,6 +111,8 @@ class WorkerPool:
         SplitError
             If it ``splits`` and takes longer than a slice.
         """
+        if self._closed:
+            raise TaskError(STOPPING)
         run = self._shared.get(key) if key is not None else None
         if run is None:
             limit_s = self._time_limit_s if limit_s is None else limit_s
@@ -149,13 +156,13 @@ class WorkerPool:
 
     def _admit(self, run: Run) -> None:
         """Let a task wait, or refuse it at once where it would wait too long."""
-        cost_s = self.costs.of(run.shape)
+        cost_s = self.costs.of(run.client, run.shape)
         large = cost_s > SLICE_S and not run.splits
         flow = Flow(run.client, run.kind, large)
         wait_s = self._wait_s(flow, cost_s)
-        if self.pending >= self._max_pending:
-            raise refused(f"{self.pending} tasks are running or waiting", wait_s)
-        if run.kind != "batch":
+        if run.kind != "batch":  # which has few under way, and waits until it ends
+            if self.pending >= self._max_pending:
+                raise refused(f"{self.pending} tasks are running or waiting", wait_s)
             admitted = (
                 wait_s <= LONGEST_WAIT_S
                 if large
@@ -204,6 +211,8 @@ class WorkerPool:
             self._begin(self._large, large=True)
         if len(self._small) and self._small_running >= self.workers:
             self._end_an_overdue()
+        if len(self._large) and self._large_running >= self._large_places:
+            self._end_a_second()
         waiting = min(self._large_places, self._large_running + len(self._large))
         self._crew.keep(self.workers + waiting)
 
@@ -256,9 +265,10 @@ class WorkerPool:
     def _account(self, run: Run, spent_s: float) -> None:
         """Learn what a task has cost."""
         self._charge(run, spent_s)
-        self.costs.took(time.perf_counter() - run.begun, spent_s)
+        if run.kind == "single" and not run.large:
+            self.costs.took(time.perf_counter() - run.begun, spent_s)
         if not run.splits:
-            self.costs.record(run.shape, spent_s)
+            self.costs.record(run.client, run.shape, spent_s)
         if not run.large and run.kind != "batch":
             self._patience.answered(self._loop.time())
 
@@ -291,7 +301,7 @@ class WorkerPool:
             self._crew.end(worker)
 
     def _end_late(self, run: Run) -> None:
-        self.costs.at_least(run.shape, run.limit_s)
+        self.costs.at_least(run.client, run.shape, run.limit_s)
         self._end_worker(run, f"its task ran for {run.limit_s:g} s")
         told = f"the work was ended after {run.limit_s:g} s"
         self._fail(run, TaskError(Problem(TIME_LIMIT, told)))
@@ -307,13 +317,13 @@ class WorkerPool:
         """
         run.timers.append(self._loop.call_later(after_s, self._look_again, run, 2 * after_s))
         starved = run.worker is not None and run.worker.spent_s() < SLICE_S / 2
-        if starved and after_s < IDLING_S and not run.splits:
+        if starved and after_s < IDLING_S:
             return
         if run.splits:
             self._end_worker(run, "some of its parts are large: they are run apart")
             self._fail(run, SplitError())
         else:
-            self.costs.at_least(run.shape, 2 * after_s)
+            self.costs.at_least(run.client, run.shape, 2 * after_s)
             if not run.large:
                 run.overdue = True
             self._sort_out()
@@ -323,7 +333,7 @@ class WorkerPool:
         """Move what waits among the small and is known as large; refuse what waits in vain."""
         for ticket in list(self._small):
             run = self._runs[ticket]
-            cost_s = self.costs.of(run.shape)
+            cost_s = self.costs.of(run.client, run.shape)
             if cost_s > SLICE_S and not run.splits:
                 self._to_large(run, cost_s)
         ahead_s = 0.0
@@ -333,7 +343,7 @@ class WorkerPool:
             if wait_s > LONGEST_WAIT_S and run.kind != "batch":
                 self._fail(run, expected(wait_s))
             else:
-                ahead_s += self.costs.of(run.shape)
+                ahead_s += self.costs.of(run.client, run.shape)
 
     def _to_large(self, run: Run, cost_s: float) -> None:
         """Let a task wait for a place for large work."""
@@ -357,7 +367,22 @@ class WorkerPool:
         if overdue:
             run = max(overdue, key=lambda one: one.begun)
             self._end_worker(run, "its task is large and all places for such are taken")
-            self._to_large(run, self.costs.of(run.shape))
+            self._to_large(run, self.costs.of(run.client, run.shape))
+
+    def _end_a_second(self) -> None:
+        """End the youngest large task of a client that has several, as one waits who has none."""
+        large = [run for run in self._busy.values() if run.large]
+        holders = Counter(run.client for run in large)
+        if all(ticket.flow.client in holders for ticket in self._large):
+            return
+        several = [run for run in large if holders[run.client] > 1]
+        if several:
+            run = max(several, key=lambda one: one.begun)
+            self._end_worker(run, "its client has another large task, and one waits who has none")
+            ticket = run.ticket
+            del self._runs[ticket]
+            run.stop_timers()
+            self._wait(run, replace(ticket.flow, large=True), self.costs.of(run.client, run.shape))
 
     def _oldest_overdue(self) -> Run | None:
         overdue = [run for run in self._busy.values() if run.overdue]
@@ -386,5 +411,8 @@ class WorkerPool:
         self.may_begin()
 
     async def close(self) -> None:
-        """End the workers; all tasks have ended."""
+        """End the workers; who still waits is told so."""
+        self._closed = True
+        for run in list(self._runs.values()):
+            self._fail(run, TaskError(STOPPING))
         await self._crew.close()

@@ -29,8 +29,9 @@ from service.workers.solvers import warm_solvers
 LENGTH = struct.Struct("!i")
 """What `multiprocessing.connection` sends ahead of a message of up to 2 GiB."""
 
-NICENESS = 10
-"""Of a worker that is busy with large work: what is small goes first on the processors too."""
+NICENESS, NICENESS_OF_LARGE = 5, 10
+"""Of workers, which let the event loop go first on the processors too; of one that is busy with
+large work, which lets what is small go first."""
 
 TICKS_A_SECOND = os.sysconf("SC_CLK_TCK")
 
@@ -116,9 +117,10 @@ class Worker(asyncio.Protocol):
             (size,) = LENGTH.unpack_from(self._received)
             if len(self._received) < LENGTH.size + size:
                 return
-            message = bytes(self._received[LENGTH.size : LENGTH.size + size])
+            # What is large is not copied: the loop has others to serve.
+            with memoryview(self._received) as whole, whole[LENGTH.size :] as rest:
+                outcome, result, used_s = pickle.loads(rest)
             del self._received[: LENGTH.size + size]
-            outcome, result, used_s = pickle.loads(message)
             self.cost_s, self._used_s = used_s - self._used_s, used_s
             self._told(self, outcome, result)
 
@@ -132,7 +134,7 @@ class Worker(asyncio.Protocol):
         """Send a task; its outcome is told, or the worker is lost."""
         message = pickle.dumps((task, arguments))
         if self._transport is not None:
-            self._transport.write(LENGTH.pack(len(message)) + message)
+            self._transport.writelines([LENGTH.pack(len(message)), message])
 
     def spent_s(self) -> float:
         """Return the processor time of its present task, to the system's ticks [s]."""
@@ -148,7 +150,7 @@ class Worker(asyncio.Protocol):
         """Let other processes go first."""
         if self.pid is not None:
             with suppress(ProcessLookupError):  # it has just ended, which is told
-                os.setpriority(os.PRIO_PROCESS, self.pid, NICENESS)
+                os.setpriority(os.PRIO_PROCESS, self.pid, NICENESS_OF_LARGE)
 
     async def ending(self) -> str:
         """Return how the process has ended, in words."""
@@ -211,23 +213,27 @@ def _work(pipe: Connection, memory_bytes: int) -> None:
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
     warm_solvers()
+    os.setpriority(os.PRIO_PROCESS, 0, NICENESS)
     resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
     try:
         pipe.send(("ready", None, time.process_time()))
         while True:
             task, arguments = pipe.recv()
-            pipe.send((*_outcome(task, arguments), time.process_time()))
+            pipe.send_bytes(_outcome(task, arguments))
     except (EOFError, OSError):
         return  # the pool has closed its end
 
 
-def _outcome(task: Callable[..., Any], arguments: tuple[Any, ...]) -> tuple[Outcome, Any]:
+def _outcome(task: Callable[..., Any], arguments: tuple[Any, ...]) -> bytes:
+    """Do a task; return the pickle of how it ended, what it gave, and the processor time so far."""
+    outcome: Outcome
     try:
-        return "done", task(*arguments)
+        return pickle.dumps(("done", task(*arguments), time.process_time()))
     except MemoryError:
-        return "memory", traceback.format_exc(limit=-3)
+        outcome = "memory"
     except Exception:  # noqa: BLE001 - told to the pool, which logs it
-        return "failed", traceback.format_exc()
+        outcome = "failed"
+    return pickle.dumps((outcome, traceback.format_exc(limit=-5), time.process_time()))
 
 
 def _end_with(sentinel: int) -> None:

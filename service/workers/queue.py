@@ -104,6 +104,7 @@ class FairQueue:
         """Take a ticket out that nobody waits for any more."""
         if ticket.waiting:
             self._let_go(ticket)
+            self.charge(ticket, 0.0)
 
     def charge(self, ticket: Ticket, spent_s: float) -> None:
         """Count what a ticket has cost in place of what it was expected to."""
@@ -139,6 +140,9 @@ class FairQueue:
         if not self._count_in_all:
             self._heap.clear()
             self._held_in_all = self._weights = 0.0  # rounding adds up no further
+            # Where nobody waits nobody owes: all begin anew, and nothing is kept of who has left.
+            self._now = max(self._now, *self._finish.values()) if self._finish else self._now
+            self._finish.clear()
 
     def _forget_if_idle(self, flow: Flow) -> None:
         """Drop what need not be known: a flow whose time has come would begin now anyway."""

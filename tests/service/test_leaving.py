@@ -10,10 +10,10 @@ from tests.conftest import CRANE, Running, running_service
 from tests.processes import HUNG_S, until, workers
 from tests.service.test_server import ENDLESS, at_work
 
-BATCH = b"\n".join(
-    json.dumps({**ENDLESS, "plant": {**ENDLESS["plant"], "damping_ratio": 1e-6 * number}}).encode()
+BATCH = "\n".join(
+    json.dumps({**ENDLESS, "sensitivity": {"from_ratio": 0.3, "to_ratio": 1.8 + 1e-6 * number}})
     for number in range(1000)
-)
+).encode()
 
 
 def asking(service: Running, path: str, body: bytes) -> socket.socket:
@@ -35,6 +35,7 @@ def test_the_work_of_a_client_that_leaves_ends(tmp_path: Path, path: str, body: 
         before = workers(service)
         with asking(service, path, body):
             victim = at_work(service, before)
+        until(lambda: "its client has left" in log.read_text(), "its work goes on")
         until(lambda: victim not in workers(service), "its worker goes on")
         until(lambda: '"status": 499' in log.read_text(), "no line in the log")
         with service.client() as client:

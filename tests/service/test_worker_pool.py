@@ -19,6 +19,7 @@ from service.workers.pool import MOST_DEATHS, WorkerPool
 from service.workers.runs import SplitError, TaskError
 from tests import pool_tasks as tasks
 from tests.processes import HUNG_S, running
+from tests.processes import until as until_in_time
 
 MEGABYTE = 1024**2
 
@@ -139,7 +140,7 @@ def test_large_work_makes_way_for_small_work_and_is_done_all_the_same() -> None:
 def test_what_is_known_as_large_leaves_the_way_free_at_once() -> None:
     async def story() -> None:
         async with pool(workers=1) as one:
-            one.costs.at_least("large", 10 * SLICE_S)
+            one.costs.at_least("", "large", 10 * SLICE_S)
             large = asyncio.create_task(one.run(tasks.asleep, 3600, shape="large"))
             await asyncio.sleep(0)
             for number in range(50):
@@ -153,7 +154,7 @@ def test_what_is_known_as_large_leaves_the_way_free_at_once() -> None:
 def test_large_work_that_would_wait_for_minutes_is_refused_with_the_time_told() -> None:
     async def story() -> None:
         async with pool(workers=1) as one:
-            one.costs.at_least("large", 20.0)
+            one.costs.at_least("", "large", 20.0)
             waiting = [
                 asyncio.create_task(one.run(tasks.asleep, 3600, shape="large")) for _ in range(2)
             ]
@@ -268,6 +269,50 @@ def server() -> int:
     return pid
 
 
+def test_a_client_with_several_large_tasks_gives_a_place_to_one_who_has_none() -> None:
+    async def story() -> None:
+        async with pool(workers=3) as one:
+            greedy = [
+                asyncio.create_task(one.run(tasks.asleep, 3600, client="a", shape=number))
+                for number in range(2)
+            ]
+            for client, number in (("a", 0), ("a", 1), ("b", 0)):
+                one.costs.at_least(client, number, 10 * SLICE_S)
+            await until(lambda: one.pending == 2)
+            assert await one.run(tasks.busy, 0.01, client="b", shape=0)
+            assert not any(task.done() for task in greedy)
+            for task in greedy:
+                task.cancel()
+
+    played(story())
+
+
+def test_who_waits_when_a_pool_closes_is_told_so() -> None:
+    async def story() -> None:
+        async with pool(workers=1) as one:
+            callers = [asyncio.create_task(one.run(tasks.asleep, 3600)) for _ in range(3)]
+            await until(lambda: one.pending == 3)
+        for caller in callers:
+            with pytest.raises(TaskError, match="is stopping"):
+                await caller
+        with pytest.raises(TaskError, match="is stopping"):
+            await one.run(tasks.told, 1)
+
+    played(story())
+
+
+def test_an_outcome_that_cannot_be_sent_is_a_failure_and_costs_no_worker() -> None:
+    async def story() -> None:
+        async with pool(workers=1) as one:
+            with pytest.raises(TaskError) as failed:
+                await one.run(tasks.unsendable)
+            assert kind_of(failed) == INTERNAL
+            assert "worker" not in str(failed.value)
+            assert await one.run(tasks.told, 1) == 1
+
+    played(story())
+
+
 def test_a_pool_that_closes_leaves_no_process() -> None:
     seen: set[int] = set()
 
@@ -277,8 +322,4 @@ def test_a_pool_that_closes_leaves_no_process() -> None:
 
     played(story())
     assert len(seen) == 3
-    hung = HUNG_S
-    while running(seen) and hung > 0:
-        os.sched_yield()
-        hung -= 1e-3
-    assert not running(seen)
+    until_in_time(lambda: not running(seen), "workers outlive their pool")

@@ -5,7 +5,14 @@ from collections import Counter
 
 import pytest
 
-from service.workers.costs import FIRST_GUESS_S, LONGEST_SHAPE, MOST_SHAPES, Costs, shape_of
+from service.workers.costs import (
+    FIRST_GUESS_S,
+    LONGEST_SHAPE,
+    MOST_SHAPES,
+    SLICE_S,
+    Costs,
+    shape_of,
+)
 from service.workers.patience import BURST_S, INTERVAL_S, STANDING_S, Patience
 from service.workers.queue import FairQueue, Flow, Ticket
 
@@ -105,6 +112,27 @@ def test_tickets_taken_out_are_not_served_and_leave_nothing_behind() -> None:
     assert list(queue) == []
 
 
+def test_tickets_taken_out_cost_nothing() -> None:
+    queue = FairQueue()
+    gone = [added(queue, Flow("a"), 20.0) for _ in range(5)]
+    added(queue, Flow("b"), 1.0)
+    for ticket in gone:
+        queue.remove(ticket)
+    others = [added(queue, Flow("b"), 1.0) for _ in range(50)]
+    mine = added(queue, Flow("a"), 1.0)
+    assert mine in served(queue)[:3]
+    assert others
+
+
+def test_nothing_is_kept_of_clients_that_have_left() -> None:
+    queue = FairQueue()
+    for number in range(1000):
+        ticket = added(queue, Flow(str(number)))
+        assert queue.pop() is ticket
+        queue.charge(ticket, 0.5)
+    assert not queue._finish
+
+
 def test_a_ticket_put_back_is_served_before_those_that_came_later() -> None:
     queue = FairQueue()
     first, second = added(queue, Flow("a")), added(queue, Flow("a"))
@@ -141,21 +169,38 @@ def test_work_that_differs_in_numbers_only_is_expected_to_cost_alike() -> None:
 
 def test_costs_are_learned_and_forgotten() -> None:
     costs = Costs()
-    assert costs.of("new") == FIRST_GUESS_S
+    assert costs.of("a", "new") == FIRST_GUESS_S
     for _ in range(50):
-        costs.record("slow", 20.0)
-        costs.record("quick", 0.002)
-    assert costs.of("slow") == pytest.approx(20.0)
-    assert costs.of("quick") == pytest.approx(0.002)
-    assert costs.of("new") == pytest.approx(0.002, rel=0.01)
-    costs.at_least("quick", 3.0)
-    assert costs.of("quick") == 3.0
-    for _ in range(20):
-        costs.record("quick", 0.002)
-    assert costs.of("quick") < 0.01
+        costs.record("a", "slow", 20.0)
+        costs.record("a", "quick", 0.002)
+    assert costs.of("b", "slow") == pytest.approx(20.0)
+    assert costs.of("b", "quick") == pytest.approx(0.002)
+    assert costs.of("b", "new") == pytest.approx(0.002, rel=0.01)
     for number in range(MOST_SHAPES):
-        costs.record(number, 1.0)
-    assert costs.of("slow") == costs.of("new")
+        costs.record("a", number, 1.0)
+    assert costs.of("b", "slow") == costs.of("b", "new")
+
+
+def test_what_runs_long_is_expected_of_its_client_alone_and_unlearned() -> None:
+    costs = Costs()
+    for _ in range(20):
+        costs.record("a", "map", 0.002)
+    costs.at_least("a", "map", 3.0)
+    costs.record("a", "map", 20.0)
+    assert costs.of("a", "map") > SLICE_S
+    assert costs.of("b", "map") < SLICE_S
+    for _ in range(20):
+        costs.record("a", "map", 0.002)
+    assert costs.of("a", "map") < 0.01
+
+
+def test_what_waits_for_something_makes_no_machine_slow() -> None:
+    costs = Costs()
+    for number in range(100):
+        costs.took(5.0 if number % 25 == 0 else 0.004, 0.003)
+    for _ in range(20):
+        costs.took(0.004, 0.003)
+    assert costs.slowness < 3.0
 
 
 def admitted(
@@ -209,7 +254,7 @@ def test_a_burst_is_served_and_forgotten() -> None:
     waits = [0.002 * number for number in range(120)]
     assert all(patience.admits(0.0, wait_s, 0.002) for wait_s in waits)
     assert not patience.admits(0.0, BURST_S + 0.01, 0.002)
-    later = 10 * INTERVAL_S
+    later = 20 * INTERVAL_S
     assert patience.admits(later, 0.0, 0.002)
     assert patience.admits(later + INTERVAL_S, BURST_S, 0.002)
 

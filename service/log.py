@@ -1,0 +1,108 @@
+"""The log: one JSON object a line, on stderr."""
+
+import atexit
+import json
+import logging
+import os
+import queue
+import sys
+import threading
+import time
+from logging.handlers import QueueHandler
+
+MOST_LINES = 10_000
+"""Lines that wait for a slow reader of stderr, beyond which they are dropped, and counted."""
+
+FULL_PAUSE_S = 0.01
+"""Between two attempts to write where there is no room just now [s]."""
+
+LAST_LINES_S = 1.0
+"""How long a process that ends waits for its last lines to be taken [s]."""
+
+
+class JsonFormatter(logging.Formatter):
+    """One JSON object a line."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """Return the record's time, level and message, with the fields given beside it."""
+        line = {
+            "time": self.formatTime(record, "%Y-%m-%dT%H:%M:%S%z"),
+            "level": record.levelname.lower(),
+            "logger": record.name,
+            "message": record.getMessage(),
+            **getattr(record, "fields", {}),
+        }
+        if record.exc_info:
+            line["traceback"] = self.formatException(record.exc_info)
+        return json.dumps(line)
+
+
+class Log(QueueHandler):
+    """Writes lines in a thread of its own: a reader that does not read holds up nobody.
+
+    Parameters
+    ----------
+    file
+        Descriptor of what is written to.
+    """
+
+    def __init__(self, file: int) -> None:
+        self._lines: queue.Queue[logging.LogRecord | None] = queue.Queue(MOST_LINES)
+        super().__init__(self._lines)
+        self.setFormatter(JsonFormatter())
+        self._file = file
+        self._dropped = 0
+        self._counting = threading.Lock()
+        self._thread = threading.Thread(target=self._write, name="log", daemon=True)
+        self._thread.start()
+
+    def enqueue(self, record: logging.LogRecord) -> None:
+        """Leave a line to the thread."""
+        try:
+            self._lines.put_nowait(record)
+        except queue.Full:
+            with self._counting:
+                self._dropped += 1
+
+    def finish(self) -> None:
+        """Wait for the last lines, if they are taken."""
+        try:
+            self._lines.put(None, timeout=LAST_LINES_S)
+        except queue.Full:
+            return
+        self._thread.join(LAST_LINES_S)
+
+    def _write(self) -> None:
+        try:
+            while (record := self._lines.get()) is not None:
+                self._put(record.getMessage())
+                if self._dropped:
+                    self._tell_dropped()
+        except BrokenPipeError:
+            return  # there is nobody left to tell
+
+    def _tell_dropped(self) -> None:
+        with self._counting:
+            dropped, self._dropped = self._dropped, 0
+        told = f"{dropped} lines were dropped: stderr was not read"
+        fields = {"name": "shapersmith", "levelname": "WARNING", "msg": told}
+        self._put(self.format(logging.makeLogRecord(fields)))
+
+    def _put(self, line: str) -> None:
+        left = memoryview(f"{line}\n".encode())
+        while left:
+            try:
+                left = left[os.write(self._file, left) :]
+            except BlockingIOError:  # another process has made it so
+                time.sleep(FULL_PAUSE_S)
+
+
+def log_to_stderr() -> None:
+    """Have this process log what it and its server tell."""
+    log = Log(sys.stderr.fileno())
+    atexit.register(log.finish)
+    for name in ("shapersmith", "uvicorn"):
+        logger = logging.getLogger(name)
+        logger.addHandler(log)
+        logger.setLevel(logging.INFO)
+        logger.propagate = False
