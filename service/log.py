@@ -1,6 +1,7 @@
 """The log: one JSON object a line, on stderr."""
 
 import atexit
+import contextlib
 import json
 import logging
 import os
@@ -8,10 +9,12 @@ import queue
 import sys
 import threading
 import time
-from logging.handlers import QueueHandler
 
 MOST_LINES = 10_000
 """Lines that wait for a slow reader of stderr, beyond which they are dropped, and counted."""
+
+GATHERED_S = 0.01
+"""How long lines are gathered before they are written [s]."""
 
 FULL_PAUSE_S = 0.01
 """Between two attempts to write where there is no room just now [s]."""
@@ -37,7 +40,7 @@ class JsonFormatter(logging.Formatter):
         return json.dumps(line)
 
 
-class Log(QueueHandler):
+class Log(logging.Handler):
     """Writes lines in a thread of its own: a reader that does not read holds up nobody.
 
     Parameters
@@ -47,8 +50,8 @@ class Log(QueueHandler):
     """
 
     def __init__(self, file: int) -> None:
-        self._lines: queue.Queue[logging.LogRecord | None] = queue.Queue(MOST_LINES)
-        super().__init__(self._lines)
+        self._lines: queue.Queue[str | None] = queue.Queue(MOST_LINES)
+        super().__init__()
         self.setFormatter(JsonFormatter())
         self._file = file
         self._dropped = 0
@@ -56,10 +59,10 @@ class Log(QueueHandler):
         self._thread = threading.Thread(target=self._write, name="log", daemon=True)
         self._thread.start()
 
-    def enqueue(self, record: logging.LogRecord) -> None:
+    def emit(self, record: logging.LogRecord) -> None:
         """Leave a line to the thread."""
         try:
-            self._lines.put_nowait(record)
+            self._lines.put_nowait(self.format(record))
         except queue.Full:
             with self._counting:
                 self._dropped += 1
@@ -74,12 +77,24 @@ class Log(QueueHandler):
 
     def _write(self) -> None:
         try:
-            while (record := self._lines.get()) is not None:
-                self._put(record.getMessage())
+            while lines := self._waiting():
+                self._put("\n".join(filter(None, lines)))
                 if self._dropped:
                     self._tell_dropped()
+                if lines[-1] is None:
+                    return
+                # To be woken for each line would cost who leaves it more than the line.
+                time.sleep(GATHERED_S)
         except BrokenPipeError:
             return  # there is nobody left to tell
+
+    def _waiting(self) -> list[str | None]:
+        """Wait for a line; return all that are there, None last of all."""
+        lines = [self._lines.get()]
+        with contextlib.suppress(queue.Empty):
+            while lines[-1] is not None:
+                lines.append(self._lines.get_nowait())
+        return lines
 
     def _tell_dropped(self) -> None:
         with self._counting:
@@ -89,6 +104,8 @@ class Log(QueueHandler):
         self._put(self.format(logging.makeLogRecord(fields)))
 
     def _put(self, line: str) -> None:
+        if not line:
+            return
         left = memoryview(f"{line}\n".encode())
         while left:
             try:
