@@ -1,12 +1,15 @@
 """Bodies in, answers out: what all routes share."""
 
 import asyncio
+import functools
+import ipaddress
 from collections.abc import Awaitable
 from types import TracebackType
 from typing import Self, TypeVar
 
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import Response
+from starlette.types import Scope
 
 from service.answers import Answer
 from service.problems import OVERLOADED, REQUEST_TIMEOUT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, Problem
@@ -56,9 +59,23 @@ async def read_body(request: Request, *, limit_bytes: int, media_types: tuple[st
     return bytes(body)
 
 
-def client_of(request: Request) -> str:
-    """Return whose request it is, for a fair share: its address."""
-    return request.client.host if request.client is not None else ""
+def client_of(scope: Scope | Request) -> str:
+    """Return whose request it is, for a fair share: its address, of IPv6 the network (/64).
+
+    One machine has as many addresses of such a network as it likes.
+    """
+    client = scope["client"]
+    return "" if client is None else _share_of(client[0])
+
+
+@functools.lru_cache(maxsize=1024)
+def _share_of(host: str) -> str:
+    if ":" not in host:
+        return host
+    try:
+        return str(ipaddress.IPv6Network((host.partition("%")[0], 64), strict=False))
+    except ValueError:
+        return host  # a proxy's own name for it
 
 
 async def while_connected(request: Request, work: Awaitable[Answered]) -> Answered:

@@ -9,6 +9,7 @@ from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.answers import OPERATIONS
+from service.bodies import client_of
 from service.problems import INTERNAL, OVERLOADED, Problem
 from service.workers.pool import WorkerPool
 
@@ -41,10 +42,10 @@ class RequestMiddleware:
 
         Under an overload that is most of what there is to do.
         """
-        if scope["method"] != "POST" or scope["path"] not in PATHS or scope["client"] is None:
+        if scope["method"] != "POST" or scope["path"] not in PATHS:
             return None
         pool: WorkerPool = scope["app"].state.pool
-        return pool.refusal(scope["client"][0])
+        return pool.refusal(client_of(scope))
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve one request."""

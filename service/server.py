@@ -43,7 +43,8 @@ def serve(settings: Settings, *, host: str, port: int) -> None:
         log_config=None,
         access_log=False,
         server_header=False,
-        # What runs ends within its own limit; who has not even sent a body by then is cut off.
+        # What a worker has begun ends within its limit; whoever waits longer, as a batch or one who
+        # has not even sent a body, is cut off.
         timeout_graceful_shutdown=math.ceil(settings.time_limit_s) + SHUTDOWN_MARGIN_S,
     )
     bound_host, bound_port = listener.getsockname()[:2]
