@@ -64,8 +64,9 @@ def _rewrite(path: Path, job: str) -> None:
     """Make a job one of a version that is not this one, with a specification of its own."""
     store = sqlite3.connect(path)
     with store:
+        store.execute("UPDATE jobs SET version = '99.0.0' WHERE id = ?", (job,))
         store.execute(
-            "UPDATE jobs SET version = '99.0.0', specification = ? WHERE id = ?",
+            "UPDATE specifications SET specification = ? WHERE job = ?",
             ('{"made_by": "another version"}', job),
         )
     store.close()
