@@ -19,7 +19,8 @@ OVER = 10
 
 GROWING = 1.2
 """Arrivals over answers from which it is an overload, and no long queue alone: a fixed number of
-clients, each waiting for its own answer, has as many of the one as of the other."""
+clients, each waiting for its own answer, has as many of the one as of the other. It begins only
+where some are expected to wait for half a burst."""
 
 FEW = 5
 """Arrivals beyond that which are chance."""
@@ -38,12 +39,14 @@ class Patience:
     _since: float = 0.0
     _arrived: int = 0
     _answered: int = 0
+    _longest_s: float = 0.0
     _growing: int = 0
 
     def admits(self, now: float, wait_s: float, cost_s: float) -> bool:
         """Count an arrival, and return whether one that would wait so long may wait."""
         self._turn(now)
         self._arrived += 1
+        self._longest_s = max(self._longest_s, wait_s)
         return wait_s <= self._limit_s(cost_s)
 
     def refuses(self, now: float, wait_s: float, cost_s: float) -> bool:
@@ -66,8 +69,9 @@ class Patience:
     def _turn(self, now: float) -> None:
         if now - self._since > OVER * INTERVAL_S:
             self._growing = 0
-            self._since, self._arrived, self._answered = now, 0, 0
+            self._since, self._arrived, self._answered, self._longest_s = now, 0, 0, 0.0
         elif now - self._since > INTERVAL_S:
             grows = self._arrived > GROWING * self._answered + FEW
+            grows = grows and (self._growing >= INTERVALS or self._longest_s > BURST_S / 2)
             self._growing = self._growing + 1 if grows else 0
-            self._since, self._arrived, self._answered = now, 0, 0
+            self._since, self._arrived, self._answered, self._longest_s = now, 0, 0, 0.0

@@ -249,6 +249,20 @@ def test_clients_that_wait_for_their_answers_are_not_refused(clients: int) -> No
     assert max(waits) <= BURST_S
 
 
+def test_clients_that_begin_one_after_another_and_ask_again_at_once_are_no_overload() -> None:
+    patience, answered, now = Patience(), 0, 0.0
+    for step in range(4000):
+        now += 0.001
+        arriving = 1 if step < 32 or step % 2 else 0  # 32 clients, then one a free server
+        for _ in range(arriving):
+            assert patience.admits(now, 0.055, 0.002)
+            assert not patience.refuses(now, 0.055, 0.002)
+        if step % 2:
+            patience.answered(now)
+            answered += 1
+    assert answered == 2000
+
+
 def test_a_burst_is_served_and_forgotten() -> None:
     patience = Patience()
     waits = [0.002 * number for number in range(120)]
