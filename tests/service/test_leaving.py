@@ -31,7 +31,7 @@ def asking(service: Running, path: str, body: bytes) -> socket.socket:
 )
 def test_the_work_of_a_client_that_leaves_ends(tmp_path: Path, path: str, body: bytes) -> None:
     log = tmp_path / "log"
-    with running_service(log, workers=1, time_limit_s=HUNG_S) as service:
+    with running_service(log, job_workers=0, workers=1, time_limit_s=HUNG_S) as service:
         before = workers(service)
         with asking(service, path, body):
             victim = at_work(service, before)
@@ -47,7 +47,7 @@ def test_a_batch_ends_at_its_own_limit_and_says_so_on_each_line(tmp_path: Path) 
     lines = b"\n".join([json.dumps(CRANE).encode(), *BATCH.splitlines()[:20]])
     with (
         running_service(
-            tmp_path / "log", workers=1, time_limit_s=HUNG_S, batch_limit_s=3
+            tmp_path / "log", job_workers=0, workers=1, time_limit_s=HUNG_S, batch_limit_s=3
         ) as service,
         service.client() as client,
     ):

@@ -61,7 +61,7 @@ def at_work(service: Running, before: dict[int, float]) -> int:
 
 def test_a_design_that_hits_its_time_limit_is_ended_and_the_worker_replaced(tmp_path: Path) -> None:
     with (
-        running_service(tmp_path / "log", workers=1, time_limit_s=1.0) as service,
+        running_service(tmp_path / "log", job_workers=0, workers=1, time_limit_s=1.0) as service,
         service.client() as client,
     ):
         late = client.post("/v1/designs", json=ENDLESS)
@@ -73,7 +73,7 @@ def test_a_design_that_hits_its_time_limit_is_ended_and_the_worker_replaced(tmp_
 def test_one_late_line_spoils_no_other_of_its_batch(tmp_path: Path) -> None:
     lines = "\n".join(map(json.dumps, [CRANE, ENDLESS, CRANE]))
     with (
-        running_service(tmp_path / "log", workers=1, time_limit_s=1.0) as service,
+        running_service(tmp_path / "log", job_workers=0, workers=1, time_limit_s=1.0) as service,
         service.client() as client,
     ):
         told = client.post("/v1/designs/batch", content=lines).text.splitlines()
@@ -83,7 +83,10 @@ def test_one_late_line_spoils_no_other_of_its_batch(tmp_path: Path) -> None:
 def test_a_worker_killed_while_it_solves_is_replaced_and_its_request_retried(
     tmp_path: Path,
 ) -> None:
-    with running_service(tmp_path / "log", workers=1) as service, service.client() as client:
+    with (
+        running_service(tmp_path / "log", job_workers=0, workers=1) as service,
+        service.client() as client,
+    ):
         answers: list[httpx.Response] = []
         before = workers(service)
         thread = threading.Thread(
@@ -102,7 +105,7 @@ def test_a_worker_killed_while_it_solves_is_replaced_and_its_request_retried(
 
 def test_a_request_that_crashes_every_worker_is_given_up_at_the_second(tmp_path: Path) -> None:
     with (
-        running_service(tmp_path / "log", workers=1, time_limit_s=HUNG_S) as service,
+        running_service(tmp_path / "log", job_workers=0, workers=1, time_limit_s=HUNG_S) as service,
         service.client() as client,
     ):
         answers: list[httpx.Response] = []
@@ -137,7 +140,9 @@ def cut_off(client: httpx.Client) -> threading.Thread:
 
 def test_too_much_waiting_work_is_refused_with_a_time_to_retry(tmp_path: Path) -> None:
     with (
-        running_service(tmp_path / "log", workers=1, max_pending=1, time_limit_s=HUNG_S) as service,
+        running_service(
+            tmp_path / "log", job_workers=0, workers=1, max_pending=1, time_limit_s=HUNG_S
+        ) as service,
         service.client() as client,
     ):
         before = workers(service)
@@ -160,7 +165,10 @@ def _refuses(service: Running) -> bool:
 
 
 def test_sigterm_finishes_what_runs_refuses_what_is_new_and_exits_0(tmp_path: Path) -> None:
-    with running_service(tmp_path / "log", workers=1) as service, service.client() as client:
+    with (
+        running_service(tmp_path / "log", job_workers=0, workers=1) as service,
+        service.client() as client,
+    ):
         answers: list[httpx.Response] = []
         before = workers(service)
         thread = threading.Thread(
@@ -181,7 +189,7 @@ def test_sigterm_finishes_what_runs_refuses_what_is_new_and_exits_0(tmp_path: Pa
 
 def test_workers_end_with_their_parent_in_the_middle_of_a_solve(tmp_path: Path) -> None:
     with (
-        running_service(tmp_path / "log", workers=2, time_limit_s=HUNG_S) as service,
+        running_service(tmp_path / "log", job_workers=0, workers=2, time_limit_s=HUNG_S) as service,
         service.client() as client,
     ):
         before = workers(service)
@@ -196,7 +204,7 @@ def test_workers_end_with_their_parent_in_the_middle_of_a_solve(tmp_path: Path) 
 
 def test_the_log_has_one_json_line_a_request(tmp_path: Path) -> None:
     log = tmp_path / "log"
-    with running_service(log, workers=1) as service, service.client() as client:
+    with running_service(log, job_workers=0, workers=1) as service, service.client() as client:
         client.post("/v1/designs", json=CRANE, headers={"x-request-id": "one"})
         client.get("/v1/nothing", headers={"x-request-id": "two"})
     lines = [json.loads(line) for line in log.read_text().splitlines()]
@@ -247,7 +255,7 @@ def test_a_faulty_setting_is_named(name: str, value: str, told: str) -> None:
 
 def test_a_client_that_leaves_early_is_no_error_of_the_service(tmp_path: Path) -> None:
     log = tmp_path / "log"
-    with running_service(log, workers=1) as service:
+    with running_service(log, job_workers=0, workers=1) as service:
         with socket.create_connection(("127.0.0.1", service.port)) as half:
             half.sendall(b"POST /v1/designs HTTP/1.1\r\nhost: x\r\ncontent-length: 500\r\n\r\n{")
         until(lambda: "/v1/designs" in log.read_text(), "no line in the log")
@@ -258,7 +266,7 @@ def test_a_client_that_leaves_early_is_no_error_of_the_service(tmp_path: Path) -
 
 def test_a_busy_service_is_ready_and_alive(tmp_path: Path) -> None:
     with (
-        running_service(tmp_path / "log", workers=1, time_limit_s=HUNG_S) as service,
+        running_service(tmp_path / "log", job_workers=0, workers=1, time_limit_s=HUNG_S) as service,
         service.client() as client,
     ):
         before = workers(service)
@@ -273,7 +281,7 @@ def test_a_busy_service_is_ready_and_alive(tmp_path: Path) -> None:
 def test_sigterm_does_not_wait_for_a_body_that_never_comes(tmp_path: Path) -> None:
     log = tmp_path / "log"
     with (
-        running_service(log, workers=1, time_limit_s=0.5) as service,
+        running_service(log, job_workers=0, workers=1, time_limit_s=0.5) as service,
         socket.create_connection(("127.0.0.1", service.port)) as half,
     ):
         half.sendall(b"POST /v1/designs HTTP/1.1\r\nhost: x\r\ncontent-length: 500\r\n\r\n{")
