@@ -1,9 +1,6 @@
 """What a worker process does: one chunk from the specification to its blob."""
 
 import functools
-import multiprocessing
-import multiprocessing.connection
-import os
 import signal
 import threading
 import warnings
@@ -17,6 +14,7 @@ from design.tables.specification import TableSpecification
 from service.jobs.blobs import to_blob
 from service.jobs.plan import specification_of
 from service.jobs.records import Done
+from service.watchdog import end_with_parent
 
 ALONE = threading.Lock()
 """One solver at a time in a process, however many threads a Dask worker has: CasADi crashes when
@@ -81,13 +79,4 @@ def begin(lifeline: Connection) -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    watched: list[Connection | int] = [lifeline]
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        watched.append(parent.sentinel)
-    threading.Thread(target=_end_with, args=(watched,), daemon=True).start()
-
-
-def _end_with(watched: list[Connection | int]) -> None:
-    multiprocessing.connection.wait(watched)
-    os._exit(0)
+    end_with_parent(lifeline)

@@ -67,11 +67,10 @@ class Patience:
         self._answered += 1
 
     def _turn(self, now: float) -> None:
-        if now - self._since > OVER * INTERVAL_S:
-            self._growing = 0
-            self._since, self._arrived, self._answered, self._longest_s = now, 0, 0, 0.0
-        elif now - self._since > INTERVAL_S:
-            grows = self._arrived > GROWING * self._answered + FEW
-            grows = grows and (self._growing >= INTERVALS or self._longest_s > BURST_S / 2)
-            self._growing = self._growing + 1 if grows else 0
-            self._since, self._arrived, self._answered, self._longest_s = now, 0, 0, 0.0
+        passed_s = now - self._since
+        if passed_s <= INTERVAL_S:
+            return
+        grows = self._arrived > GROWING * self._answered + FEW
+        grows = grows and (self._growing >= INTERVALS or self._longest_s > BURST_S / 2)
+        self._growing = self._growing + 1 if grows and passed_s <= OVER * INTERVAL_S else 0
+        self._since, self._arrived, self._answered, self._longest_s = now, 0, 0, 0.0

@@ -13,17 +13,17 @@ import resource
 import signal
 import socket
 import struct
-import threading
 import time
 import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing import forkserver
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any, Literal
 
+from service.watchdog import end_with_parent
 from service.workers.solvers import warm_solvers
 
 LENGTH = struct.Struct("!i")
@@ -209,9 +209,7 @@ def _in_words(code: int | None) -> str:
 def _work(pipe: Connection, memory_bytes: int) -> None:
     """Do tasks as they come, until the pipe closes; the parent alone hears signals."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()
+    end_with_parent()
     warm_solvers()
     os.setpriority(os.PRIO_PROCESS, 0, NICENESS)
     resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
@@ -234,9 +232,3 @@ def _outcome(task: Callable[..., Any], arguments: tuple[Any, ...]) -> bytes:
     except Exception:  # noqa: BLE001 - told to the pool, which logs it
         outcome = "failed"
     return pickle.dumps((outcome, traceback.format_exc(limit=-5), time.process_time()))
-
-
-def _end_with(sentinel: int) -> None:
-    """End this process when its parent ends, in the middle of a solve too."""
-    wait([sentinel])
-    os._exit(0)
