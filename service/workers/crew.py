@@ -98,9 +98,7 @@ class Crew:
             if pause_s:
                 await asyncio.sleep(pause_s)
             prepare()
-            worker = await self._loop.run_in_executor(
-                self._starter, Worker, self._memory_bytes, self._told, self._lost
-            )
+            worker = await self._made()
         except (OSError, EOFError) as error:
             # EOFError: the fork server died while it forked; the next start begins another.
             self._failed_starts += 1
@@ -113,6 +111,17 @@ class Crew:
         if worker is not None:
             await worker.connect()
         self.keep(self._wanted)
+
+    async def _made(self) -> Worker:
+        """Return a new process; who is cancelled meanwhile does not forget it."""
+        making = self._loop.run_in_executor(
+            self._starter, Worker, self._memory_bytes, self._told, self._lost
+        )
+        try:
+            return await asyncio.shield(making)
+        except asyncio.CancelledError:
+            (await making).kill()
+            raise
 
     def _told(self, worker: Worker, outcome: Outcome, result: Any) -> None:  # noqa: ANN401
         starting = self._starting.pop(worker, None)

@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import gc
 import os
 import signal
 from collections import Counter
@@ -323,3 +324,18 @@ def test_a_pool_that_closes_leaves_no_process() -> None:
     played(story())
     assert len(seen) == 3
     until_in_time(lambda: not running(seen), "workers outlive their pool")
+
+
+def test_a_pool_closed_while_workers_start_keeps_none_of_their_sockets() -> None:
+    """A forgotten socket is a warning at its collection, and a warning fails the test."""
+
+    async def story() -> None:
+        for moment in range(40):
+            made = WorkerPool(
+                workers=2, time_limit_s=HUNG_S, max_pending=10, memory_bytes=1024 * MEGABYTE
+            )
+            await asyncio.sleep(moment / 4000)
+            await made.close()
+
+    played(story())
+    gc.collect()
