@@ -1,7 +1,6 @@
 """The one place that wires the parts of the service."""
 
 import asyncio
-import gc
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from http import HTTPStatus
@@ -22,6 +21,7 @@ from service import operations
 from service.answers import OPERATIONS
 from service.bodies import problem_response
 from service.jobs.service import JobService
+from service.memory import settled
 from service.middleware import RequestMiddleware
 from service.problems import METHOD_NOT_ALLOWED, NOT_FOUND, Problem, ProblemKind
 from service.routes import router
@@ -50,7 +50,7 @@ def create_app(settings: Settings, jobs: JobService | None = None) -> FastAPI:
         app.openapi()
         if jobs is not None:
             jobs.start()
-        gc.freeze()  # what is built now stays: collections need not look at it again
+        settled()
         yield
         if jobs is not None:
             await asyncio.to_thread(jobs.close)

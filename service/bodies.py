@@ -17,7 +17,7 @@ from service.problems import OVERLOADED, REQUEST_TIMEOUT, TOO_LARGE, UNSUPPORTED
 BODY_WAIT_S = 20.0
 """Longest wait for a body [s]."""
 
-WATCHED_AFTER_S = 0.05
+WATCHED_AFTER_S = 0.25
 """Work that takes longer is worth a look at whether its client is still there [s]."""
 
 Answered = TypeVar("Answered")

@@ -26,10 +26,24 @@ LAST_LINES_S = 1.0
 class JsonFormatter(logging.Formatter):
     """One JSON object a line."""
 
+    default_time_format = "%Y-%m-%dT%H:%M:%S%z"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._second, self._time = 0, ""
+
+    def formatTime(self, record: logging.LogRecord, datefmt: str | None = None) -> str:
+        """Return the record's time, to the second; a second's lines share it."""
+        second = int(record.created)
+        if second != self._second:
+            self._time = time.strftime(datefmt or self.default_time_format, time.localtime(second))
+            self._second = second
+        return self._time
+
     def format(self, record: logging.LogRecord) -> str:
         """Return the record's time, level and message, with the fields given beside it."""
         line = {
-            "time": self.formatTime(record, "%Y-%m-%dT%H:%M:%S%z"),
+            "time": self.formatTime(record),
             "level": record.levelname.lower(),
             "logger": record.name,
             "message": record.getMessage(),
@@ -116,6 +130,9 @@ class Log(logging.Handler):
 
 def log_to_stderr() -> None:
     """Have this process log what it and its server tell."""
+    # Nothing of a line says where in the code it comes from: a request need not pay for it.
+    logging._srcfile = None
+    logging.logThreads = logging.logProcesses = logging.logMultiprocessing = False
     log = Log(sys.stderr.fileno())
     atexit.register(log.finish)
     for name in ("shapersmith", "uvicorn"):

@@ -166,7 +166,7 @@ class WorkerPool:
             admitted = (
                 wait_s <= LONGEST_WAIT_S
                 if large
-                else self._patience.admits(self._loop.time(), wait_s, cost_s)
+                else self._patience.admits(self._loop.time(), wait_s, cost_s * self.costs.slowness)
             )
             if not admitted:
                 raise expected(wait_s)
@@ -187,9 +187,11 @@ class WorkerPool:
         self._runs[run.ticket] = run
         (self._large if flow.large else self._small).add(run.ticket, start)
         if run.kind != "batch":
-            late = f"no worker was free within {LONGEST_WAIT_S:g} s"
-            refuse = partial(self._fail, run, refused(late, LONGEST_WAIT_S))
-            run.timers.append(self._loop.call_later(LONGEST_WAIT_S, refuse))
+            run.timers.append(self._loop.call_later(LONGEST_WAIT_S, self._refuse_late, run))
+
+    def _refuse_late(self, run: Run) -> None:
+        late = f"no worker was free within {LONGEST_WAIT_S:g} s"
+        self._fail(run, refused(late, LONGEST_WAIT_S))
 
     def _leave(self, run: Run) -> None:
         """Take a task out of the queue and the books."""

@@ -1,13 +1,13 @@
 """The solvers of every shaper, built once: in the fork server, which workers are born of."""
 
 import functools
-import gc
 import warnings
 
 from design.actuators import FirstOrder, Ideal, SecondOrder, SecondOrderSet
 from design.pipeline import design
 from design.plants import Mode
 from design.shapers.registry import SHAPERS
+from service.memory import settled
 
 
 @functools.cache
@@ -25,4 +25,4 @@ def warm_solvers() -> None:
         for kind in SHAPERS.values():
             if actuator.kind in kind.actuators:
                 design(mode, actuator, kind)
-    gc.freeze()  # what is built now stays: collections need not look at it again
+    settled()
