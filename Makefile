@@ -23,7 +23,7 @@ serve: $(STAMP) ## the service on http://127.0.0.1:8000
 	$(BIN)/shapersmith serve --port $(PORT)
 
 demo: $(STAMP) ## serve, design the thesis's crane over HTTP, write pictures to demo-output/
-	$(BIN)/python -m service.demo demo-output
+	$(BIN)/python -m service.cli.demo demo-output
 
 test: $(STAMP) ## all tests
 	$(BIN)/python -m pytest -n 2 --dist worksteal -q

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from benchmarks.measure import Figure, alternating_medians, ratio
-from design.actuators import Ideal
+from design.model.actuators import Ideal
+from design.model.plants import Mode
 from design.pipeline import design
-from design.plants import Mode
 from design.shapers.registry import SHAPERS
 from design.shapers.specified_insensitivity import BandOptions
 from design.types import FloatArray

@@ -19,7 +19,7 @@ def figures() -> Iterator[Figure]:
     ]
     body = json.dumps(json.loads(request_body(0))).encode()
     for what, arguments, limit in cases:
-        command = [sys.executable, "-m", "service.cli", *arguments]
+        command = [sys.executable, "-m", "service", *arguments]
         times = []
         for _ in range(7):
             started = time.perf_counter()

@@ -9,20 +9,20 @@ import casadi as ca
 import numpy as np
 
 from benchmarks.measure import Figure, alternating_medians, ratio
-from design.actuators import SecondOrder, SecondOrderSet
 from design.analysis.residual import evenly_spaced_vectors
 from design.analysis.sensitivity import SensitivityRange, sensitivity
-from design.commands import convolved, pulse
-from design.impulses import Impulses
-from design.maneuvers import maneuver
-from design.maps import Axis, MapCase, field_map
-from design.motions import motion
+from design.formulations.unity_magnitude import ZVD_POLYNOMIALS
+from design.maps.field_map import Axis, MapCase, field_map
+from design.model.actuators import SecondOrder, SecondOrderSet
+from design.model.commands import convolved, pulse
+from design.model.impulses import Impulses
+from design.model.plants import Pendulum
+from design.moves.maneuvers import maneuver
+from design.moves.playback import motion
 from design.pipeline import design
-from design.plants import Pendulum
 from design.recommendations.recommendation import recommend
 from design.recommendations.requirements import Requirements
 from design.shapers.registry import SHAPERS
-from design.shapers.unity_magnitude import ZVD_POLYNOMIALS
 
 CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81)
 ACTUATOR = SecondOrder(

@@ -95,7 +95,7 @@ def measured(port: int) -> list[Outcome]:
 
 def figures() -> Iterator[Figure]:
     """Measure."""
-    with running(sys.executable, "-m", "service.cli", "serve") as port:
+    with running(sys.executable, "-m", "service", "serve") as port:
         told = measured(port)
     with running(
         sys.executable, "-m", "uvicorn", "benchmarks.http:echo", "--no-access-log"

@@ -10,13 +10,13 @@ import numpy as np
 
 from benchmarks.designs import ACTUATOR
 from benchmarks.measure import Figure, alternating_medians, ratio
-from design.actuators import Actuator, FirstOrder, Ideal, SecondOrder
+from design.formulations.formulation import ClosedForm
+from design.formulations.humps import humped
+from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder
+from design.model.plants import Mode, Modes
 from design.pipeline import design
-from design.plants import Mode, Modes
 from design.shapers import numsi
 from design.shapers.ei import ToleranceOptions
-from design.shapers.humps import humped
-from design.shapers.problem import ClosedForm
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
 

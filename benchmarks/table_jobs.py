@@ -14,7 +14,7 @@ from typing import Any
 
 from benchmarks.measure import Figure
 
-COMMAND = (sys.executable, "-m", "service.cli", "table")
+COMMAND = (sys.executable, "-m", "service", "table")
 
 SET = {"natural_frequency_rad_s": 20, "damping_ratio": 0.8}
 COMPILED: dict[str, Any] = {

@@ -10,10 +10,10 @@ import numpy as np
 from scipy.optimize import minimize
 
 from benchmarks.measure import Figure
-from design.actuators import SecondOrder, SecondOrderSet
-from design.plants import Mode
+from design.formulations.unity_magnitude import ZVD_POLYNOMIALS
+from design.model.actuators import SecondOrder, SecondOrderSet
+from design.model.plants import Mode
 from design.shapers.registry import SHAPERS
-from design.shapers.unity_magnitude import ZVD_POLYNOMIALS
 from design.tables.compute import compute_rows
 from design.tables.kernel import rows_of_problems, solved
 from design.tables.parameters import row_parameters

@@ -7,18 +7,19 @@ import math
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from design.actuators import Actuator
-from design.analysis.certificate import Certificate, certify, rounding_of, zeros
+from design.analysis.certificate import Certificate, certify, rounding_of
 from design.analysis.judge import DesignWarning, drive_warnings, judge, shortfall_of
 from design.analysis.residual import require_workable
 from design.analysis.sensitivity import insensitivity
+from design.claims import Promise, within, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
-from design.impulses import Impulses
-from design.plants import Mode, Plant, Scheduled
+from design.formulations.formulation import Convolution, Formulation
+from design.model.actuators import Actuator
+from design.model.impulses import Impulses
+from design.model.plants import Mode, Plant, Scheduled
 from design.shapers.kind import ShaperKind
-from design.shapers.problem import Convolution, Formulation, Promise, within
-from design.solutions import Solution, SolverReport, solutions
 from design.solvers.budget import Budget
+from design.solving.solve import Solution, SolverReport, solutions
 
 BAND_MARGIN = 1e-6
 """Share by which a band is told narrower than found: its ends are within the tolerance [-]."""
@@ -103,8 +104,8 @@ def design(
 
     Examples
     --------
-    >>> from design.actuators import Ideal
-    >>> from design.plants import Pendulum
+    >>> from design.model.actuators import Ideal
+    >>> from design.model.plants import Pendulum
     >>> from design.shapers.registry import SHAPERS
     >>> crane = Pendulum(cable_length_m=0.8)
     >>> design(crane, Ideal(), SHAPERS["umzvd"]).certificate.verified

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from design.actuators import (
+from design.model.actuators import (
     LARGEST_DAMPING_RATIO,
     SMALLEST_DAMPING_RATIO,
     FirstOrder,

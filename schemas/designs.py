@@ -5,10 +5,10 @@ from typing import Annotated, Literal, Self
 from pydantic import Field
 
 from design.analysis.certificate import Certificate, Claim
-from design.impulses import Impulses
+from design.model.impulses import Impulses
+from design.model.plants import Plant, Scheduled
 from design.pipeline import Design
-from design.plants import Plant, Scheduled
-from design.sampled import Sampled
+from design.sampling.sampled import Sampled
 from schemas.actuators import ActuatorIn
 from schemas.base import Wire, left_out_if_none
 from schemas.fits import FitIn, FitOut

@@ -6,9 +6,9 @@ from typing import Annotated, Self
 from pydantic import Field
 
 from design.analysis.judge import DesignWarning
+from design.curve_fit import HIGHEST_DEGREE, Fit, FitRange, Form
+from design.curve_fit import Field as PlantField
 from design.errors import InvalidInputError
-from design.fits import HIGHEST_DEGREE, Fit, FitRange, Form
-from design.fits import Field as PlantField
 from schemas.actuators import ActuatorIn
 from schemas.base import Wire
 from schemas.plants import PlantIn

@@ -5,7 +5,7 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field
 
-from design.impulses import Impulses
+from design.model.impulses import Impulses
 from schemas.base import Wire
 
 MOST_IMPULSES = 1000

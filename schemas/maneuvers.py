@@ -4,9 +4,9 @@ from typing import Annotated, Self
 
 from pydantic import Field
 
-from design.maneuvers import Maneuver
-from design.programs import Program
-from design.swings import AngleSwing, DeflectionSwing
+from design.model.initial_state import AngleSwing, DeflectionSwing
+from design.moves.maneuvers import Maneuver
+from design.moves.programs import Program
 from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Wire
 from schemas.designs import CertificateOut

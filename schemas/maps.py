@@ -6,12 +6,12 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from design.actuators import Actuator, Model
 from design.analysis.judge import DesignWarning
 from design.errors import InvalidInputError
-from design.impulses import Impulses
-from design.maps import Axis, Map, MapCase, Move, Quantity, Recipe
-from design.plants import Plant
+from design.maps.field_map import Axis, Map, MapCase, Move, Quantity, Recipe
+from design.model.actuators import Actuator, Model
+from design.model.impulses import Impulses
+from design.model.plants import Plant
 from design.types import FloatArray
 from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Wire, named

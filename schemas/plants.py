@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from design.errors import InvalidInputError
-from design.plants import (
+from design.model.plants import (
     MOST_MODES,
     STANDARD_GRAVITY_M_S2,
     Mode,

@@ -6,11 +6,11 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from design import commands
 from design.analysis.judge import DesignWarning
 from design.errors import InvalidInputError
-from design.impulses import Impulses
-from design.motions import Motion, Swing
+from design.model import commands
+from design.model.impulses import Impulses
+from design.moves.playback import Motion, Swing
 from design.types import LARGEST, FloatArray
 from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Wire, named

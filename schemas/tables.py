@@ -9,9 +9,9 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, ValidationError
 
+from design.curve_fit import plants_at_ends
 from design.errors import InvalidInputError
 from design.export.program import DEFAULT_TITLE
-from design.fits import plants_at_ends
 from design.tables.rows import Subject, TableHead
 from design.tables.specification import (
     COLUMNS,

@@ -8,7 +8,6 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from design.actuators import Actuator
 from design.analysis.judge import DesignWarning, sum_warnings
 from design.analysis.residual import require_workable, residual_vibration
 from design.analysis.sensitivity import (
@@ -17,18 +16,19 @@ from design.analysis.sensitivity import (
     sensitivity,
     worst_of,
 )
+from design.curve_fit import fit, plants_at_ends
 from design.errors import InvalidInputError
-from design.fits import fit, plants_at_ends
-from design.impulses import Impulses
-from design.maneuvers import maneuver
-from design.maps import Axis, Map, MapCase, field_map
-from design.motions import motion
+from design.maps.field_map import Axis, Map, MapCase, field_map
+from design.model.actuators import Actuator
+from design.model.impulses import Impulses
+from design.model.plants import MOST_MODES, Mode, Modes, Plant, Scheduled
+from design.moves.maneuvers import maneuver
+from design.moves.playback import motion
+from design.moves.programs import program
+from design.moves.shaped_commands import ShapedCommand, shaped_command
 from design.pipeline import Design, design
-from design.plants import MOST_MODES, Mode, Modes, Plant, Scheduled
-from design.programs import program
 from design.recommendations.recommendation import recommend
-from design.sampled import Sampled, claims_on_samples, sampled_design
-from design.shaped_commands import ShapedCommand, shaped_command
+from design.sampling.sampled import Sampled, claims_on_samples, sampled_design
 from design.shapers.registry import SHAPERS
 from design.types import SMALLEST
 from schemas.actuators import ActuatorIn

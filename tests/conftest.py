@@ -59,7 +59,7 @@ def free_port() -> int:
 
 @contextmanager
 def running_service(
-    log: Path, *, command: tuple[str, ...] = (sys.executable, "-m", "service.cli"), **settings: Any
+    log: Path, *, command: tuple[str, ...] = (sys.executable, "-m", "service"), **settings: Any
 ) -> Iterator[Running]:
     """Start a service, wait until it is ready, and end it."""
     port = free_port()

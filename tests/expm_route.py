@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import expm
 
-from design.actuators import Actuator, Ideal, RateLimited
-from design.impulses import Impulses
-from design.plants import Mode
+from design.model.actuators import Actuator, Ideal, RateLimited
+from design.model.impulses import Impulses
+from design.model.plants import Mode
 from design.types import FloatArray
-from tests.routes import denominator, increases
+from tests.second_route import denominator, increases
 
 SIZE = 11
 

@@ -12,7 +12,7 @@ from design.export.klipper_shapers import (
     klipper_impulses,
     older_klipper_impulses,
 )
-from design.impulses import Impulses
+from design.model.impulses import Impulses
 
 
 class RefusedError(Exception):

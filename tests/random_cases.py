@@ -11,7 +11,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from design.actuators import (
+from design.errors import InvalidInputError
+from design.model.actuators import (
     Actuator,
     FirstOrder,
     Ideal,
@@ -21,8 +22,7 @@ from design.actuators import (
     SecondOrderSet,
     Unlimited,
 )
-from design.errors import InvalidInputError
-from design.plants import (
+from design.model.plants import (
     LARGEST_DAMPING_RATIO,
     WIDEST_SPREAD,
     Mode,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from design.export.reading import READERS, rows_of
-from design.impulses import Impulses
+from design.model.impulses import Impulses
 from design.tables.columns import amplitudes_of, times_of
 from design.tables.rows import WITH_DESIGN
 from tests.firmware import klipper_reads, lines_of, reprap_35_reads, reprap_36_reads

@@ -6,8 +6,15 @@ A new entry of `design.shapers.registry` needs a row here; a test fails until it
 from dataclasses import dataclass
 from typing import Any
 
-from design.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder, SecondOrderSet
-from design.plants import Mode, Pendulum, Plant
+from design.model.actuators import (
+    Actuator,
+    FirstOrder,
+    Ideal,
+    RateLimited,
+    SecondOrder,
+    SecondOrderSet,
+)
+from design.model.plants import Mode, Pendulum, Plant
 from design.shapers.ei import ToleranceOptions
 from design.shapers.kind import NoOptions, PeakOptions, SettleOptions
 from design.shapers.negative import NegativeOptions
@@ -181,7 +188,7 @@ SHAPER_TABLE: dict[str, Row] = {
         options=(None, EXACT_SETTLE),
         impulses=5,
     ),
-    # Of a plant with one mode; tests/design/test_several_modes.py has the others.
+    # Of a plant with one mode; tests/design/shapers/test_several_modes.py has the others.
     "multi_zv": _positive(2, NoOptions()),
     "multi_umzv": Row(
         plants=PLANTS,

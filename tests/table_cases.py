@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from design.actuators import Actuator, FirstOrder, Ideal, Model, SecondOrder, SecondOrderSet
-from design.plants import Mode
+from design.model.actuators import Actuator, FirstOrder, Ideal, Model, SecondOrder, SecondOrderSet
+from design.model.plants import Mode
 from design.shapers.registry import SHAPERS
 from design.tables.specification import TableSpecification
 from design.types import FloatArray

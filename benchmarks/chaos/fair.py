@@ -9,7 +9,7 @@ from benchmarks.chaos.trial import HUNG_S, Trial, designs, folder, request_bodie
 from benchmarks.loops import closed_loop, with_status
 from benchmarks.measure import Figure
 from benchmarks.wire import Answer, Client
-from service.answers import answer
+from service.dispatch import answer
 from service.workers.pool import WorkerPool
 
 CALLERS = 4

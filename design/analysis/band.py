@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
-from design.actuators import Actuator
 from design.analysis.peaks import largest_between
-from design.impulses import Impulses
-from design.plants import Mode
-from design.simulation import ringing_after
+from design.model.actuators import Actuator
+from design.model.impulses import Impulses
+from design.model.plants import Mode
+from design.response.simulation import ringing_after
 from design.types import FloatArray
 
 BAND_STEP_RAD = 0.1

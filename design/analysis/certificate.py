@@ -1,29 +1,21 @@
 """A second opinion on what a shaper claims, by simulation and apart from what the solver saw."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from design.actuators import Actuator
 from design.analysis.band import largest_in_band
-from design.exponential import exponentials
-from design.impulses import Impulses
-from design.plants import Mode
-from design.shapers.kind import Promise, Quantity
-from design.simulation import ringing_after
-from design.swings import FreeSwing
+from design.claims import ZERO_LIMITS, Promise, Quantity
+from design.model.actuators import Actuator
+from design.model.impulses import Impulses
+from design.model.initial_state import FreeSwing
+from design.model.plants import Mode
+from design.response.matrix_exponential import exponentials
+from design.response.simulation import ringing_after
 from design.types import ComplexArray, FloatArray
-
-LIMITS: dict[Quantity, float] = {
-    "residual": 1e-9,
-    "slope": 1e-7,
-    "second_derivative": 1e-6,
-    "third_derivative": 1e-5,
-}
-"""Largest value that counts as zero: far below anything measurable, above rounding [-]."""
 
 TOLERANCE_MARGIN = 1e-9
 """Share by which a tolerance may be passed: an EI shaper lies on its own but for rounding [-]."""
@@ -94,7 +86,7 @@ class Claim:
     @property
     def is_zero(self) -> bool:
         """Whether the quantity is claimed to be nothing, and not a tolerance."""
-        return self.limit <= LIMITS.get(self.quantity, 0.0)
+        return self.limit <= ZERO_LIMITS.get(self.quantity, 0.0)
 
     @property
     def holds(self) -> bool:
@@ -123,11 +115,6 @@ class Certificate:
     def over_band(self) -> Claim | None:
         """What is claimed over a band of frequencies, if anything is."""
         return next((claim for claim in self.claims if claim.band is not None), None)
-
-
-def zeros(quantities: Iterable[Quantity]) -> tuple[Promise, ...]:
-    """Return the promises that each of the quantities is zero."""
-    return tuple(Promise(quantity=name, limit=LIMITS[name]) for name in quantities)
 
 
 def certify(

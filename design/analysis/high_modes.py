@@ -1,10 +1,10 @@
 """How much a shaper excites modes above the one that it was designed for."""
 
-from design.actuators import Actuator
 from design.analysis.peaks import largest_between
 from design.analysis.residual import residual_curve
-from design.impulses import Impulses
-from design.plants import Mode
+from design.model.actuators import Actuator
+from design.model.impulses import Impulses
+from design.model.plants import Mode
 
 HIGH_MODES = (1.5, 10.0)
 """Ratios of frequency that count as high modes [-].

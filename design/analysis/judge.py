@@ -10,13 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.actuators import SETTLED_SHARE, Actuator, unit_ramps_s
 from design.analysis.certificate import Certificate, Claim, certify_modes
 from design.analysis.residual import residual_vibration
-from design.impulses import Impulses
-from design.plants import Mode
-from design.shapers.kind import Promise
-from design.swings import FreeSwing
+from design.claims import Promise
+from design.model.actuators import SETTLED_SHARE, Actuator, unit_ramps_s
+from design.model.impulses import Impulses
+from design.model.initial_state import FreeSwing
+from design.model.plants import Mode
 
 SLOW_ACTUATOR = 2.0
 """Corner frequency over the plant's below which the thesis advises against (eq. 3.41) [-]."""
@@ -118,8 +118,8 @@ def judge(
     Examples
     --------
     >>> import numpy as np
-    >>> from design.actuators import FirstOrder, Ideal
-    >>> from design.analysis.certificate import zeros
+    >>> from design.model.actuators import FirstOrder, Ideal
+    >>> from design.claims import zeros
     >>> mode = Mode(natural_frequency_rad_s=3.5)
     >>> phases = np.pi * np.array([0, 1 / 3, 2 / 3])
     >>> umzv = Impulses(times_s=phases / 3.5, amplitudes=np.array([1.0, -1.0, 1.0]))

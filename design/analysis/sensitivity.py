@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.actuators import Actuator, RateLimited
 from design.analysis.residual import (
     evenly_spaced_vectors,
     residual_vectors,
     step_contributions,
 )
 from design.errors import InvalidInputError, SolverFailedError
-from design.impulses import Impulses
-from design.plants import LARGEST_DAMPING_RATIO, Mode
+from design.model.actuators import Actuator, RateLimited
+from design.model.impulses import Impulses
+from design.model.plants import LARGEST_DAMPING_RATIO, Mode
 from design.types import FloatArray, require_between
 
 MOST_POINTS = 20_001

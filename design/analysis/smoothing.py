@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from design.impulses import Impulses
+from design.model.impulses import Impulses
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

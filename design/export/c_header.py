@@ -11,6 +11,7 @@ from string import Template
 
 import numpy as np
 
+from design.curve_fit import Fit
 from design.export.kind import Export
 from design.export.program import (
     HASH_DIGITS,
@@ -23,7 +24,6 @@ from design.export.program import (
     remarks,
     unit_of_frequency,
 )
-from design.fits import Fit
 from design.tables.columns import names_of
 from design.tables.rows import Rows, TableHead
 from design.types import FloatArray

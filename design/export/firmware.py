@@ -6,7 +6,7 @@ import numpy as np
 
 from design.errors import InvalidInputError
 from design.export.header import comment_lines
-from design.impulses import Impulses
+from design.model.impulses import Impulses
 from design.tables.columns import amplitudes_of, names_of, times_of
 from design.tables.rows import (
     STATUSES,

@@ -27,8 +27,8 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from design.actuators import Ideal
 from design.analysis.certificate import Claim, certify_modes
+from design.claims import Promise
 from design.errors import InvalidInputError
 from design.export.firmware import firmware_lines, require_positive_row
 from design.export.kind import Export
@@ -40,12 +40,12 @@ from design.export.klipper_shapers import (
     older_klipper_impulses,
     rounding_of_mzv,
 )
-from design.impulses import Impulses
+from design.model.actuators import Ideal
+from design.model.impulses import Impulses
+from design.model.plants import Mode
 from design.pipeline import design
-from design.plants import Mode
 from design.shapers.ei import ToleranceOptions
 from design.shapers.positive import MzvOptions
-from design.shapers.problem import Promise
 from design.tables.columns import names_of, require_times
 from design.tables.rows import Rows, Subject, TableHead, subject_of
 

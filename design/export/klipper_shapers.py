@@ -28,7 +28,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from design.impulses import Impulses
+from design.model.impulses import Impulses
 from design.types import FloatArray
 
 LARGEST_DAMPING_RATIOS = {

@@ -22,11 +22,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from design.actuators import Actuator, RateLimited
 from design.analysis.residual import residual_vibration
-from design.commands import convolved
-from design.impulses import Impulses
-from design.plants import Mode, Plant
+from design.model.actuators import Actuator, RateLimited
+from design.model.commands import convolved
+from design.model.impulses import Impulses
+from design.model.plants import Mode, Plant
 from design.types import FloatArray
 
 PRESSES = 40

@@ -33,7 +33,7 @@ from design.export.firmware import (
     require_positive_shaper,
 )
 from design.export.kind import Export
-from design.impulses import Impulses
+from design.model.impulses import Impulses
 from design.tables.columns import names_of, require_times
 from design.tables.rows import Rows, TableHead, subject_of
 

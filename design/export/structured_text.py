@@ -9,6 +9,7 @@ from string import Template
 
 import numpy as np
 
+from design.curve_fit import Fit
 from design.export.kind import Export
 from design.export.program import (
     Listing,
@@ -20,7 +21,6 @@ from design.export.program import (
     remarks,
     unit_of_frequency,
 )
-from design.fits import Fit
 from design.tables.rows import WITH_DESIGN, Rows, TableHead
 from design.types import FloatArray
 

@@ -6,16 +6,16 @@ from typing import Literal
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from design.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder
-from design.analysis.certificate import LIMITS
 from design.analysis.sensitivity import Sensitivity
-from design.impulses import Impulses
+from design.claims import ZERO_LIMITS
+from design.model.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder
+from design.model.impulses import Impulses
+from design.model.plants import Mode
 from design.pictures import time_panels
 from design.pictures.sensitivity_panel import draw_sensitivity
 from design.pictures.style import BRIGHT, GREY, INK, SMALL_PT, house_style, percent
 from design.pictures.vector_panel import draw_vectors
 from design.pipeline import Design
-from design.plants import Mode
 
 SIZE_IN = (11.0, 8.0)
 """Width and height [in]: a landscape page of A4 or letter without scaling."""
@@ -158,7 +158,7 @@ def _actuator_lines(actuator: Actuator) -> tuple[str, str]:
 
 
 def _residual_text(design: Design) -> str:
-    limit = LIMITS["residual"]
+    limit = ZERO_LIMITS["residual"]
     return f"below {percent(limit)}" if design.residual <= limit else percent(design.residual)
 
 

@@ -10,7 +10,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, LogNorm, Normalize
 from matplotlib.figure import Figure
 
-from design.maps import Axis, Map, MapCase, Quantity, Recipe
+from design.maps.field_map import Axis, Map, MapCase, Quantity, Recipe
 from design.pictures.curve_sheet import Curve, curve_sheet
 from design.pictures.style import INK, SMALL_PT, house_style
 from design.types import FloatArray

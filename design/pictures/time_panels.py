@@ -4,13 +4,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from design.actuators import Actuator
-from design.analysis.certificate import LIMITS
 from design.analysis.residual import unshaped_deflection_s
-from design.impulses import Impulses
+from design.claims import ZERO_LIMITS
+from design.model.actuators import Actuator
+from design.model.impulses import Impulses
+from design.model.plants import Mode
 from design.pictures.style import BRIGHT, DEEP, GREY, INK, PALE, SMALL_PT, legend_above, name_panel
-from design.plants import Mode
-from design.responses import history
+from design.response.closed_form import history
 from design.types import FloatArray
 
 PERIODS_AFTER = (1.6, 4.0)
@@ -126,7 +126,7 @@ def draw_payload(
     unit = 1 / (mode.natural_frequency_rad_s * unshaped_deflection_s(mode, actuator))
     unshaped = unit * history(step, mode, actuator, times_s).deflection
     shaped = unit * history(impulses, mode, actuator, times_s).deflection
-    if residual > LIMITS["residual"]:
+    if residual > ZERO_LIMITS["residual"]:
         ringing_s = times_s[times_s >= last]
         decay = mode.damping_ratio * mode.natural_frequency_rad_s
         envelope = residual * np.exp(-decay * (ringing_s - last))

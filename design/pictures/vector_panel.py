@@ -4,10 +4,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from design.actuators import Actuator
-from design.analysis.certificate import LIMITS
 from design.analysis.residual import terms_of_residual
-from design.impulses import Impulses
+from design.claims import ZERO_LIMITS
+from design.model.actuators import Actuator
+from design.model.impulses import Impulses
+from design.model.plants import Mode
+from design.model.reference_ramps import reference
 from design.pictures.style import (
     BRIGHT,
     DEEP,
@@ -17,8 +19,6 @@ from design.pictures.style import (
     name_panel,
     percent,
 )
-from design.plants import Mode
-from design.references import reference
 from design.types import ComplexArray
 
 LABEL_SPACING = 0.08
@@ -46,7 +46,7 @@ def vibration_vectors(impulses: Impulses, mode: Mode, actuator: Actuator) -> Com
 
     Examples
     --------
-    >>> from design.actuators import Ideal
+    >>> from design.model.actuators import Ideal
     >>> half_period = Impulses(times_s=np.array([0.0, np.pi]), amplitudes=np.array([0.5, 0.5]))
     >>> vectors = vibration_vectors(half_period, Mode(natural_frequency_rad_s=1.0), Ideal())
     >>> bool(abs(vectors.sum()) < 1e-15)
@@ -91,7 +91,7 @@ def draw_vectors(axes: Axes, impulses: Impulses, mode: Mode, actuator: Actuator)
         )
     residual = abs(corners[-1])
     gap = corners[[0, -1]]
-    if residual > LIMITS["residual"]:
+    if residual > ZERO_LIMITS["residual"]:
         axes.plot(
             gap.real,
             gap.imag,
@@ -106,7 +106,7 @@ def draw_vectors(axes: Axes, impulses: Impulses, mode: Mode, actuator: Actuator)
     axes.plot(0, 0, "o", color=INK, markersize=5, zorder=5)
     note = (
         "closes: no residual vibration"
-        if residual <= LIMITS["residual"]
+        if residual <= ZERO_LIMITS["residual"]
         else f"open by the residual, {percent(residual)}"
     )
     _fit_square(axes, corners)

@@ -7,19 +7,20 @@ damping ratios it may leave more. It is then designed for a smaller one.
 import math
 from dataclasses import dataclass, replace
 
-from design.actuators import Actuator
 from design.analysis.band import largest_in_band
 from design.analysis.judge import DesignWarning
 from design.errors import DesignError
+from design.formulations.equations import Problem
+from design.formulations.formulation import ClosedForm, Convolution
+from design.model.actuators import Actuator
+from design.model.plants import Modes, Plant
 from design.pipeline import Design, design
-from design.plants import Modes, Plant
 from design.recommendations.choices import Choice
 from design.recommendations.requirements import Question
-from design.sampled import SAMPLE_TOLERANCE, sampled_design
-from design.shapers.problem import ClosedForm, Convolution, Problem
+from design.sampling.sampled import SAMPLE_TOLERANCE, sampled_design
+from design.sampling.unity_grid import cuts_ramps
 from design.shapers.several_modes import FREQUENCIES_A_RADIAN, PROOF_WORK, impulses_of
 from design.solvers.budget import Budget
-from design.unity_grid import cuts_ramps
 
 TIGHTENED, TIGHTENED_ON_SAMPLES = 6, 2
 """How often a shaper that misses the tolerance is designed anew for a smaller one, at most.

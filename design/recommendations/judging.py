@@ -10,7 +10,7 @@ from design.analysis.high_modes import HIGH_MODES, high_mode_gain
 from design.analysis.residual import residual_vibration
 from design.analysis.sensitivity import Insensitivity, common_interval, insensitivity
 from design.analysis.smoothing import Smoothing, smoothing
-from design.impulses import Impulses
+from design.model.impulses import Impulses
 from design.recommendations.candidates import WITHIN, Designed
 from design.recommendations.requirements import Question
 

@@ -4,10 +4,10 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from design.actuators import Actuator, unit_ramps_s
 from design.analysis.residual import require_workable
 from design.errors import InvalidInputError
-from design.plants import LARGEST_DAMPING_RATIO, Mode, Modes, Plant, Scheduled
+from design.model.actuators import Actuator, unit_ramps_s
+from design.model.plants import LARGEST_DAMPING_RATIO, Mode, Modes, Plant, Scheduled
 from design.types import LARGEST, require_between, require_scale
 
 Sign = Literal["any", "positive", "unity"]

@@ -1,16 +1,18 @@
 """EI, two- and three-hump EI, UM-EI and UM-2EI: what a shaper leaves may reach a tolerance.
 
 At the price of that the band of frequencies is wider than that of a shaper without vibration at the
-nominal one. The equations and their solution are those of `design.shapers.humps`.
+nominal one. The equations and their solution are those of `design.formulations.humps`.
 """
 
 import functools
 from dataclasses import dataclass
 
-from design.actuators import Actuator, Ideal
-from design.impulses import Impulses
-from design.plants import Mode
-from design.shapers.humps import Humps, humped
+from design.claims import Promise, within
+from design.formulations.formulation import ClosedForm, Formulation
+from design.formulations.humps import Humps, humped
+from design.model.actuators import Actuator, Ideal
+from design.model.impulses import Impulses
+from design.model.plants import Mode
 from design.shapers.kind import (
     LARGEST_TOLERANCE,
     SMALLEST_TOLERANCE,
@@ -18,7 +20,6 @@ from design.shapers.kind import (
     tolerance_field,
 )
 from design.shapers.positive import EVERY_ACTUATOR, served
-from design.shapers.problem import ClosedForm, Formulation, Promise, within
 from design.types import require_between
 
 ZERO = 1e-9

@@ -5,10 +5,11 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from design.actuators import Actuator
+from design.claims import Promise, Quantity
 from design.errors import InvalidInputError
-from design.plants import LARGEST_DAMPING_RATIO, Mode
-from design.shapers.problem import Formulation, Promise, Quantity
+from design.formulations.formulation import Formulation
+from design.model.actuators import Actuator
+from design.model.plants import LARGEST_DAMPING_RATIO, Mode
 from design.types import require_between
 
 __all__ = [

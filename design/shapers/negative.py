@@ -9,13 +9,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from design.actuators import Actuator
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.impulses import Impulses
-from design.plants import Mode
-from design.shapers.kind import DampingBound, ShaperKind
-from design.shapers.problem import ClosedForm, Formulation, Seed
-from design.shapers.unity_magnitude import (
+from design.formulations.equations import Seed
+from design.formulations.formulation import ClosedForm, Formulation
+from design.formulations.unity_magnitude import (
     LAST_PULSE_VANISHES,
     ZERO_VIBRATION,
     ZERO_VIBRATION_DERIVATIVE,
@@ -23,6 +20,10 @@ from design.shapers.unity_magnitude import (
     decel_over_accel,
     unity_magnitude_problem,
 )
+from design.model.actuators import Actuator
+from design.model.impulses import Impulses
+from design.model.plants import Mode
+from design.shapers.kind import DampingBound, ShaperKind
 from design.types import FloatArray
 
 SOURCE = (

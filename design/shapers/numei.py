@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.actuators import Actuator, RateLimited
+from design.claims import Promise, within
 from design.errors import InfeasibleDesignError
-from design.plants import Mode
-from design.shapers.alternating import AlternatingBand
-from design.shapers.ei import ZERO
-from design.shapers.humps import (
+from design.formulations.alternating import AlternatingBand
+from design.formulations.equations import Expressions, Problem, Ratios, Seed
+from design.formulations.formulation import Formulation
+from design.formulations.humps import (
     UNITY_ONE_HUMP,
     UNITY_TOLERANCE,
     UNITY_TWO_HUMPS,
@@ -20,15 +20,7 @@ from design.shapers.humps import (
     Humps,
     humped,
 )
-from design.shapers.kind import (
-    LARGEST_TOLERANCE,
-    SMALLEST_TOLERANCE,
-    SettleOptions,
-    ShaperKind,
-    tolerance_field,
-)
-from design.shapers.problem import Expressions, Formulation, Problem, Promise, Ratios, Seed, within
-from design.shapers.unity_magnitude import (
+from design.formulations.unity_magnitude import (
     PERIOD_RAD,
     alternating,
     decel_over_accel,
@@ -36,6 +28,16 @@ from design.shapers.unity_magnitude import (
     settling_gaps_rad,
     switched_order,
     with_equal_sets,
+)
+from design.model.actuators import Actuator, RateLimited
+from design.model.plants import Mode
+from design.shapers.ei import ZERO
+from design.shapers.kind import (
+    LARGEST_TOLERANCE,
+    SMALLEST_TOLERANCE,
+    SettleOptions,
+    ShaperKind,
+    tolerance_field,
 )
 from design.types import FloatArray, require_between
 
@@ -100,7 +102,7 @@ class AlternatingHumps:
         return 2 * self.humps + 3
 
     def expressions(self) -> Expressions:
-        """Build the equations of `design.shapers.humps`, with the actuator's own gains and slopes.
+        """Build the equations of `formulations.humps`, with the actuator's own gains and slopes.
 
         With V(r) the residual's vector at the ratio r of true and nominal frequency::
 

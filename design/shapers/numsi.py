@@ -6,30 +6,27 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from design.actuators import Actuator, RateLimited
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.plants import Mode
-from design.shapers.alternating import AlternatingBand
-from design.shapers.kind import (
-    LARGEST_TOLERANCE,
-    SMALLEST_TOLERANCE,
-    SettleOptions,
-    ShaperKind,
-    tolerance_field,
-)
-from design.shapers.problem import (
-    BandSearch,
-    Formulation,
-    Seed,
-    UnityBandProblem,
-)
-from design.shapers.unity_magnitude import (
+from design.formulations.alternating import AlternatingBand
+from design.formulations.bands import BandSearch, UnityBandProblem
+from design.formulations.equations import Seed
+from design.formulations.formulation import Formulation
+from design.formulations.unity_magnitude import (
     PERIOD_RAD,
     alternating,
     decel_over_accel,
     lag_parameters,
     settling_gaps_rad,
     switched_order,
+)
+from design.model.actuators import Actuator, RateLimited
+from design.model.plants import Mode
+from design.shapers.kind import (
+    LARGEST_TOLERANCE,
+    SMALLEST_TOLERANCE,
+    SettleOptions,
+    ShaperKind,
+    tolerance_field,
 )
 from design.types import require_between
 

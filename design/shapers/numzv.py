@@ -2,13 +2,9 @@
 
 import numpy as np
 
-from design.actuators import Actuator, RateLimited
 from design.errors import InvalidInputError
-from design.impulses import Impulses
-from design.plants import Mode
-from design.shapers.kind import PeakOptions, SettleOptions, ShaperKind
-from design.shapers.problem import ClosedForm, Formulation
-from design.shapers.unity_magnitude import (
+from design.formulations.formulation import ClosedForm, Formulation
+from design.formulations.unity_magnitude import (
     PERIOD_RAD,
     ZERO_VIBRATION,
     ZERO_VIBRATION_DERIVATIVE,
@@ -18,6 +14,10 @@ from design.shapers.unity_magnitude import (
     undamped_times_rad,
     unity_magnitude_problem,
 )
+from design.model.actuators import Actuator, RateLimited
+from design.model.impulses import Impulses
+from design.model.plants import Mode
+from design.shapers.kind import PeakOptions, SettleOptions, ShaperKind
 
 SOURCE = "Kim, master thesis (2011), chapter 3"
 

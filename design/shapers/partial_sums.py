@@ -7,14 +7,9 @@ import math
 
 import numpy as np
 
-from design.actuators import Actuator, Ideal
-from design.impulses import Impulses
-from design.plants import Mode
-from design.shapers.kind import DampingBound, NoOptions, ShaperKind
-from design.shapers.negative import LONGEST_PERIODS, SOURCE
-from design.shapers.positive import EVERY_ACTUATOR
-from design.shapers.problem import ClosedForm, Formulation, Seed
-from design.shapers.unity_magnitude import (
+from design.formulations.equations import Seed
+from design.formulations.formulation import ClosedForm, Formulation
+from design.formulations.unity_magnitude import (
     LAST_PULSE_VANISHES,
     PERIOD_RAD,
     ZERO_VIBRATION,
@@ -23,6 +18,12 @@ from design.shapers.unity_magnitude import (
     undamped_times_rad,
     unity_magnitude_problem,
 )
+from design.model.actuators import Actuator, Ideal
+from design.model.impulses import Impulses
+from design.model.plants import Mode
+from design.shapers.kind import DampingBound, NoOptions, ShaperKind
+from design.shapers.negative import LONGEST_PERIODS, SOURCE
+from design.shapers.positive import EVERY_ACTUATOR
 
 PARTIAL_SUMS = np.array([1.0, -2.0, 2.0])
 """Impulses of PS-ZV: the command is at 1, -1 and 1 [-]."""

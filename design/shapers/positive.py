@@ -12,12 +12,13 @@ from functools import lru_cache, partial
 
 import numpy as np
 
-from design.actuators import Actuator, Ideal, RateLimited
+from design.claims import Quantity
 from design.errors import InvalidInputError
-from design.impulses import ROUNDING, Impulses
-from design.plants import LARGEST_DAMPING_RATIO, Mode
-from design.shapers.kind import DampingBound, NoOptions, Quantity, ShaperKind, require_damping
-from design.shapers.problem import ClosedForm, Formulation
+from design.formulations.formulation import ClosedForm, Formulation
+from design.model.actuators import Actuator, Ideal, RateLimited
+from design.model.impulses import ROUNDING, Impulses
+from design.model.plants import LARGEST_DAMPING_RATIO, Mode
+from design.shapers.kind import DampingBound, NoOptions, ShaperKind, require_damping
 from design.types import require_between
 
 EVERY_ACTUATOR = ("ideal", "rate_limited", "first_order", "second_order")

@@ -6,9 +6,11 @@ from typing import Literal
 
 import numpy as np
 
-from design.actuators import Actuator, Ideal
 from design.errors import InvalidInputError
-from design.plants import Mode
+from design.formulations.equations import Problem
+from design.formulations.formulation import ClosedForm, Convolution, Formulation, JointProblem
+from design.model.actuators import Actuator, Ideal
+from design.model.plants import Mode
 from design.shapers.ei import EI, THREE_HUMP_EI, TWO_HUMP_EI, ToleranceOptions
 from design.shapers.kind import (
     LARGEST_TOLERANCE,
@@ -18,7 +20,6 @@ from design.shapers.kind import (
     for_one_of,
 )
 from design.shapers.positive import EVERY_ACTUATOR, MZV, ZV, ZVD, ZVDD, ZVDDD, served
-from design.shapers.problem import ClosedForm, Convolution, Formulation, JointProblem, Problem
 from design.shapers.umzv import UMZV, UMZVD
 
 BASES = {

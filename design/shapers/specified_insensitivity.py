@@ -4,11 +4,11 @@ import math
 from dataclasses import dataclass, field
 from typing import Literal
 
-from design.actuators import Actuator
 from design.errors import InvalidInputError
-from design.plants import Mode
+from design.formulations.bands import BandProblem
+from design.model.actuators import Actuator
+from design.model.plants import Mode
 from design.shapers.kind import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS, ShaperKind
-from design.shapers.problem import BandProblem
 from design.types import require_between
 
 USUAL_HALF_WIDTH = 0.15

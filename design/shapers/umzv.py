@@ -2,12 +2,8 @@
 
 import numpy as np
 
-from design.actuators import Actuator, Ideal
-from design.impulses import Impulses
-from design.plants import Mode
-from design.shapers.kind import DampingBound, NoOptions, ShaperKind
-from design.shapers.problem import ClosedForm, Formulation
-from design.shapers.unity_magnitude import (
+from design.formulations.formulation import ClosedForm, Formulation
+from design.formulations.unity_magnitude import (
     LAST_PULSE_VANISHES,
     ZERO_VIBRATION,
     ZERO_VIBRATION_DERIVATIVE,
@@ -15,6 +11,10 @@ from design.shapers.unity_magnitude import (
     damped_periods,
     unity_magnitude_problem,
 )
+from design.model.actuators import Actuator, Ideal
+from design.model.impulses import Impulses
+from design.model.plants import Mode
+from design.shapers.kind import DampingBound, NoOptions, ShaperKind
 
 SOURCE = (
     'W. Singhose, W. Seering, N. Singer, "Time-optimal negative input shapers", '

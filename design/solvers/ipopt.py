@@ -4,7 +4,7 @@ import functools
 import threading
 from typing import Any
 
-from design.shapers.problem import Model, Problem
+from design.formulations.equations import Model, Problem
 from design.solvers.buffered import Buffered
 from design.solvers.newton import instructions_of
 from design.solvers.outcome import Outcome, Status

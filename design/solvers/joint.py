@@ -23,8 +23,8 @@ from operator import itemgetter
 import numpy as np
 
 from design.errors import InfeasibleDesignError
-from design.impulses import ROUNDING
-from design.shapers.problem import JointProblem
+from design.formulations.formulation import JointProblem
+from design.model.impulses import ROUNDING
 from design.solvers import highs
 from design.solvers.budget import Budget
 from design.types import LARGEST, ComplexArray, FloatArray

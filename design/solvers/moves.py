@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.errors import InfeasibleDesignError, TimeLimitError
-from design.shapers.problem import Problem
-from design.shapers.unity_magnitude import PERIOD_RAD
-from design.shapers.whole_move import WholeMove, pulse_trains
+from design.formulations.equations import Problem
+from design.formulations.unity_magnitude import PERIOD_RAD
+from design.formulations.whole_move import WholeMove, pulse_trains
 from design.solvers import ipopt
 from design.solvers.budget import Budget
 from design.solvers.outcome import Status

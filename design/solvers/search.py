@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.errors import InfeasibleDesignError, TimeLimitError
-from design.shapers.problem import Problem, Seed
+from design.formulations.equations import Problem, Seed
 from design.solvers import ipopt, newton
 from design.solvers.budget import Budget
 from design.solvers.continuation import followed

@@ -7,16 +7,17 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from design.actuators import Actuator
-from design.analysis.certificate import LIMITS, certify, zeros
+from design.analysis.certificate import certify
+from design.claims import ZERO_LIMITS, zeros
 from design.errors import (
     DesignError,
     InfeasibleDesignError,
     InvalidInputError,
     SolverFailedError,
 )
+from design.model.actuators import Actuator
+from design.model.plants import Mode, Pendulum, Plant, SpringMass
 from design.pipeline import Design, design
-from design.plants import Mode, Pendulum, Plant, SpringMass
 from design.shapers.kind import NoOptions, SettleOptions, ShaperKind
 from design.tables.parameters import RowParameters, of_one_mode_and_lags, row_parameters
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL, Rows
@@ -325,8 +326,8 @@ def _enter_proven(
 
 def _zeros_hold(left: FloatArray, *, slopes: bool) -> BoolArray:
     """Return which rows of residuals and slopes are within the certificate's limits."""
-    holds: BoolArray = left[:, 0] <= LIMITS["residual"]
-    return holds & (left[:, 1] <= LIMITS["slope"]) if slopes else holds
+    holds: BoolArray = left[:, 0] <= ZERO_LIMITS["residual"]
+    return holds & (left[:, 1] <= ZERO_LIMITS["slope"]) if slopes else holds
 
 
 def _guarded(specification: TableSpecification, start: int, stop: int) -> BoolArray:

@@ -1,7 +1,7 @@
 """Equations of unity-magnitude shapers and their Jacobian, several designs side by side.
 
-They are those of `design.shapers.unity_magnitude`, differentiated by hand. What the rows claim is
-recomputed in `design.tables.proofs`, apart from them.
+They are those of `design.formulations.unity_magnitude`, differentiated by hand. What the rows claim
+is recomputed in `design.tables.proofs`, apart from them.
 
 `LANES` designs lie in one array, which is cut into runs of that length, one for each quantity. All
 innermost loops go over the lanes, and nothing in them branches, so that they become vector
@@ -12,7 +12,7 @@ apart. Complex quantities take two runs, real part first.
 import math
 from typing import Literal
 
-from design.shapers.symbolic import SHORTEST_TIME_CONSTANT, SMALLEST_ROOT
+from design.formulations.symbolic import SHORTEST_TIME_CONSTANT, SMALLEST_ROOT
 from design.tables.compiled import compiled, inlined
 from design.tables.elementary import exponential, exponential_less_one, sine_and_cosine
 from design.types import FloatArray

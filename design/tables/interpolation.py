@@ -1,8 +1,8 @@
 """Between the rows of a table: times by interpolation, and the residual that they may leave.
 
 The times themselves bend like 1/w. The phases ``w t_i`` over the plant's frequency and over the
-actuator's frequency against it bend little, as in `design.fits`; those are interpolated, by the
-cubic through the four nearest points along each axis (by all points, where there are fewer).
+actuator's frequency against it bend little, as in `design.curve_fit`; those are interpolated, by
+the cubic through the four nearest points along each axis (by all points, where there are fewer).
 
 Neighbouring rows may be designs of different branches, with nothing to interpolate between them.
 Every cell is tried in its middles, and one that leaves too much there is closed.
@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.actuators import Actuator
 from design.analysis.residual import residuals_of_many
 from design.errors import InvalidInputError
-from design.maps import varied
-from design.plants import Mode, Pendulum, Plant, SpringMass
+from design.maps.field_map import varied
+from design.model.actuators import Actuator
+from design.model.plants import Mode, Pendulum, Plant, SpringMass
 from design.tables.columns import amplitudes_of, names_of, times_of
 from design.tables.rows import Rows, TableHead, subject_of
 from design.types import BoolArray, FloatArray

@@ -13,14 +13,14 @@ from decimal import Decimal
 
 import numpy as np
 
-from design.actuators import SETTLED_SHARE
-from design.shapers.unity_magnitude import (
+from design.formulations.unity_magnitude import (
     LARGEST_ALPHA,
     PERIOD_RAD,
     SHORTEST_GAP_RAD,
     ZV_POLYNOMIALS,
     ZVD_POLYNOMIALS,
 )
+from design.model.actuators import SETTLED_SHARE
 from design.solvers.search import HORIZONS_PERIODS, unit_starts
 from design.tables.compiled import compiled
 from design.tables.elementary import angle
@@ -50,7 +50,7 @@ ZVD = np.array(ZVD_POLYNOMIALS)
 
 @compiled
 def _settled(first: float, second: float, band: float, decay: float) -> float:
-    """Return `design.actuators.Lag.settling_time_s` in units of the plant's frequency."""
+    """Return `design.model.actuators.Lag.settling_time_s` in units of the plant's frequency."""
     if second == 0.0:
         return first * decay
     frequency = 1.0 / math.sqrt(second)
@@ -87,7 +87,7 @@ def _not_before(angle: float, earliest: float) -> float:
 
 @compiled
 def _close_triangles(rows: FloatArray, gaps: FloatArray, ends: IntArray) -> None:
-    """Write the gaps of `design.shapers.unity_magnitude.undamped_times_rad`."""
+    """Write the gaps of `design.formulations.unity_magnitude.undamped_times_rad`."""
     block = np.ones(LENGTH)
     for m in range(rows.shape[0]):
         row = rows[m]
@@ -112,7 +112,7 @@ def rows_of_problems(lags: FloatArray, longest_periods: FloatArray, *, settle: b
     Parameters
     ----------
     lags
-        As `design.shapers.unity_magnitude.lag_parameters`, shape (m, 5) [-].
+        As `design.formulations.unity_magnitude.lag_parameters`, shape (m, 5) [-].
     longest_periods
         Longest shaper in periods, shape (m,) [-].
     settle

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from design.actuators import (
+from design.analysis.residual import RESONANCE, SLOWEST
+from design.model.actuators import (
     LARGEST_DAMPING_RATIO as LARGEST_LAG_DAMPING,
 )
-from design.actuators import (
+from design.model.actuators import (
     SMALLEST_DAMPING_RATIO as SMALLEST_LAG_DAMPING,
 )
-from design.actuators import FirstOrder, Ideal, SecondOrder
-from design.analysis.residual import RESONANCE, SLOWEST
-from design.plants import Mode, Pendulum
+from design.model.actuators import FirstOrder, Ideal, SecondOrder
+from design.model.plants import Mode, Pendulum
 from design.shapers.kind import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
 from design.shapers.umzv import LONGEST_PERIODS
 from design.tables.specification import TableSpecification
@@ -34,7 +34,7 @@ class RowParameters:
     lags
         Damping ratio of the plant, ``first, second`` of the acceleration and of the deceleration
         set, in units of the plant's frequency, shape (m, 5): as
-        `design.shapers.unity_magnitude.lag_parameters` [-].
+        `design.formulations.unity_magnitude.lag_parameters` [-].
     max_duration_periods
         Longest shaper, shape (m,) [-].
     workable

@@ -7,11 +7,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from design.actuators import Actuator
+from design.curve_fit import Fit
 from design.errors import InvalidInputError
-from design.fits import Fit
-from design.maps import varied
-from design.plants import Plant
+from design.maps.field_map import varied
+from design.model.actuators import Actuator
+from design.model.plants import Plant
 from design.shapers.kind import ShaperKind
 from design.types import BoolArray, FloatArray
 

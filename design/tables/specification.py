@@ -6,18 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from design.actuators import Actuator, FirstOrder, Ideal
 from design.errors import InvalidInputError
-from design.maps import varied
-from design.plants import Mode, Modes, Plant, Scheduled
+from design.formulations.bands import BandProblem, BandSearch
+from design.formulations.formulation import ClosedForm, Convolution, JointProblem
+from design.maps.field_map import varied
+from design.model.actuators import Actuator, FirstOrder, Ideal
+from design.model.plants import Mode, Modes, Plant, Scheduled
 from design.shapers.kind import ShaperKind
-from design.shapers.problem import (
-    BandProblem,
-    BandSearch,
-    ClosedForm,
-    Convolution,
-    JointProblem,
-)
 from design.shapers.several_modes import BASES, ConvolvedOptions
 from design.tables.rows import Column, Subject
 from design.types import FloatArray, require_between

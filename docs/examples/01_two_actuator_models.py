@@ -6,10 +6,10 @@ Kim (2011) designs by the first (3.23-3.26) and simulates by the second (4.23-4.
 import sys
 from dataclasses import replace
 
-from design.actuators import SecondOrder, SecondOrderSet
 from design.analysis.residual import residual_vibration
+from design.model.actuators import SecondOrder, SecondOrderSet
+from design.model.plants import Pendulum
 from design.pipeline import design
-from design.plants import Pendulum
 from design.shapers.registry import SHAPERS
 
 CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81)

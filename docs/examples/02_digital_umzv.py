@@ -15,12 +15,12 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 
-from design.actuators import Ideal
 from design.analysis.residual import residual_vibration
+from design.model.actuators import Ideal
+from design.model.plants import Mode, Pendulum
 from design.pipeline import design
-from design.plants import Mode, Pendulum
-from design.responses import history
-from design.sampled import carried, nearest, sample
+from design.response.closed_form import history
+from design.sampling.sampled import carried, nearest, sample
 from design.shapers.registry import SHAPERS
 
 SAMPLE_S = 0.02

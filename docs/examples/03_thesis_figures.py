@@ -13,17 +13,17 @@ from typing import Literal
 import numpy as np
 from matplotlib.figure import Figure
 
-from design.actuators import SecondOrder, SecondOrderSet
 from design.analysis.sensitivity import SensitivityRange, sensitivity
-from design.impulses import Impulses
-from design.maneuvers import maneuver, mirrored_stop
-from design.maps import Axis, MapCase, Move, Quantity, Recipe, field_map
-from design.motions import motion
+from design.maps.field_map import Axis, MapCase, Move, Quantity, Recipe, field_map
+from design.model.actuators import SecondOrder, SecondOrderSet
+from design.model.impulses import Impulses
+from design.model.plants import Mode, Pendulum
+from design.moves.maneuvers import maneuver, mirrored_stop
+from design.moves.playback import motion
 from design.pictures.curve_sheet import Curve, curve_sheet
 from design.pictures.design_sheet import figure_bytes
 from design.pictures.map_sheet import axis_label, panel_sheet
 from design.pipeline import design
-from design.plants import Mode, Pendulum
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
 

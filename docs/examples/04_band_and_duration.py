@@ -15,11 +15,11 @@ mpl.use("Agg")
 
 import matplotlib.pyplot as plt
 
-from design.actuators import SecondOrder, SecondOrderSet
 from design.analysis.sensitivity import insensitivity
-from design.impulses import Impulses
+from design.model.actuators import SecondOrder, SecondOrderSet
+from design.model.impulses import Impulses
+from design.model.plants import Pendulum
 from design.pipeline import design
-from design.plants import Pendulum
 from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import SHAPERS
 

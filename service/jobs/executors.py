@@ -69,7 +69,7 @@ def prepare() -> None:
     """Start the process that workers are forked from: it imports what they need meanwhile."""
     # One thread of BLAS a worker: the workers are the parallelism.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    forkserver.set_forkserver_preload(["service.answers", "service.jobs.work"])
+    forkserver.set_forkserver_preload(["service.dispatch", "service.jobs.work"])
     forkserver.ensure_running()
 
 

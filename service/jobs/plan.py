@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 from pydantic import ValidationError
 
+from design.curve_fit import fit
 from design.errors import DesignError
 from design.export.program import DEFAULT_TITLE
-from design.fits import fit
 from design.tables.compute import counted
 from design.tables.rows import TableHead
 from design.tables.specification import TableSpecification, columns_of

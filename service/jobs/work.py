@@ -14,7 +14,7 @@ from design.tables.specification import TableSpecification
 from service.jobs.blobs import to_blob
 from service.jobs.plan import specification_of
 from service.jobs.records import Done
-from service.watchdog import end_with_parent
+from service.workers.watchdog import end_with_parent
 
 ALONE = threading.Lock()
 """One solver at a time in a process, however many threads a Dask worker has: CasADi crashes when

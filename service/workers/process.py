@@ -23,8 +23,8 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any, Literal
 
-from service.watchdog import end_with_parent
 from service.workers.solvers import warm_solvers
+from service.workers.watchdog import end_with_parent
 
 LENGTH = struct.Struct("!i")
 """What `multiprocessing.connection` sends ahead of a message of up to 2 GiB."""
@@ -38,7 +38,12 @@ TICKS_A_SECOND = os.sysconf("SC_CLK_TCK")
 STATUS_WAIT_S = 0.5
 """How long the exit status of a process that has ended may take to arrive [s]."""
 
-PRELOADED = ["service.answers", "service.jobs.results", "service.jobs.work", "service.workers.warm"]
+PRELOADED = [
+    "service.dispatch",
+    "service.jobs.results",
+    "service.jobs.work",
+    "service.workers.warm",
+]
 """What the fork server imports, and its workers need not."""
 
 Outcome = Literal["ready", "done", "failed", "memory"]

@@ -3,11 +3,11 @@
 import functools
 import warnings
 
-from design.actuators import FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.model.actuators import FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.model.plants import Mode
 from design.pipeline import design
-from design.plants import Mode
 from design.shapers.registry import SHAPERS
-from service.memory import settled
+from service.workers.memory import settled
 
 
 @functools.cache

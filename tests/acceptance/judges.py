@@ -7,23 +7,23 @@ from dataclasses import replace
 
 import numpy as np
 
-from design.actuators import Actuator, Ideal, RateLimited
 from design.analysis.certificate import Claim, certify
 from design.analysis.residual import residual_curve, residual_vectors, residual_vibration
 from design.analysis.sensitivity import insensitivity
+from design.claims import Promise
 from design.errors import DesignError, InfeasibleDesignError, InvalidInputError
-from design.impulses import Impulses
+from design.model.actuators import Actuator, Ideal, RateLimited
+from design.model.impulses import Impulses
+from design.model.plants import Mode, Modes, Scheduled
 from design.pipeline import Design, design
-from design.plants import Mode, Modes, Scheduled
-from design.sampled import sampled_design
-from design.shapers.problem import Promise
+from design.sampling.sampled import sampled_design
 from design.shapers.registry import SHAPERS
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions
 from design.solvers.budget import MOST_WORK
 from design.types import FloatArray
 from tests.random_cases import Case
-from tests.routes import (
+from tests.second_route import (
     claims_by_formula,
     curve_by_formula,
     gain_and_slope,

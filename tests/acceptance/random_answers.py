@@ -21,12 +21,12 @@ from typing import Any
 
 import numpy as np
 
-from design.actuators import Actuator, Ideal, RateLimited
-from design.analysis.certificate import LIMITS
-from design.impulses import Impulses
-from design.plants import Mode, Pendulum, Plant
+from design.claims import ZERO_LIMITS
+from design.model.actuators import Actuator, Ideal, RateLimited
+from design.model.impulses import Impulses
+from design.model.plants import Mode, Pendulum, Plant
 from design.shapers.registry import SHAPERS
-from service.answers import respond
+from service.dispatch import respond
 from service.problems import INFEASIBLE, INVALID, Problem
 from tests import expm_route
 from tests.acceptance.random_kinds import Verdict, report
@@ -251,7 +251,7 @@ def _wrong_claims(
             yield f"claims {name} {value:.3g}, another route {of_whom[name]:.3g}"
         if value > claim["limit"] * (1 + 1e-9):
             yield f"claims {name} {value:.3g} above {claim['limit']:.3g}"
-        below &= found[name] < LIMITS[name] / 2
+        below &= found[name] < ZERO_LIMITS[name] / 2
     if ideal and below:
         yield f"warns of {found}, which is below every limit"
     if ideal and found["residual"] > NOTHING:

@@ -23,15 +23,15 @@ import numpy as np
 import pyarrow as pa
 from pyarrow import parquet
 
-from design.actuators import Ideal
 from design.analysis.certificate import Claim, certify_modes
+from design.claims import Promise
 from design.errors import DesignError, InvalidInputError
 from design.export.klipper import NAMES, READ_AS_ZERO
 from design.export.registry import EXPORTS
 from design.export.single import single_table
+from design.model.actuators import Ideal
 from design.pipeline import Design, design
 from design.shapers.ei import ToleranceOptions
-from design.shapers.kind import Promise
 from design.shapers.registry import SHAPERS
 from design.tables.rows import VERIFIED, VERIFIED_IDEAL, Subject
 from tests.firmware import RefusedError, lines_of, m593_numbers

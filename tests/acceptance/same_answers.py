@@ -23,7 +23,7 @@ import numpy as np
 
 from design.export.registry import EXPORTS
 from design.shapers.registry import SHAPERS
-from service.answers import answer
+from service.dispatch import answer
 from service.operations import shaper_catalogue
 from service.problems import Problem
 from tests.acceptance.random_answers import (
@@ -136,7 +136,7 @@ def lines(count: int) -> Iterator[str]:
         specification.write_text(json.dumps(TABLE))
         for name in EXPORTS:
             path = Path(folder) / f"out.{name}"
-            command = [sys.executable, "-m", "service.cli", "table", str(specification)]
+            command = [sys.executable, "-m", "service", "table", str(specification)]
             done = subprocess.run(
                 [*command, "-o", str(path), "--format", name], capture_output=True, check=False
             )

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from service.answers import respond
+from service.dispatch import respond
 from service.problems import Problem
 
 JSON = dict[str, Any]

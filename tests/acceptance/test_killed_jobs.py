@@ -54,7 +54,7 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, bytes, 
 
 
 def command(spec: Path, path: Path) -> list[str]:
-    return [sys.executable, "-m", "service.cli", "table", str(spec), "-o", str(path)]
+    return [sys.executable, "-m", "service", "table", str(spec), "-o", str(path)]
 
 
 def test_a_command_killed_at_random_moments(
@@ -102,7 +102,7 @@ def killable_service(folder: Path, url: str) -> Iterator[Running]:
     environment = {f"SHAPERSMITH_{name}": str(value) for name, value in settings.items()}
     with log.open("ab") as stderr:
         process = subprocess.Popen(
-            [sys.executable, "-m", "service.cli", "serve", "--port", str(port)],
+            [sys.executable, "-m", "service", "serve", "--port", str(port)],
             stderr=stderr,
             env={**os.environ, **environment},
             start_new_session=True,

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from service.answers import respond
+from service.dispatch import respond
 from service.problems import Problem
 from tests.acceptance.random_answers import OPERATIONS, generator, verdict
 from tests.acceptance.random_kinds import report

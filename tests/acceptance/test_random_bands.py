@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from design.actuators import Model
 from design.analysis.residual import residual_curve
 from design.errors import InfeasibleDesignError
+from design.model.actuators import Model
 from design.pipeline import design
 from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import SHAPERS

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from design.actuators import Actuator, FirstOrder, Model, SecondOrder, SecondOrderSet
 from design.errors import InfeasibleDesignError
+from design.model.actuators import Actuator, FirstOrder, Model, SecondOrder, SecondOrderSet
+from design.model.plants import Mode
 from design.pipeline import Design, design
-from design.plants import Mode
 from design.shapers.registry import SHAPERS
 
 CASES = 10_000

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from design.actuators import Model
 from design.analysis.residual import residual_curve
 from design.errors import InfeasibleDesignError
+from design.model.actuators import Model
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from tests.acceptance.test_random_designs import random_case
-from tests.routes import claims_by_formula
+from tests.second_route import claims_by_formula
 
 TOLERANCE = 0.05
 

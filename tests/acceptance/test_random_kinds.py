@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import pytest
 
-from design.actuators import Ideal
 from design.errors import DesignError
-from design.impulses import Impulses
+from design.model.actuators import Ideal
+from design.model.impulses import Impulses
+from design.model.plants import Mode, Modes
 from design.pipeline import design
-from design.plants import Mode, Modes
 from design.shapers.registry import SHAPERS
 from design.shapers.specified_insensitivity import BandOptions
 from tests.acceptance.judges import wrong_in_design, wrong_in_refusal

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
-from design.actuators import Model
-from design.analysis.certificate import LIMITS, certify, zeros
-from design.impulses import Impulses
+from design.analysis.certificate import certify
+from design.claims import ZERO_LIMITS, zeros
+from design.model.actuators import Model
+from design.model.impulses import Impulses
 from design.tables.compute import counted_rows
 from design.tables.rows import VERIFIED
-from tests.routes import claims_by_formula
+from tests.second_route import claims_by_formula
 from tests.table_cases import random_table
 
 ROWS = 25_000
@@ -34,5 +35,5 @@ def test_rows_marked_verified_are_shapers(order: int, model: Model) -> None:
         assert certify(impulses, plant.mode, actuator, zeros(["residual", "slope"])).verified
         if model == "superposed":
             left = claims_by_formula(impulses, plant.mode, actuator)
-            assert left["residual"] <= LIMITS["residual"]
-            assert left["slope"] <= LIMITS["slope"]
+            assert left["residual"] <= ZERO_LIMITS["residual"]
+            assert left["slope"] <= ZERO_LIMITS["slope"]

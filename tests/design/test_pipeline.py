@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from design.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
 from design.analysis.residual import residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
-from design.impulses import Impulses
+from design.formulations.formulation import ClosedForm, Formulation
+from design.formulations.unity_magnitude import ZERO_VIBRATION, unity_magnitude_problem
+from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.model.impulses import Impulses
+from design.model.plants import Mode, Pendulum
 from design.pipeline import design
-from design.plants import Mode, Pendulum
 from design.shapers.kind import SettleOptions, ShaperKind
-from design.shapers.problem import ClosedForm, Formulation
 from design.shapers.registry import SHAPERS
-from design.shapers.unity_magnitude import ZERO_VIBRATION, unity_magnitude_problem
 from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, THESIS
 
 NUMZV, NUMZVD, UMZV, UMZVC, UMZVD = (

@@ -7,7 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from design.actuators import (
+from design.analysis.certificate import certify
+from design.analysis.residual import residual_vectors, residual_vibration, vectors_of_many
+from design.analysis.sensitivity import SensitivityRange, sensitivity
+from design.claims import zeros
+from design.errors import InfeasibleDesignError, InvalidInputError
+from design.model.actuators import (
     Actuator,
     FirstOrder,
     Ideal,
@@ -17,20 +22,16 @@ from design.actuators import (
     SecondOrderSet,
     Unlimited,
 )
-from design.analysis.certificate import certify, zeros
-from design.analysis.residual import residual_vectors, residual_vibration, vectors_of_many
-from design.analysis.sensitivity import SensitivityRange, sensitivity
-from design.commands import pulse, step
-from design.errors import InfeasibleDesignError, InvalidInputError
-from design.impulses import Impulses
-from design.maneuvers import maneuver
+from design.model.commands import pulse, step
+from design.model.impulses import Impulses
+from design.model.plants import Mode
+from design.model.reference_ramps import reference
+from design.moves.maneuvers import maneuver
 from design.pipeline import design
-from design.plants import Mode
-from design.references import reference
-from design.responses import history, travel
+from design.response.closed_form import history, travel
+from design.response.simulation import ringing_after, simulated_history
 from design.shapers.registry import SHAPERS
-from design.simulation import ringing_after, simulated_history
-from tests.routes import integrate
+from tests.second_route import integrate
 from tests.shaper_table import CRANE, LIMITED, THESIS
 
 ALONE = RateLimited(accel_limit_m_s2=1.0, decel_limit_m_s2=2.5, speed_m_s=0.2)

@@ -5,16 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from design.actuators import Actuator, Ideal
 from design.analysis.sensitivity import DampingRange, SensitivityRange, sensitivity, worst_of
 from design.errors import InfeasibleDesignError, InvalidInputError
+from design.model.actuators import Actuator, Ideal
+from design.model.plants import Mode, Pendulum, Scheduled, SpringMass
 from design.pipeline import Design, design
-from design.plants import Mode, Pendulum, Scheduled, SpringMass
 from design.shapers.ei import ToleranceOptions
 from design.shapers.registry import SHAPERS
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions
-from tests.routes import claims_by_formula
+from tests.second_route import claims_by_formula
 from tests.shaper_table import IDEAL, THESIS
 
 

@@ -9,7 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from design.actuators import (
+from design.analysis.certificate import certify
+from design.analysis.residual import residual_curve, residual_vectors, residual_vibration
+from design.analysis.sensitivity import SensitivityRange, sensitivity
+from design.claims import zeros
+from design.model.actuators import (
     Actuator,
     FirstOrder,
     Lag,
@@ -17,16 +21,13 @@ from design.actuators import (
     SecondOrderSet,
     free_motions,
 )
-from design.analysis.certificate import certify, zeros
-from design.analysis.residual import residual_curve, residual_vectors, residual_vibration
-from design.analysis.sensitivity import SensitivityRange, sensitivity
-from design.impulses import Impulses
+from design.model.impulses import Impulses
+from design.model.plants import Mode
 from design.pipeline import design
-from design.plants import Mode
-from design.responses import history
+from design.response.closed_form import history
+from design.response.simulation import ringing_after, simulated_history
 from design.shapers.registry import SHAPERS
-from design.simulation import ringing_after, simulated_history
-from tests.routes import integrate, residual_by_integration
+from tests.second_route import integrate, residual_by_integration
 from tests.shaper_table import CRANE, DAMPED, THESIS
 
 SWITCHED = replace(THESIS, model="switched")

@@ -10,21 +10,21 @@ from itertools import product
 import numpy as np
 import pytest
 
-from design.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
 from design.analysis.certificate import certify
 from design.analysis.residual import residual_curve, residual_vibration
 from design.analysis.sensitivity import insensitivity
+from design.claims import Promise
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.impulses import Impulses
-from design.maneuvers import maneuver
+from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.model.impulses import Impulses
+from design.model.plants import Mode
+from design.moves.maneuvers import maneuver
 from design.pipeline import design
-from design.plants import Mode
 from design.shapers.ei import ToleranceOptions
 from design.shapers.negative import NegativeOptions
 from design.shapers.positive import MzvOptions
-from design.shapers.problem import Promise
 from design.shapers.registry import SHAPERS
-from tests.routes import residual_by_integration
+from tests.second_route import residual_by_integration
 from tests.shaper_table import CRANE, FIRST_ORDER, IDEAL, THESIS
 
 

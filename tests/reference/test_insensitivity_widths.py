@@ -8,11 +8,11 @@ import math
 import numpy as np
 import pytest
 
-from design.actuators import Ideal
 from design.analysis.sensitivity import insensitivity
-from design.impulses import Impulses
+from design.model.actuators import Ideal
+from design.model.impulses import Impulses
+from design.model.plants import Mode
 from design.pipeline import design
-from design.plants import Mode
 from design.shapers.registry import SHAPERS
 from tests.shaper_table import IDEAL
 

@@ -10,9 +10,9 @@ import math
 import numpy as np
 import pytest
 
-from design.actuators import Ideal
+from design.model.actuators import Ideal
+from design.model.plants import Mode
 from design.pipeline import design
-from design.plants import Mode
 from design.shapers.registry import SHAPERS
 
 W, Z, SAMPLE_S = 2 * math.pi * 7.3, 0.05, 0.01

@@ -4,14 +4,14 @@ import math
 
 import pytest
 
-from design.actuators import FirstOrder
 from design.errors import InfeasibleDesignError
-from design.maneuvers import maneuver
+from design.model.actuators import FirstOrder
+from design.model.plants import Mode
+from design.moves.maneuvers import maneuver
 from design.pipeline import design
-from design.plants import Mode
 from design.shapers.kind import PeakOptions
 from design.shapers.registry import SHAPERS
-from tests.routes import claims_by_formula
+from tests.second_route import claims_by_formula
 
 UMZVC = SHAPERS["umzvc"]
 

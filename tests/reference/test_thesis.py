@@ -10,12 +10,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from design.actuators import Actuator, SecondOrder
 from design.analysis.residual import residual_vibration
 from design.analysis.sensitivity import insensitivity
-from design.impulses import Impulses
+from design.model.actuators import Actuator, SecondOrder
+from design.model.impulses import Impulses
+from design.model.plants import Mode
 from design.pipeline import design
-from design.plants import Mode
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
 from tests.shaper_table import CRANE, THESIS
@@ -115,7 +115,7 @@ def test_the_crane_swings_at_3_50_rad_per_s() -> None:
 
 
 def test_alpha_and_beta_are_those_of_the_package() -> None:
-    from design.shapers.unity_magnitude import decel_over_accel
+    from design.formulations.unity_magnitude import decel_over_accel
 
     alpha, beta = alpha_and_beta(W)
     ratio = decel_over_accel(CRANE.mode, THESIS)

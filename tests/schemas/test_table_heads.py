@@ -16,7 +16,7 @@ from design.tables.interpolation import interpolant
 from design.tables.rows import Rows, TableHead, subject_of
 from schemas.tables import TableRequest, with_subject
 from service.jobs.plan import head_of, plan_of
-from tests.tables import CRANE
+from tests.designed_tables import CRANE
 
 PLANTS: dict[str, tuple[dict[str, Any], str]] = {
     "mode": (

@@ -3,7 +3,7 @@
 import math
 
 from design.errors import InfeasibleDesignError
-from design.shapers.problem import BandProblem
+from design.formulations.bands import BandProblem
 
 MOST_HALF_PERIODS = 26.0
 """Half periods of a shaper, and so about its impulses, up to which cone programs are solved [-]."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.errors import SolverFailedError
-from design.shapers.problem import BandProblem
+from design.formulations.bands import BandProblem
 from design.solvers import clarabel
 from design.solvers.budget import Budget
 from design.solvers.clarabel import ConeOutcome, ConeProgram

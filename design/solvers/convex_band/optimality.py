@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from design.shapers.problem import BandProblem
+from design.formulations.bands import BandProblem
 from design.types import BoolArray, FloatArray, IntArray
 
 MOST_STEPS = 30

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from design.shapers.problem import BandProblem
+from design.formulations.bands import BandProblem
 from design.solvers.budget import Budget
 from design.solvers.convex_band.optimality import Point, solved
 from design.types import ComplexArray, FloatArray

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from design.shapers.problem import BandProblem, Obstacle
+from design.formulations.bands import BandProblem, Obstacle
 from design.solvers import clarabel
 from design.solvers.budget import Budget
 from design.solvers.convex_band.duration import first_duration_rad, ripples_of

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.errors import TimeLimitError
-from design.shapers.problem import UnityBandProblem
+from design.formulations.bands import UnityBandProblem
 from design.solvers.budget import Budget
-from design.solvers.disks import DISKS, step_over_disks
 from design.solvers.outcome import Status
+from design.solvers.trust_region_step import DISKS, step_over_disks
 from design.solvers.unity_band.family import Peaks, family_of
 from design.types import FloatArray
 

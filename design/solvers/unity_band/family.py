@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from design.shapers.problem import BandModel
+from design.formulations.bands import BandModel
 from design.solvers.buffered import Buffered
-from design.solvers.disks import DISKS
 from design.solvers.newton import INSTRUCTION_WORK
+from design.solvers.trust_region_step import DISKS
 from design.types import BoolArray, FloatArray, IntArray
 
 LANES = 64

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from design.errors import InfeasibleDesignError
-from design.shapers.problem import BandSearch, Seed, UnityBandProblem
+from design.formulations.bands import BandSearch, UnityBandProblem
+from design.formulations.equations import Seed
 from design.solvers.budget import Budget
 from design.solvers.unity_band.descent import Descent, Run
 from design.types import FloatArray

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from design.curve_fit import Fit, FitRange, fit
 from design.errors import InvalidInputError
 from design.export.c_header import C
-from design.fits import Fit, FitRange, fit
 from design.shapers.registry import SHAPERS
 from design.tables.columns import times_of
 from design.tables.rows import Rows, TableHead, subject_of
 from design.types import FloatArray
-from tests.tables import CRANE, designed_table, head_of, made_up_table
+from tests.designed_tables import CRANE, designed_table, head_of, made_up_table
 
 FLAGS = ["-Wall", "-Wextra", "-Werror", "-std=c99", "-O2"]
 """As firmware that takes no warnings compiles."""

@@ -14,7 +14,7 @@ from design.export.mat_file import LARGEST_MATRIX_BYTES, check_mat
 from design.export.reading import READERS, rows_of
 from design.export.registry import EXPORTS
 from design.tables.rows import STATUSES
-from tests.tables import CRANE, head_of, joined, made_up_table, same
+from tests.designed_tables import CRANE, head_of, joined, made_up_table, same
 
 ROWS, RUN_ROWS = 2_500, 1_000
 
@@ -165,7 +165,7 @@ def test_mat_refuses_what_its_sizes_cannot_count() -> None:
 PEAK = """
 import resource
 from design.export.registry import EXPORTS
-from tests.tables import made_up_table
+from tests.designed_tables import made_up_table
 size = sum(map(len, EXPORTS["parquet"].write(*made_up_table({rows}, 10_000))))
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, size)
 """

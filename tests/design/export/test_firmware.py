@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from design.actuators import Ideal
 from design.errors import InvalidInputError
 from design.export.klipper import KLIPPER
 from design.export.reprap import REPRAP
+from design.model.actuators import Ideal
+from design.model.plants import Mode
 from design.pipeline import design
-from design.plants import Mode
 from design.shapers.registry import SHAPERS
 from design.tables.rows import Rows, TableHead
+from tests.designed_tables import CRANE, designed_table, head_of
 from tests.firmware import lines_of, reprap_35_reads, reprap_36_reads
-from tests.tables import CRANE, designed_table, head_of
 
 PLANT = {"kind": "mode", "natural_frequency_rad_s": 250.0, "damping_ratio": 0.0}
 

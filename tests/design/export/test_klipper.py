@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from design.actuators import Ideal
 from design.analysis.certificate import certify_modes
 from design.analysis.residual import residual_vibration
 from design.analysis.sensitivity import insensitivity
+from design.claims import Promise
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.export.klipper import KLIPPER, NAMES, READ_AS_ZERO
 from design.export.klipper_shapers import (
@@ -17,14 +17,14 @@ from design.export.klipper_shapers import (
     klipper_impulses,
     older_klipper_impulses,
 )
+from design.model.actuators import Ideal
+from design.model.plants import Mode
 from design.pipeline import Design, design
-from design.plants import Mode
-from design.shapers.problem import Promise
 from design.shapers.registry import SHAPERS
 from design.tables.rows import TableHead, subject_of
 from schemas.tables import TableDesign
+from tests.designed_tables import designed_table, head_of
 from tests.firmware import RefusedError, klipper_reads, lines_of
-from tests.tables import designed_table, head_of
 
 HERTZ = 40.0
 

@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from design.actuators import Actuator, Ideal, SecondOrder, SecondOrderSet
 from design.export.live import early_releases
 from design.export.registry import EXPORTS
+from design.model.actuators import Actuator, Ideal, SecondOrder, SecondOrderSet
+from design.model.plants import Pendulum
 from design.pipeline import design
-from design.plants import Pendulum
 from design.shapers.registry import SHAPERS
-from tests.tables import CRANE, designed_table
+from tests.designed_tables import CRANE, designed_table
 
 ACCEL = SecondOrderSet(natural_frequency_rad_s=20.0, damping_ratio=0.8)
 DECEL = SecondOrderSet(natural_frequency_rad_s=50.0, damping_ratio=1.5)

@@ -16,8 +16,8 @@ from schemas.tables import TableRequest
 from service.jobs.plan import plan_of
 from service.jobs.results import head_for
 from tests.design.export.test_c_header import FLAGS
+from tests.designed_tables import CRANE, designed_table
 from tests.structured_text import Block
-from tests.tables import CRANE, designed_table
 
 TITLES = [
     "crane",

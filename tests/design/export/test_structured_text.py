@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
+from design.curve_fit import Fit, FitRange, fit
 from design.errors import InvalidInputError
 from design.export.structured_text import STRUCTURED_TEXT
-from design.fits import Fit, FitRange, fit
 from design.shapers.registry import SHAPERS
 from design.tables.columns import times_of
 from design.tables.rows import Rows, TableHead, subject_of
+from tests.designed_tables import CRANE, designed_table, made_up_table
 from tests.structured_text import Block
-from tests.tables import CRANE, designed_table, made_up_table
 
 SAMPLE_TIME_S = 0.004
 

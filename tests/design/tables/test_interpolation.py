@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from design.errors import InvalidInputError
+from design.model.plants import Pendulum
 from design.pipeline import design
-from design.plants import Pendulum
 from design.shapers.registry import SHAPERS
 from design.tables.interpolation import Interpolant, interpolant
 from design.tables.rows import Rows, TableHead
-from tests.routes import claims_by_formula
+from tests.designed_tables import CRANE, designed_table
+from tests.second_route import claims_by_formula
 from tests.shaper_table import THESIS
-from tests.tables import CRANE, designed_table
 
 RANDOM_POINTS = 1_000
 
@@ -88,7 +88,7 @@ def test_the_bound_holds_at_random_points(which: str, request: pytest.FixtureReq
 def test_the_residuals_are_those_of_the_formula_term_by_term(
     crane: tuple[TableHead, Rows],
 ) -> None:
-    from design.impulses import Impulses
+    from design.model.impulses import Impulses
 
     made = interpolant(*crane)
     points = random_points(made)[:20]

@@ -5,12 +5,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from design.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder, SecondOrderSet
 from design.analysis.certificate import certify_modes
+from design.claims import Promise
 from design.export.program import name_of
 from design.export.registry import EXPORTS
+from design.model.actuators import (
+    Actuator,
+    FirstOrder,
+    Ideal,
+    RateLimited,
+    SecondOrder,
+    SecondOrderSet,
+)
 from design.pipeline import design
-from design.shapers.problem import Promise
 from design.tables.compute import compute_rows
 from design.tables.rows import STATUSES, VERIFIED, VERIFIED_IDEAL
 from schemas.tables import TableRequest

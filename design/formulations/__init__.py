@@ -1,0 +1,1 @@
+"""Problems as data: what is to be solved, by whom is not said."""

@@ -1,0 +1,1 @@
+"""Residuals, times and gains over fields of plant and actuator."""

@@ -1,0 +1,1 @@
+"""What moves, what drives it, and what they are told."""

@@ -1,0 +1,74 @@
+"""Velocity commands as steps."""
+
+import numpy as np
+
+from design.errors import InvalidInputError
+from design.model.impulses import Impulses
+from design.types import LARGEST, SMALLEST, FloatArray, require_between
+
+
+def step() -> Impulses:
+    """Return the unit step at time 0."""
+    return Impulses(times_s=np.zeros(1), amplitudes=np.ones(1))
+
+
+def pulse(pulse_s: float) -> Impulses:
+    """Return full speed from 0 to ``pulse_s``.
+
+    Raises
+    ------
+    InvalidInputError
+        If the pulse is not > 0.
+    """
+    require_between("pulse_s", pulse_s, SMALLEST, LARGEST)
+    return Impulses(times_s=np.array([0.0, pulse_s]), amplitudes=np.array([1.0, -1.0]))
+
+
+def listed(times_s: FloatArray, velocities: FloatArray) -> Impulses:
+    """Return a command that takes each velocity at its time and holds it.
+
+    Parameters
+    ----------
+    times_s
+        Times, shape (n,), not decreasing [s]. Of several velocities at one time the last counts.
+    velocities
+        Velocities from those times on as shares of full speed, shape (n,) [-]; at rest before.
+
+    Raises
+    ------
+    InvalidInputError
+        If time runs backwards, the lists differ in length, a velocity is no number of a size to
+        compute with, or nothing ever moves.
+    """
+    if velocities.shape != times_s.shape:
+        raise InvalidInputError(
+            "velocity_m_s", f"{velocities.size} numbers", f"as many as the times, {times_s.size}"
+        )
+    huge = ~(np.abs(velocities) <= LARGEST / 2)  # not a number is not
+    if huge.any():
+        index = int(huge.argmax())
+        raise InvalidInputError(
+            f"velocity_m_s.{index}",
+            f"{float(velocities[index]):g} times",
+            f"a number, at most {LARGEST / 2:g} times full speed",
+        )
+    last = np.append(times_s[1:] != times_s[:-1], True)
+    if not np.any(velocities[last]):
+        raise InvalidInputError(
+            "velocity_m_s", velocities[:1].tolist(), "not all zero, the last at each time"
+        )
+    return Impulses(times_s=times_s, amplitudes=np.diff(velocities, prepend=0.0)).merged()
+
+
+def convolved(command: Impulses, shaper: Impulses) -> Impulses:
+    """Return a command shaped by a shaper: every step replaced by the shaper's steps.
+
+    Raises
+    ------
+    InvalidInputError
+        If all of these cancel.
+    """
+    times = np.add.outer(command.times_s, shaper.times_s).ravel()
+    amplitudes = np.multiply.outer(command.amplitudes, shaper.amplitudes).ravel()
+    order = np.argsort(times, kind="stable")
+    return Impulses(times_s=times[order], amplitudes=amplitudes[order]).merged()

@@ -1,0 +1,1 @@
+"""Whole moves, and the commands that shapers make of others."""

@@ -1,0 +1,369 @@
+"""Whole moves of one mode from rest to rest: start, cruise, stop, over an exact distance."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from design.analysis.certificate import Certificate, certify
+from design.analysis.judge import DesignWarning, drive_warnings, judge, shortfall_of
+from design.claims import ZERO_LIMITS, zeros
+from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
+from design.formulations.unity_magnitude import PERIOD_RAD
+from design.model.actuators import (
+    Actuator,
+    FirstOrder,
+    RateLimited,
+    SecondOrder,
+    Unlimited,
+    require_speed,
+)
+from design.model.impulses import Impulses
+from design.model.initial_state import FreeSwing, InitialSwing, free_swing
+from design.model.plants import Mode, Plant
+from design.moves.rest_to_rest import Parts, faster_as_one, over_distance, over_pulse, with_swing
+from design.pipeline import design
+from design.response.closed_form import travel
+from design.shapers.kind import PeakOptions, SettleOptions, ShaperKind
+from design.solving.solve import solutions
+from design.types import LARGEST, SMALLEST, require_scale
+
+LONGEST_PERIODS = 500.0
+"""Longest pulse: up to it the certificate's slope, by differencing, stays clear of rounding [-]."""
+
+MUCH_STEEPER = 10.0
+"""Slope of a move solved as one over that of start and stop apart from which on it is worth a
+warning [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Maneuver:
+    """A verified move from rest to rest.
+
+    Attributes
+    ----------
+    start
+        Its steps up to the speed, the first at 0; amplitudes +1, -1, ..., +1, shares of the speed
+        in the direction of travel. With a ``max_velocity_ratio`` v: v, -v, 1.
+    stop
+        The steps back to rest, times from the first step of the start; amplitudes -1, +1, ..., -1,
+        or -1, v, -v.
+    command
+        Both, in order of time; the level stays within 0 and 1, or v. Solved as one, it is 0 or v.
+    direction
+        +1 in +x, -1 in -x: the command, the velocity and the swing are all mirrored.
+    speed_m_s
+        Full speed, > 0 [m/s].
+    pulse_s
+        From the first step of the start to the first step of the stop [s]. Where ``joint``, start
+        and stop are the halves of the command, and this is not the pulse that was asked for.
+    distance_m
+        How far it goes, signed, as recomputed from the command [m].
+    residual
+        Residual vibration with the actuator given, a share of one unshaped step [-].
+    certificate
+        The claims of the shaper, recomputed for the whole move: for the actuator given if they
+        hold there.
+    for_ideal
+        Whether they are for an ideal actuator, as they do not all hold with the one given.
+    swing
+        What the payload swings already at the first step; None where it hangs still.
+    joint
+        Whether the move was solved as one: where start and stop would overlap, where the start
+        alone cannot cancel the swing, or where it was asked for and is faster.
+    warnings
+        What to know besides.
+    """
+
+    start: Impulses
+    stop: Impulses
+    command: Impulses
+    direction: int
+    speed_m_s: float
+    pulse_s: float
+    distance_m: float
+    residual: float
+    certificate: Certificate
+    for_ideal: bool
+    swing: FreeSwing | None
+    joint: bool
+    warnings: tuple[DesignWarning, ...]
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first step to the last [s]."""
+        return self.command.duration_s
+
+
+def maneuver(
+    plant: Plant,
+    actuator: Actuator,
+    kind: ShaperKind,
+    *,
+    speed_m_s: float,
+    pulse_s: float | None = None,
+    distance_m: float | None = None,
+    initial: InitialSwing | None = None,
+    joint: bool = False,
+    options: Any = None,  # noqa: ANN401
+) -> Maneuver:
+    """Design a move from rest to rest and prove it as a whole.
+
+    The first step of a stop decreases the command: the stop is the start of an actuator whose sets
+    have changed places. Superposed, start and stop may then be put one after the other; a switched
+    actuator may not be at rest between them, and the stop is solved for the state it finds.
+
+    Parameters
+    ----------
+    plant
+        What moves.
+    actuator
+        What drives it.
+    kind
+        Entry of the registry: a shaper of unity magnitude.
+    speed_m_s
+        Full speed, > 0; with ``pulse_s`` a negative one moves in -x [m/s].
+    pulse_s
+        Time from the first step of the start to the first step of the stop, > 0 [s]. A pulse so
+        short that they overlap stands for its travel: that which start and stop, superposed,
+        would make.
+    distance_m
+        How far, not 0; negative moves in -x [m]. Exactly one of ``pulse_s`` and ``distance_m``.
+    initial
+        Swing of the payload at the first step, in +x whatever the direction; none if not given. The
+        start cancels it, or the whole move where the start cannot.
+    joint
+        Whether start and stop are solved as one wherever that is faster, and not only where they
+        overlap.
+    options
+        Parameters of the shaper, an instance of ``kind.options``; its defaults if not given.
+
+    Returns
+    -------
+    Maneuver
+        The first candidate that the certificate verifies.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule.
+    InfeasibleDesignError
+        If no such move was found; says how far was searched, and how large the swing is.
+    SolverFailedError
+        If the certificate did not verify the whole.
+
+    Examples
+    --------
+    >>> from design.model.actuators import Ideal
+    >>> from design.model.plants import Pendulum
+    >>> from design.shapers.registry import SHAPERS
+    >>> crane = Pendulum(cable_length_m=0.8)
+    >>> move = maneuver(crane, Ideal(), SHAPERS["umzvd"], speed_m_s=0.2, distance_m=-0.42)
+    >>> move.direction, round(move.distance_m, 12), round(move.pulse_s, 12), move.joint
+    (-1, -0.42, 2.1, False)
+    """
+    require_speed(actuator, speed_m_s)
+    direction = _direction(plant.mode, speed_m_s, pulse_s, distance_m)
+    swing = free_swing(plant, initial, direction * abs(speed_m_s), actuator.dead_time_s)
+    if swing is not None and swing.delay_s > LONGEST_PERIODS * plant.mode.period_s:
+        raise InvalidInputError(
+            "actuator.dead_time_s",
+            swing.delay_s,
+            f"at most {LONGEST_PERIODS:g} periods of the plant where it swings already",
+        )
+    parts = _parts(plant, actuator, kind, kind.options() if options is None else options)
+    if joint and parts.peak != 1:
+        raise InvalidInputError("joint", joint, "left out where max_velocity_ratio is not 1")
+    if swing is not None:
+        parts = with_swing(parts, swing)
+    if pulse_s is None:
+        wanted_s = abs(distance_m or 0.0) / speed_m_s
+        command, as_one = over_distance(parts, wanted_s)
+    else:
+        command, as_one = over_pulse(parts, pulse_s)
+    warnings: tuple[DesignWarning, ...] = ()
+    if joint and not as_one:
+        faster = faster_as_one(parts, command)
+        if faster is not None:
+            warnings = tuple(_robustness_lost(parts, command, faster))
+            command, as_one = faster, True
+    judged = judge(
+        command,
+        (parts.mode,),
+        actuator,
+        parts.claims,
+        name=f"the move by {kind.name}",
+        designed_for=parts.designed_for,
+        swing=swing,
+    )
+    if not judged.certificate.verified:
+        raise SolverFailedError(
+            f"the whole move of {kind.name} was not verified: {shortfall_of(judged.certificate)}"
+        )
+    # The start ends at level 1, so its steps are odd in number: half of them, or one more.
+    split = (command.times_s.size // 2) | 1
+    start, stop = (
+        Impulses(times_s=command.times_s[part], amplitudes=command.amplitudes[part])
+        for part in (slice(None, split), slice(split, None))
+    )
+    return Maneuver(
+        start=start,
+        stop=stop,
+        command=command,
+        direction=direction,
+        speed_m_s=abs(speed_m_s),
+        pulse_s=float(stop.times_s[0] - start.times_s[0]),
+        distance_m=direction * abs(speed_m_s) * travel(command, actuator),
+        residual=judged.residual,
+        certificate=judged.certificate,
+        for_ideal=judged.for_ideal,
+        swing=swing,
+        joint=as_one,
+        warnings=(
+            *judged.warnings,
+            *warnings,
+            *drive_warnings(command, (parts.mode,), actuator),
+        ),
+    )
+
+
+def _robustness_lost(parts: Parts, apart: Impulses, one: Impulses) -> Iterator[DesignWarning]:
+    """Yield that a move solved as one is much more sensitive than start and stop apart."""
+    slopes = [
+        max(claim.value, ZERO_LIMITS["slope"])
+        for command in (apart, one)
+        for claim in certify(
+            command, parts.mode, parts.designed_for, zeros(["slope"]), parts.swing
+        ).claims
+    ]
+    if slopes[1] > MUCH_STEEPER * slopes[0]:
+        gained = 1 - one.duration_s / apart.duration_s
+        yield DesignWarning(
+            code="less_robust",
+            detail=f"solved as one the move is {100 * gained:.3g} % faster, and an error of 1 % in "
+            f"the frequency leaves some {slopes[1]:.3g} % of a step, {slopes[1] / slopes[0]:.3g} "
+            "times as much as start and stop apart do",
+        )
+
+
+def mirrored_stop(start: Impulses) -> Impulses:
+    """Return the stop that mirrors a start: its gaps in reverse order.
+
+    It stops a symmetric actuator without vibration, an asymmetric one not (Kim 2011, 3.56-3.59:
+    t7 = t6 + t5 - t4, ...). `maneuver` solves the stop instead.
+
+    Parameters
+    ----------
+    start
+        The start.
+
+    Returns
+    -------
+    Impulses
+        The first step at 0, the amplitudes negated and in reverse order.
+    """
+    return Impulses(
+        times_s=(start.times_s[-1] - start.times_s)[::-1], amplitudes=-start.amplitudes[::-1]
+    )
+
+
+def swapped(actuator: Actuator) -> Actuator:
+    """Return the actuator with its acceleration and deceleration sets in each other's place."""
+    if isinstance(actuator, RateLimited):
+        return replace(
+            actuator,
+            accel_limit_m_s2=actuator.decel_limit_m_s2,
+            decel_limit_m_s2=actuator.accel_limit_m_s2,
+            then=_sets_swapped(actuator.then),
+        )
+    return _sets_swapped(actuator)
+
+
+def _sets_swapped(actuator: Unlimited) -> Unlimited:
+    if isinstance(actuator, FirstOrder):
+        return replace(
+            actuator,
+            accel_time_constant_s=actuator.decel_time_constant_s,
+            decel_time_constant_s=actuator.accel_time_constant_s,
+        )
+    if isinstance(actuator, SecondOrder):
+        return replace(actuator, accel=actuator.decel, decel=actuator.accel)
+    return actuator
+
+
+def _direction(
+    mode: Mode, speed_m_s: float, pulse_s: float | None, distance_m: float | None
+) -> int:
+    """Check the numbers of a move; return its sign."""
+    if (pulse_s is None) == (distance_m is None):
+        given = "neither" if pulse_s is None else "both"
+        raise InvalidInputError("pulse_s", given, "given, or distance_m in its place")
+    if pulse_s is not None:
+        require_scale("pulse_s", pulse_s)
+        if not SMALLEST <= abs(speed_m_s) <= LARGEST:
+            raise InvalidInputError(
+                "speed_m_s", speed_m_s, f"{SMALLEST:g} to {LARGEST:g}, or minus"
+            )
+        _require_provable("pulse_s", pulse_s, pulse_s, mode)
+        return 1 if speed_m_s > 0 else -1
+    require_scale("speed_m_s", speed_m_s)
+    distance = 0.0 if distance_m is None else distance_m
+    if not SMALLEST <= abs(distance) <= LARGEST:
+        raise InvalidInputError(
+            "distance_m", distance_m, f"between {SMALLEST:g} and {LARGEST:g} either way, not 0"
+        )
+    _require_provable("distance_m", distance, abs(distance) / speed_m_s, mode)
+    return 1 if distance > 0 else -1
+
+
+def _require_provable(name: str, value: float, travel_s: float, mode: Mode) -> None:
+    if travel_s > LONGEST_PERIODS * mode.period_s:
+        raise InvalidInputError(
+            name, value, f"no longer at this speed than {LONGEST_PERIODS:g} periods of the plant"
+        )
+
+
+def _parts(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any) -> Parts:  # noqa: ANN401
+    start = design(plant, actuator, kind, options).impulses
+    formulation = kind.formulate(plant.mode, actuator, options)
+    peak = options.max_velocity_ratio if isinstance(options, PeakOptions) else 1.0
+    if not set(np.cumsum(start.amplitudes[:-1]).tolist()) <= {0.0, peak} or formulation.claims:
+        raise InvalidInputError(
+            "shaper.kind",
+            kind.name,
+            "one of unity magnitude that leaves nothing: moves are solved on levels 0 and 1",
+        )
+    settling = options if isinstance(options, SettleOptions) else SettleOptions()
+    parts = Parts(
+        mode=plant.mode,
+        actuator=actuator,
+        designed_for=formulation.designed_for,
+        claims=formulation.claims or zeros(kind.claims),
+        settle=settling.settle,
+        horizon_rad=2 * settling.max_duration_periods * PERIOD_RAD,
+        start=start,
+        stop=mirrored_stop(start),
+        peak=peak,
+    )
+    try:
+        return _with_stop(parts, plant, kind, options)
+    except InfeasibleDesignError as error:
+        raise InfeasibleDesignError(f"the start exists, the stop does not: {error}") from error
+
+
+def _with_stop(parts: Parts, plant: Plant, kind: ShaperKind, options: Any) -> Parts:  # noqa: ANN401
+    """Return the parts with a stop that leaves nothing, begun at rest at full speed."""
+    turned = swapped(parts.actuator)
+    if parts.peak == 1 or kind.formulate_stop is None:
+        return replace(parts, stop=_negative(design(plant, turned, kind, options).impulses))
+    for found in solutions(kind.formulate_stop(parts.mode, turned, options)):
+        # By itself it is no start: above twice the speed its second step would increase |command|.
+        tried = replace(parts, stop=_negative(found.impulses))
+        if tried.verified(tried.whole(tried.rest_pulse_s)):
+            return tried
+    raise SolverFailedError(f"the stop of {kind.name} was not verified")
+
+
+def _negative(impulses: Impulses) -> Impulses:
+    return Impulses(times_s=impulses.times_s, amplitudes=-impulses.amplitudes)

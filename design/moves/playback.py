@@ -1,0 +1,117 @@
+"""A command played on a plant, in physical units."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.analysis.residual import RESONANCE, residual_vibration, unshaped_deflection_s
+from design.model.actuators import Actuator, require_speed
+from design.model.impulses import Impulses
+from design.model.plants import Pendulum, Plant
+from design.response.closed_form import history
+from design.response.simulation import simulated_history
+from design.types import FloatArray, require_scale
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Swing:
+    """A swing of the payload against its support.
+
+    Attributes
+    ----------
+    deflection_m
+        Largest deflection, or the amplitude of a free vibration [m].
+    angle_rad
+        The same as an angle; None but for a pendulum [rad].
+    """
+
+    deflection_m: float
+    angle_rad: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Motion:
+    """What a command does, and what it leaves.
+
+    Attributes
+    ----------
+    times_s
+        Times, shape (n,) [s].
+    command_m_s, velocity_m_s
+        Velocity commanded, and that of the actuator, shape (n,) [m/s].
+    deflection_m
+        Of the payload against its support, shape (n,) [m].
+    angle_rad
+        The same as an angle, shape (n,); None but for a pendulum [rad].
+    peak
+        Largest swing at these times.
+    peak_velocity_m_s
+        Largest magnitude of the actuator's velocity at these times [m/s].
+    residual
+        Residual vibration after the last step, a share of one unshaped step; None where a set of
+        the actuator has its own pole at the plant's and rings with it [-].
+    remaining
+        Amplitude of that free vibration, extrapolated back to the last step (and the dead time
+        after it); None likewise.
+    """
+
+    times_s: FloatArray
+    command_m_s: FloatArray
+    velocity_m_s: FloatArray
+    deflection_m: FloatArray
+    angle_rad: FloatArray | None
+    peak: Swing
+    peak_velocity_m_s: float
+    residual: float | None
+    remaining: Swing | None
+
+
+def motion(
+    plant: Plant, actuator: Actuator, command: Impulses, speed_m_s: float, times_s: FloatArray
+) -> Motion:
+    """Play a command, exact at each of the times.
+
+    Parameters
+    ----------
+    plant, actuator
+        What moves, and what drives it.
+    command
+        Steps of velocity, as shares of the speed.
+    speed_m_s
+        Full speed, > 0 [m/s].
+    times_s
+        Times, shape (n,) [s].
+    """
+    require_scale("speed_m_s", speed_m_s)
+    require_speed(actuator, speed_m_s)
+    mode = plant.mode
+    length_m = plant.cable_length_m if isinstance(plant, Pendulum) else None
+    lags = (actuator.accel_lag, actuator.decel_lag)
+    distances = [abs(lag.denominator(mode.pole_rad_s)) for lag in lags]
+    rings_along = min(distances) < RESONANCE
+    route = simulated_history if rings_along else history
+    delayed = route(command, mode, actuator, times_s - actuator.dead_time_s)
+    levels = np.concatenate(([0.0], np.cumsum(command.amplitudes)))
+    deflection = delayed.deflection * speed_m_s / mode.natural_frequency_rad_s
+    residual = None if rings_along else residual_vibration(command, mode, actuator)
+    remaining = None
+    if residual is not None:
+        left_s = residual * unshaped_deflection_s(mode, actuator)
+        remaining = _swing(speed_m_s * left_s, length_m)
+    return Motion(
+        times_s=times_s,
+        command_m_s=speed_m_s * levels[np.searchsorted(command.times_s, times_s, side="right")],
+        velocity_m_s=speed_m_s * delayed.velocity,
+        deflection_m=deflection,
+        angle_rad=None if length_m is None else deflection / length_m,
+        peak=_swing(float(np.abs(deflection).max()), length_m),
+        peak_velocity_m_s=speed_m_s * float(np.abs(delayed.velocity).max()),
+        residual=residual,
+        remaining=remaining,
+    )
+
+
+def _swing(deflection_m: float, length_m: float | None) -> Swing:
+    return Swing(
+        deflection_m=deflection_m, angle_rad=None if length_m is None else deflection_m / length_m
+    )

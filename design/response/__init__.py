@@ -1,0 +1,1 @@
+"""What a command does, by two routes that share no code."""

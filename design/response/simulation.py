@@ -1,0 +1,279 @@
+"""Response of actuator and mode by matrix exponential: a second opinion on the closed forms.
+
+The state is the distance to the equilibrium of the present command::
+
+    [accel lag (0-2 states), decel lag (0-2 states), q, q'/w],   q'' + 2 z w q' + w^2 q = w^2 v
+
+so that it is free between the steps, ``e(t + d) = expm(A d) e(t)``, and jumps by J at each; a ramp
+of the reference takes J off at a constant rate, one more column of A. The
+deflection of the payload under the acceleration v' is ``-q'/w^2``: driving q by v instead keeps
+every jump finite, an ideal actuator's included.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.model.actuators import Actuator, Lag, RateLimited
+from design.model.impulses import Impulses
+from design.model.plants import Mode
+from design.model.reference_ramps import Reference, reference
+from design.response.closed_form import History
+from design.response.matrix_exponential import exponentials
+from design.types import ComplexArray, FloatArray
+
+UNIT_STEP = Impulses(times_s=np.zeros(1), amplitudes=np.ones(1))
+
+
+def _lag_matrix(lag: Lag, scale_rad_s: float) -> FloatArray:
+    """State matrix of a lag's error ``[v - u, v' / scale]``, shape (order, order)."""
+    if lag.second_s2 > 0:
+        squared = 1 / lag.second_s2
+        return np.array([[0.0, scale_rad_s], [-squared / scale_rad_s, -lag.first_s * squared]])
+    if lag.first_s > 0:
+        return np.array([[-1 / lag.first_s]])
+    return np.zeros((0, 0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Dynamics:
+    """State matrices of one actuator on modes of several frequencies, f of them, n states each.
+
+    Sets are numbered 0, in force after a step that decreases the command's magnitude, and 1. For
+    superposed steps both lags stand side by side in one matrix, whichever set is in force; a
+    switched actuator has one state and a matrix for either set.
+    """
+
+    matrices: FloatArray  # (2, f, n, n)
+    jumps: FloatArray  # (2, n): what a unit step into a set takes off the state
+    kept: FloatArray  # (2, n): 0 for the states that an ideal set brings to rest at once
+    coupled: list[int]  # states that are velocity errors
+
+
+def _dynamics(
+    actuator: Actuator, frequencies_rad_s: FloatArray, damping_ratio: float | FloatArray
+) -> _Dynamics:
+    both = (actuator.decel_lag, actuator.accel_lag)
+    scale = max(lag.corner_rad_s for lag in both)
+    if actuator.model == "switched":
+        lags, coupled, jumps, kept = _one_state(both, scale)
+    else:
+        lags, coupled, jumps, kept = _side_by_side(both, scale)
+    size = lags.shape[-1]
+    w = frequencies_rad_s
+    matrices = np.zeros((len(lags), w.size, size + 2, size + 2))
+    matrices[:, :, :size, :size] = lags[:, None]
+    matrices[:, :, -1, coupled] = w[:, None]
+    matrices[:, :, -2, -1] = w
+    matrices[:, :, -1, -2] = -w
+    matrices[:, :, -1, -1] = -2 * damping_ratio * w
+    taken, left = np.zeros((2, size + 2)), np.ones((2, size + 2))
+    taken[:, :size], left[:, :size] = jumps, kept
+    taken[:, -2] = 1.0  # q is measured from the command
+    return _Dynamics(np.broadcast_to(matrices, (2, *matrices.shape[1:])), taken, left, coupled)
+
+
+def _side_by_side(
+    both: tuple[Lag, Lag], scale_rad_s: float
+) -> tuple[FloatArray, list[int], FloatArray, FloatArray]:
+    """Lag states for superposed steps: each set has its own, excited by its own steps."""
+    blocks = [_lag_matrix(lag, scale_rad_s) for lag in both]
+    orders = [len(block) for block in blocks]
+    matrix = np.zeros((sum(orders), sum(orders)))
+    jumps = np.zeros((2, sum(orders)))
+    coupled = []
+    start = 0
+    for which, (block, order) in enumerate(zip(blocks, orders, strict=True)):
+        matrix[start : start + order, start : start + order] = block
+        if order:
+            jumps[which, start] = 1.0
+            coupled.append(start)
+        start += order
+    return matrix[None], coupled, jumps, np.ones_like(jumps)
+
+
+def _one_state(
+    both: tuple[Lag, Lag], scale_rad_s: float
+) -> tuple[FloatArray, list[int], FloatArray, FloatArray]:
+    """Lag states of a switched actuator: one state, moved by the set in force."""
+    blocks = [_lag_matrix(lag, scale_rad_s) for lag in both]
+    order = max(map(len, blocks))
+    matrices, jumps, kept = np.zeros((2, order, order)), np.zeros((2, order)), np.ones((2, order))
+    jumps[:, :1] = 1.0
+    for which, block in enumerate(blocks):
+        if len(block) == order:
+            matrices[which] = block
+        else:
+            kept[which] = 0.0
+    return matrices, [0] if order else [], jumps, kept
+
+
+def _states_at_changes(
+    changes: Reference, dynamics: _Dynamics, initial: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Error states as each change begins, in its own set, and where its ramp ends.
+
+    Shape (changes, f, n) each; of a step the second is just after it.
+    """
+    held = changes.times_s[1:] - changes.times_s[:-1] - changes.ramps_s[:-1]
+    sets = changes.accelerates.astype(int)
+    carried = (
+        exponentials(dynamics.matrices[sets[:-1]] * held[:, None, None, None])
+        if held.size
+        else held
+    )
+    kept = dynamics.kept[sets]
+    jumps = changes.changes[:, None] * dynamics.jumps[sets] * kept
+    ramps = _ramps(dynamics.matrices[sets], changes.ramps_s, jumps) if changes.ramps_s.any() else ()
+    before = np.zeros((sets.size, *dynamics.matrices.shape[1:3]))
+    if initial is not None:
+        before[0, :, -2:] = initial
+    after = np.empty_like(before)
+    for index in range(sets.size):
+        if index > 0:
+            before[index] = (carried[index - 1] @ after[index - 1][..., None])[..., 0] * kept[index]
+        if ramps:
+            flows, pulls = ramps
+            after[index] = (flows[index] @ before[index][..., None])[..., 0] + pulls[index]
+        else:
+            after[index] = before[index] - jumps[index]
+    return before, after
+
+
+def _ramps(
+    matrices: FloatArray, ramps_s: FloatArray, jumps: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return what ramps do: the flow of the state, and what they take off one at rest.
+
+    ``matrices`` of shape (r, f, n, n), ``jumps`` (r, n): taken off at a constant rate.
+    """
+    size = matrices.shape[-1]
+    augmented = np.zeros((*matrices.shape[:2], size + 1, size + 1))
+    augmented[..., :size, :size] = matrices * ramps_s[:, None, None, None]
+    augmented[..., :size, size] = -jumps[:, None]
+    both = exponentials(augmented)
+    return both[..., :size, :size], both[..., :size, size]
+
+
+def ringing_after(
+    impulses: Impulses,
+    actuator: Actuator,
+    frequencies_rad_s: FloatArray,
+    damping_ratio: float | FloatArray,
+    initial: FloatArray | None = None,
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return the free vibration that a command leaves, and that of an unshaped step.
+
+    Parameters
+    ----------
+    impulses
+        The command.
+    actuator
+        The actuator between command and mode.
+    frequencies_rad_s
+        Natural frequencies of the mode, shape (f,) [rad/s].
+    damping_ratio
+        Damping ratio of the mode, the same at all frequencies, or one for each, shape (f,) [-].
+    initial
+        State ``q, q'/w`` of the mode at each frequency just before the first step, shape (f, 2);
+        at rest if not given, as the actuator is.
+
+    Returns
+    -------
+    tuple of ComplexArray
+        Modal coordinates, shape (f,) each: of the command at its last step, and of a unit step
+        that increases the command at that step. A unit step through an ideal actuator leaves 1.
+        The actuator's own transient is projected out by the left eigenvector of the mode in the
+        coupled system.
+    """
+    dynamics = _dynamics(actuator, frequencies_rad_s, damping_ratio)
+    unit_poles = np.broadcast_to(
+        -damping_ratio + 1j * np.sqrt(1 - np.square(damping_ratio)), frequencies_rad_s.shape
+    )
+    rising = _left_eigenvectors(dynamics, 1, frequencies_rad_s, unit_poles)
+    poles = unit_poles * frequencies_rad_s
+
+    def ringing(command: Impulses, begun: FloatArray | None) -> ComplexArray:
+        changes = reference(command, actuator)
+        final = _states_at_changes(changes, dynamics, begun)[1][-1]
+        last = rising
+        if not changes.accelerates[-1]:
+            last = _left_eigenvectors(dynamics, 0, frequencies_rad_s, unit_poles)
+        # Back from the end of the last ramp.
+        late = changes.times_s[-1] + changes.ramps_s[-1] - command.times_s[-1]
+        left: ComplexArray = (last * final).sum(axis=1) * np.exp(-poles * late)
+        return left
+
+    if isinstance(actuator, RateLimited):
+        return ringing(impulses, initial), ringing(UNIT_STEP, None)
+    return ringing(impulses, initial), rising @ (-dynamics.jumps[1] * dynamics.kept[1])
+
+
+def _left_eigenvectors(
+    dynamics: _Dynamics, force: int, frequencies_rad_s: FloatArray, unit_poles: ComplexArray
+) -> ComplexArray:
+    """Left eigenvectors of the mode in the coupled system of one set, shape (f, n).
+
+    ``l A = s l`` with ``l = [l_lags, -1, s/w]``, from the bottom block upward.
+    """
+    matrices = dynamics.matrices[force]
+    size = matrices.shape[-1]
+    lags = size - 2
+    left = np.empty((frequencies_rad_s.size, size), dtype=np.complex128)
+    left[:, -2] = -1.0
+    left[:, -1] = unit_poles
+    if lags:
+        poles = (unit_poles * frequencies_rad_s)[:, None, None]
+        shifted = poles * np.eye(lags) - matrices[:, :lags, :lags].swapaxes(1, 2)
+        drive = matrices[:, -1, :lags] * unit_poles[:, None]
+        # A set that brings a lag to rest at once: nothing of it rings.
+        left[:, :lags] = (
+            np.linalg.solve(shifted, drive[..., None])[..., 0] * dynamics.kept[force, :lags]
+        )
+    return left
+
+
+def simulated_history(
+    impulses: Impulses, mode: Mode, actuator: Actuator, times_s: FloatArray
+) -> History:
+    """Return what `design.response.closed_form.history` does, by this route.
+
+    Parameters
+    ----------
+    impulses
+        The command.
+    mode, actuator
+        The plant's mode and its drive.
+    times_s
+        Times, shape (n,) [s]; before the first step all is at rest.
+    """
+    dynamics = _dynamics(actuator, np.array([mode.natural_frequency_rad_s]), mode.damping_ratio)
+    changes = reference(impulses, actuator)
+    before, after = (states[:, 0] for states in _states_at_changes(changes, dynamics))
+    segment = np.searchsorted(changes.times_s, times_s, side="right") - 1
+    moving = segment >= 0
+    started = np.maximum(segment, 0)
+    ramps = changes.ramps_s[started]
+    elapsed = np.where(moving, times_s - changes.times_s[started], 0.0)
+    sets = changes.accelerates.astype(int)[started]
+    matrices = dynamics.matrices[sets]
+    held = np.maximum(elapsed - ramps, 0.0)
+    flow = exponentials(matrices[:, 0] * held[:, None, None])
+    states = (flow @ after[started][..., None])[..., 0]
+    reached = np.cumsum(changes.changes)[started]
+    (during,) = np.nonzero(elapsed < ramps)
+    if during.size:
+        share = elapsed[during] / ramps[during]
+        whole = changes.changes[started[during]]
+        reached[during] -= (1 - share) * whole
+        jumps = (share * whole)[:, None] * (dynamics.jumps * dynamics.kept)[sets[during]]
+        flows, pulls = _ramps(matrices[during], elapsed[during], jumps)
+        states[during] = (flows[:, 0] @ before[started[during]][..., None])[..., 0] + pulls[:, 0]
+    states = np.where(moving[:, None], states, 0.0)
+    command = np.concatenate(([0.0], np.cumsum(impulses.amplitudes)))
+    return History(
+        times_s=times_s,
+        command=command[np.searchsorted(impulses.times_s, times_s, side="right")],
+        velocity=np.where(moving, reached, 0.0) + states[:, dynamics.coupled].sum(axis=1),
+        deflection=-states[:, -1],
+    )

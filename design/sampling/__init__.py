@@ -1,0 +1,1 @@
+"""Shapers and commands on the samples of a controller."""

@@ -1,0 +1,42 @@
+"""`python -m service`, the command `shapersmith`: the command line, and the service it starts."""
+
+import os
+import sys
+from collections.abc import Sequence
+
+from service.cli.main import FAILED, OK, UsageError
+from service.cli.main import main as run_command
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit status."""
+    return run_command(arguments, serve_with_settings)
+
+
+def serve_with_settings(host: str, port: int) -> int:
+    """Serve as the environment says, until ended; return the exit status."""
+    # --help must not wait for them.
+    from pydantic import ValidationError  # noqa: PLC0415
+
+    from service.http.server import PortTakenError, serve  # noqa: PLC0415
+    from service.jobs.database import StoreError  # noqa: PLC0415
+    from service.settings import PREFIX, Settings  # noqa: PLC0415
+
+    if not 0 <= port <= 65535:  # noqa: PLR2004 - the range of a port
+        raise UsageError(f"--port must be between 0 and 65535, got {port}")
+    try:
+        settings = Settings.from_environment(os.environ)
+    except ValidationError as error:
+        fault = error.errors()[0]
+        name = f"{PREFIX}{'_'.join(map(str, fault['loc'])).upper()}"
+        raise UsageError(f"{name}: {fault['msg']}, got {fault['input']!r}") from None
+    try:
+        serve(settings, host=host, port=port)
+    except (PortTakenError, StoreError) as error:
+        print(f"shapersmith: {error}", file=sys.stderr)  # noqa: T201
+        return FAILED
+    return OK
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,256 @@
+"""The command line: one command a route, the same JSON.
+
+Exit status: 0 done, 2 invalid input or usage, 3 infeasible, 4 solver failed or time limit,
+5 a checked table has drifted, 1 anything else.
+"""
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from service.cli.rendering import Response
+    from service.problems import Problem
+
+OK = 0
+FAILED = 1
+USAGE = 2
+
+COMMANDS = {
+    "design": ("design", "design one shaper, prove it (POST /v1/designs)"),
+    "sensitivity": ("sensitivity", "sensitivity curve of any impulses (POST /v1/sensitivity)"),
+    "simulate": ("simulation", "response to a command over time (POST /v1/simulations)"),
+    "maneuver": ("maneuver", "a whole move from rest to rest (POST /v1/maneuvers)"),
+    "map": ("map", "residual, times or gains over one or two fields (POST /v1/maps)"),
+    "recommend": (
+        "recommendation",
+        "from what is known to the fastest shaper that meets it (POST /v1/recommendations)",
+    ),
+    "fit": ("fit", "curve coefficients over a field of the plant (POST /v1/fits)"),
+}
+TABLE = "a table of designs over axes or a list, into a file (POST /v1/tables)"
+DRAWN = ("design", "map")
+"""Commands whose answer can be drawn."""
+
+PROGRAMS = ("c", "st", "klipper", "rrf")
+"""Formats of a table that a single design has too."""
+
+FORMATS = ("csv", "json", "parquet", "mat", *PROGRAMS)
+MOST_WORKERS = 1024
+
+PICTURES = {".png": "png", ".svg": "svg"}
+
+
+class UsageError(Exception):
+    """The command line asks for what cannot be."""
+
+
+def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> int:
+    """Run one command and return its exit status; ``serve`` is that of a host and a port."""
+    # As in the workers of the service: on a busy machine threads of BLAS wait for each other.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    options = _parser().parse_args(arguments)
+    try:
+        if options.command == "serve":
+            return serve(options.host, options.port)
+        if options.command == "shapers":
+            return _shapers(options)
+        if options.command == "table":
+            return _table(options)
+        return _answer(options)
+    except UsageError as error:
+        print(f"shapersmith: {error}", file=sys.stderr)  # noqa: T201 - this is the command line
+        return USAGE
+    except BrokenPipeError:
+        _silence_stdout()  # the reader has seen enough
+        return FAILED
+    except Exception as error:  # noqa: BLE001 - the last resort: a line, not a traceback
+        _silence_stdout()
+        print(f"shapersmith: {type(error).__name__}: {error}", file=sys.stderr)  # noqa: T201
+        return FAILED
+
+
+def _silence_stdout() -> None:
+    """Keep Python from complaining once more when it flushes at exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="shapersmith",
+        description="Input shapers for flexible machines whose actuators are not ideal.",
+        epilog=__doc__.partition("\n\n")[2] if __doc__ else None,
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, (_, summary) in COMMANDS.items():
+        command = commands.add_parser(name, help=summary, description=summary)
+        command.add_argument("request", metavar="REQUEST.json", help="the request; - reads stdin")
+        _add_format(command, PROGRAMS if name == "design" else ())
+        if name in DRAWN:
+            command.add_argument(
+                "--plot", metavar="FILE", type=Path, help="draw it: FILE.png or FILE.svg"
+            )
+    _add_format(commands.add_parser("shapers", help="every kind of shaper (GET /v1/shapers)"))
+    _add_table(commands.add_parser("table", help=TABLE, description=TABLE))
+    serve = commands.add_parser("serve", help="serve over HTTP")
+    serve.add_argument("--host", default="127.0.0.1", help="address to bind (%(default)s)")
+    serve.add_argument("--port", default=8000, type=int, help="port to bind (%(default)s)")
+    return parser
+
+
+def _add_format(command: argparse.ArgumentParser, more: tuple[str, ...] = ()) -> None:
+    programs = "; c, st, klipper, rrf: the shaper as a program or a line of firmware"
+    command.add_argument(
+        "--format",
+        choices=("json", "table", "csv", *more),
+        help="of the answer: json if not given; given, json also holds for errors"
+        + (programs if more else ""),
+    )
+
+
+def _add_table(table: argparse.ArgumentParser) -> None:
+    table.add_argument(
+        "request", metavar="SPEC", help="the specification, .json or .toml; - reads JSON from stdin"
+    )
+    table.add_argument("-o", "--output", metavar="FILE", type=Path, help="the file to write")
+    table.add_argument(
+        "--format", choices=FORMATS, help="of the file; by the end of its name if not given"
+    )
+    table.add_argument("--workers", metavar="N", type=int, help="processes; one a processor if not")
+    table.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster to compute on")
+    table.add_argument(
+        "--check",
+        metavar="FILE",
+        nargs="?",
+        type=Path,
+        const=Path(),
+        help="compute anew and compare with FILE, or with that of -o, in place of writing it",
+    )
+
+
+def _table(options: argparse.Namespace) -> int:
+    if options.check == Path():
+        options.check = options.output
+        if options.check is None:
+            raise UsageError("--check takes a file, or that of -o")
+    if options.check is None and options.output is None:
+        raise UsageError("table needs -o FILE to write, or --check FILE")
+    if options.workers is not None and not 1 <= options.workers <= MOST_WORKERS:
+        raise UsageError(f"--workers must be between 1 and {MOST_WORKERS}, got {options.workers}")
+    content, read = _read(options.request)
+    if options.check is None:
+        _require_file(options.output, read, "the specification itself")
+
+    from service.jobs import executors  # noqa: PLC0415
+
+    if not options.scheduler:
+        executors.prepare()
+    from service.cli.table import CommandError, run_table  # noqa: PLC0415
+    from service.problems import Problem  # noqa: PLC0415
+
+    try:
+        done = run_table(options, content)
+    except CommandError as error:
+        print(f"shapersmith: {error}", file=sys.stderr)  # noqa: T201
+        return FAILED
+    return _tell(done, as_json=False) if isinstance(done, Problem) else done
+
+
+def _answer(options: argparse.Namespace) -> int:
+    plot: Path | None = getattr(options, "plot", None)
+    body, read = _read(options.request)
+    if plot is not None:
+        _require_picture(plot, read)
+
+    # --help must not wait for it
+    from service.dispatch import OPERATIONS, design_file, respond  # noqa: PLC0415
+    from service.problems import Problem  # noqa: PLC0415
+
+    operation = COMMANDS[options.command][0]
+    if options.format in PROGRAMS:
+        if plot is not None:
+            raise UsageError(f"--plot goes with json, table or csv, not with {options.format}")
+        written = design_file(body, options.format)
+        if isinstance(written, Problem):
+            return _tell(written, as_json=False)
+        sys.stdout.write(written.decode())
+        return OK
+    response = respond(operation, body)
+    if isinstance(response, Problem):
+        return _tell(response, as_json=options.format == "json")
+    if plot is not None:
+        from service.files import write_whole  # noqa: PLC0415
+        from service.operations import design_picture, map_picture  # noqa: PLC0415
+
+        draw = design_picture if operation == "design" else map_picture
+        request = OPERATIONS[operation].request.model_validate_json(body)
+        write_whole(plot, draw(request, PICTURES[plot.suffix]))  # type: ignore[arg-type]
+    _print(response, options.format)  # type: ignore[arg-type]
+    return OK
+
+
+def _shapers(options: argparse.Namespace) -> int:
+    from service.operations import shaper_catalogue  # noqa: PLC0415
+
+    _print(shaper_catalogue(), options.format)
+    return OK
+
+
+def _read(name: str) -> tuple[bytes, os.stat_result]:
+    """Return what a file holds, or standard input, and which file it is."""
+    if name == "-":
+        return sys.stdin.buffer.read(), os.fstat(sys.stdin.fileno())
+    try:
+        with Path(name).open("rb") as file:
+            return file.read(), os.fstat(file.fileno())
+    except OSError as error:
+        raise UsageError(f"cannot read {name}: {error.strerror}") from None
+
+
+def _require_picture(path: Path, read: os.stat_result) -> None:
+    """Refuse a picture that could not be written, before the work is done."""
+    if path.suffix not in PICTURES:
+        raise UsageError(f"--plot takes a name ending in .png or .svg, got {str(path)!r}")
+    _require_file(path, read, "the request itself")
+
+
+def _require_file(path: Path, read: os.stat_result, what: str) -> None:
+    """Refuse an output that could not be written, or would overwrite what was read."""
+    from service.files import (  # noqa: PLC0415
+        NotReplaceableError,
+        require_not_input,
+        require_replaceable,
+    )
+
+    try:
+        require_not_input(path, read, what)
+        require_replaceable(path)
+    except NotReplaceableError as error:
+        raise UsageError(str(error)) from None
+    if not path.parent.is_dir():
+        raise UsageError(f"cannot write {path}: there is no folder {path.parent}")
+    if not os.access(path.parent, os.W_OK):
+        raise UsageError(f"cannot write {path}: the folder {path.parent} is read-only")
+
+
+def _print(response: "Response", text_format: str | None) -> None:
+    from service.cli.rendering import as_csv, as_table  # noqa: PLC0415
+
+    if text_format == "table":
+        sys.stdout.write(as_table(response))
+    elif text_format == "csv":
+        sys.stdout.write(as_csv(response))
+    else:
+        sys.stdout.write(response.model_dump_json(by_alias=True) + "\n")
+    sys.stdout.flush()
+
+
+def _tell(problem: "Problem", *, as_json: bool) -> int:
+    line = f"shapersmith: {problem.kind.name}: {problem.detail}"
+    if as_json:
+        line = problem.document().model_dump_json(exclude_none=True)
+    print(line, file=sys.stderr)  # noqa: T201
+    return problem.kind.exit_status

@@ -1,0 +1,112 @@
+"""Around every request: an id, one log line, and errors as problem documents."""
+
+import logging
+import random
+import re
+import time
+
+from starlette.requests import ClientDisconnect
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from service.dispatch import OPERATIONS
+from service.http.bodies import client_of
+from service.problems import INTERNAL, OVERLOADED, Problem
+from service.workers.pool import WorkerPool
+
+REQUEST_ID = re.compile(rb"[A-Za-z0-9._-]{1,64}\Z")
+"""Ids of clients that are taken over; others are replaced."""
+
+PATHS = {operation.path for operation in OPERATIONS.values()}
+"""Paths whose requests a worker answers, most of them small."""
+
+CLIENT_CLOSED_REQUEST = 499
+"""Logged, as nginx does, for a client that left before its body was here."""
+
+ACCESS = logging.getLogger("shapersmith.access")
+ERRORS = logging.getLogger("shapersmith.error")
+
+
+def _new_id() -> str:
+    """Return an id that no other request has; no secret, so that it may be quick."""
+    return f"{random.getrandbits(128):032x}"
+
+
+class RequestMiddleware:
+    """Gives each request an id, logs it in one line, and turns a crash into a problem document."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    def _refusal(self, scope: Scope) -> Problem | None:
+        """Return why a request is refused before its body is read, as routes would after it.
+
+        Under an overload that is most of what there is to do.
+        """
+        if scope["method"] != "POST" or scope["path"] not in PATHS:
+            return None
+        pool: WorkerPool = scope["app"].state.pool
+        return pool.refusal(client_of(scope))
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        started = time.perf_counter()
+        given = dict(scope["headers"]).get(b"x-request-id", b"")
+        request_id = given.decode() if REQUEST_ID.match(given) else _new_id()
+        scope.setdefault("state", {})["request_id"] = request_id
+        status = 0
+
+        async def send_with_id(message: Message) -> None:
+            nonlocal status
+            if message["type"] == "http.response.start":
+                status = message["status"]
+                message["headers"] = [*message["headers"], (b"x-request-id", request_id.encode())]
+            await send(message)
+
+        try:
+            problem = self._refusal(scope)
+            if problem is not None:
+                await _send_problem(problem, request_id, send_with_id)
+            else:
+                await self._app(scope, receive, send_with_id)
+        except ClientDisconnect:
+            status = CLIENT_CLOSED_REQUEST
+        except Exception:  # noqa: BLE001 - the last resort, logged with its traceback
+            ERRORS.exception("request failed", extra={"fields": {"request_id": request_id}})
+            if status == 0:
+                await _send_problem(
+                    Problem(INTERNAL, "the service failed; its log has the reason"),
+                    request_id,
+                    send_with_id,
+                )
+        finally:
+            ACCESS.info(
+                "request",
+                extra={
+                    "fields": {
+                        "request_id": request_id,
+                        "method": scope["method"],
+                        "path": scope["path"],
+                        "status": status,
+                        "duration_ms": round(1e3 * (time.perf_counter() - started), 3),
+                    }
+                },
+            )
+
+
+async def _send_problem(problem: Problem, request_id: str, send: Send) -> None:
+    body = problem.document(request_id).model_dump_json().encode()
+    headers = [
+        (b"content-type", b"application/problem+json"),
+        (b"content-length", str(len(body)).encode()),
+    ]
+    if problem.kind is OVERLOADED:
+        headers.append((b"retry-after", str(problem.retry_after_s).encode()))
+    await send({
+        "type": "http.response.start",
+        "status": problem.kind.http.value,
+        "headers": headers,
+    })
+    await send({"type": "http.response.body", "body": body})

@@ -1,0 +1,72 @@
+"""The running server: socket, log and signals around the app."""
+
+import logging
+import math
+import os
+import signal
+import socket
+from types import FrameType
+
+import uvicorn
+
+from service.http.app import create_app
+from service.jobs.service import JobService
+from service.log import log_to_stderr
+from service.settings import Settings
+
+SHUTDOWN_MARGIN_S = 5
+"""How much longer than the longest task a shutdown may take [s]."""
+
+
+class PortTakenError(Exception):
+    """The address cannot be bound."""
+
+
+def serve(settings: Settings, *, host: str, port: int) -> None:
+    """Serve until SIGTERM or SIGINT; what runs is finished, what is new refused.
+
+    Raises
+    ------
+    PortTakenError
+        If the address cannot be bound.
+    StoreError
+        If the job store cannot be used.
+    """
+    listener = _listen(host, port)
+    log_to_stderr()
+    # uvicorn raises the signal again once it has stopped: this makes that the end, with status 0.
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, _stop_quietly)
+    app = create_app(settings, JobService(settings))
+    config = uvicorn.Config(
+        app,
+        log_config=None,
+        access_log=False,
+        server_header=False,
+        # What a worker has begun ends within its limit; whoever waits longer, as a batch or one who
+        # has not even sent a body, is cut off.
+        timeout_graceful_shutdown=math.ceil(settings.time_limit_s) + SHUTDOWN_MARGIN_S,
+    )
+    bound_host, bound_port = listener.getsockname()[:2]
+    logging.getLogger("shapersmith").info("serving on http://%s:%d", bound_host, bound_port)
+    server = uvicorn.Server(config)
+    app.state.stopping = lambda: server.should_exit
+    server.run(sockets=[listener])
+
+
+def _stop_quietly(number: int, frame: FrameType | None) -> None:
+    del number, frame
+
+
+def _reason(error: OSError) -> str:
+    if isinstance(error, socket.gaierror) or error.errno is None:
+        return str(error.strerror)
+    return os.strerror(error.errno)
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    try:
+        return socket.create_server((host, port), family=family, backlog=2048)
+    except OSError as error:
+        raise PortTakenError(f"cannot serve on {host} port {port}: {_reason(error)}") from None

@@ -1,0 +1,337 @@
+"""HTTP routes of table jobs."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+from fastapi import APIRouter, Request
+from starlette.responses import Response, StreamingResponse
+
+from design.errors import InvalidInputError
+from design.export.registry import EXPORTS
+from schemas.problems import FieldFault
+from schemas.tables import TableJob, TableJobs
+from service.http.bodies import client_of, read_body, while_connected
+from service.http.byte_ranges import file_response
+from service.http.telling import ProblemError, telling
+from service.jobs.adding import KeyReusedError
+from service.jobs.plan import Plan, planned, told
+from service.jobs.records import Job
+from service.jobs.results import export_of, write_result_of
+from service.jobs.service import JobService
+from service.operations import version
+from service.problems import (
+    CONFLICT,
+    INVALID,
+    NOT_FOUND,
+    OVERLOADED,
+    Problem,
+    problem_of_design,
+)
+from service.settings import Settings
+from service.workers.costs import shape_of
+from service.workers.pool import WorkerPool
+
+JSON = ("application/json",)
+MOST_LISTED = 100
+
+ID = re.compile(r"[0-9a-f]{32}\Z")
+
+KEY_HEADER = "Idempotency-Key"
+KEY = re.compile(r"[ -~]{1,255}\Z")
+
+PROBLEM = {
+    "content": {
+        "application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDocument"}}
+    }
+}
+
+
+def _problems(*codes: int) -> dict[int | str, dict[str, Any]]:
+    texts = {
+        400: "Not JSON",
+        404: "No such table",
+        408: "The body did not arrive in time",
+        409: "Not in this state",
+        413: "Too large",
+        415: "Not declared as JSON",
+        416: "No such range",
+        422: "A field or a header breaks its rule",
+        500: "The service failed",
+        503: "Overloaded, or the job store does not answer",
+        504: "Time limit",
+    }
+    return {code: {"description": texts[code], **PROBLEM} for code in codes}
+
+
+router = APIRouter()
+
+
+def _jobs(request: Request) -> JobService:
+    jobs: JobService | None = request.app.state.jobs
+    if jobs is None:
+        raise ProblemError(Problem(OVERLOADED, "this process has no job store"))
+    return jobs
+
+
+def _pool(request: Request) -> WorkerPool:
+    pool: WorkerPool = request.app.state.pool
+    return pool
+
+
+def _missing(job_id: str) -> ProblemError:
+    return ProblemError(Problem(NOT_FOUND, f"there is no table job {job_id[:64]!r}"))
+
+
+async def _found(request: Request, job_id: str) -> Job:
+    jobs = _jobs(request)
+    job = await jobs.found(job_id) if ID.match(job_id) else None
+    if job is None:
+        raise _missing(job_id)
+    return job
+
+
+def _answered(job: Job, status: int = 200) -> Response:
+    return Response(told(job).model_dump_json(), status_code=status, media_type="application/json")
+
+
+@router.post(
+    "/v1/tables",
+    status_code=202,
+    response_model=TableJob,
+    responses=_problems(400, 408, 413, 415, 422, 500, 503, 504),
+    openapi_extra={
+        "parameters": [
+            {
+                "name": KEY_HEADER,
+                "in": "header",
+                "required": False,
+                "description": "Any text that names this request: sent once more with it, it "
+                "begins no second table but is answered with the first.",
+                "schema": {
+                    "type": "string",
+                    "minLength": 1,
+                    "maxLength": 255,
+                    "pattern": "^[ -~]+$",
+                },
+            }
+        ],
+        "requestBody": {
+            "required": True,
+            "content": {
+                "application/json": {"schema": {"$ref": "#/components/schemas/TableRequest"}}
+            },
+        },
+    },
+    summary="Begin a table of designs over axes or a list",
+)
+@telling
+async def begin(request: Request) -> Response:
+    """Answer with the job's size and, in `Location`, where its state is."""
+    settings: Settings = request.app.state.settings
+    jobs = _jobs(request)
+    key = _key_of(request)
+    body = await read_body(request, limit_bytes=settings.max_table_bytes, media_types=JSON)
+    work = _pool(request).run(
+        planned, body, client=client_of(request), shape=shape_of("planned", body)
+    )
+    plan: Plan | Problem = await while_connected(request, work)
+    if isinstance(plan, Problem):
+        raise ProblemError(plan)
+    try:
+        job_id = await jobs.writing.ask(jobs.store.add, plan.job, key)
+    except KeyReusedError:
+        raise _refused_key("not be one that began a table of another specification") from None
+    response = _answered(await _found(request, job_id), 202)
+    response.headers["location"] = f"/v1/tables/{job_id}"
+    return response
+
+
+def _key_of(request: Request) -> str | None:
+    keys = request.headers.getlist(KEY_HEADER)
+    if not keys:
+        return None
+    if len(keys) > 1 or not KEY.match(keys[0]):
+        raise _refused_key("be given once, as 1 to 255 printable ASCII characters")
+    return keys[0]
+
+
+def _refused_key(rule: str) -> ProblemError:
+    detail = f"the header {KEY_HEADER} must {rule}"
+    return ProblemError(Problem(INVALID, detail, (FieldFault(pointer="", detail=detail),)))
+
+
+@router.get(
+    "/v1/tables", response_model=TableJobs, responses=_problems(503), summary="The newest tables"
+)
+@telling
+async def listed(request: Request) -> Response:
+    """Answer with the newest jobs, newest first."""
+    jobs = _jobs(request)
+    found = await jobs.reading.ask(jobs.store.jobs, MOST_LISTED)
+    tables = TableJobs(tables=[told(job) for job in found])
+    return Response(tables.model_dump_json(), media_type="application/json")
+
+
+@router.get(
+    "/v1/tables/{id}",
+    response_model=TableJob,
+    responses=_problems(404, 503),
+    summary="State and progress of a table",
+)
+@telling
+async def state(request: Request, id: str) -> Response:
+    """Answer with the state, rows done, rate and time left."""
+    return _answered(await _found(request, id))
+
+
+@router.delete(
+    "/v1/tables/{id}",
+    response_model=TableJob,
+    responses=_problems(404, 409, 503),
+    summary="Cancel a table, or delete one that has ended",
+)
+@telling
+async def delete(request: Request, id: str) -> Response:
+    """Cancel an unfinished job; one that has ended is deleted with its rows and files.
+
+    It is so at once; rows and files are erased thereafter. The answer is the job's state, of a
+    deleted one its last.
+    """
+    jobs = _jobs(request)
+    job = await _found(request, id)
+    if not job.ended:
+        if await jobs.writing.ask(jobs.store.cancel, id):
+            jobs.cleaner.wake()
+            return _answered(await _found(request, id))
+        raise ProblemError(Problem(CONFLICT, "the table has ended by now: once more deletes it"))
+    if not await jobs.writing.ask(jobs.store.delete, id):
+        now = await _found(request, id)
+        raise ProblemError(Problem(CONFLICT, f"the table is {now.state} by now: once more cancels"))
+    jobs.cleaner.wake()
+    return _answered(job)
+
+
+@router.post(
+    "/v1/tables/{id}/resume",
+    status_code=202,
+    response_model=TableJob,
+    responses=_problems(404, 409, 503),
+    summary="Go on with a table that has failed",
+)
+@telling
+async def resume(request: Request, id: str) -> Response:
+    """Try again what failed; the rows that are done are kept."""
+    jobs = _jobs(request)
+    job = await _found(request, id)
+    if not job.sound:
+        raise ProblemError(Problem(CONFLICT, f"the table cannot go on: {job.reason}"))
+    resumed = job.state == "failed" and await jobs.writing.ask(jobs.store.resume, id)
+    job = await _found(request, id)
+    if resumed:
+        return _answered(job, 202)
+    if job.state != "failed":
+        problem = Problem(CONFLICT, f"the table is {job.state}: only a failed one is resumed")
+        raise ProblemError(problem)
+    problem = Problem(
+        CONFLICT,
+        f"the table was begun by version {job.version}, this is {version()}: begin it anew, or "
+        "resume it with the version that began it",
+    )
+    raise ProblemError(problem)
+
+
+@router.get(
+    "/v1/tables/{id}/events",
+    response_class=Response,
+    responses={
+        **_problems(404, 503),
+        200: {
+            "description": "An event `progress` a change, then one named for the last state; "
+            "`gone` where the table was deleted",
+            "content": {"text/event-stream": {}},
+        },
+    },
+    summary="Progress of a table as server-sent events",
+)
+@telling
+async def events(request: Request, id: str) -> Response:
+    """Send the state whenever it changes, until the job has ended."""
+    job = await _found(request, id)
+    return StreamingResponse(
+        _jobs(request).watching.events(job),
+        media_type="text/event-stream",
+        headers={"cache-control": "no-store"},
+    )
+
+
+@router.get(
+    "/v1/tables/{id}/result",
+    response_class=Response,
+    responses={
+        **_problems(404, 409, 413, 416, 422, 500, 503, 504),
+        200: {
+            "description": "The file",
+            "content": {export.media_type: {} for export in EXPORTS.values()},
+        },
+        206: {"description": "A part of the file"},
+        304: {"description": "The client has it"},
+    },
+    summary="The file of a table, in any format",
+)
+@telling
+async def result(request: Request, id: str, format: str = "csv") -> Response:
+    """Answer with the file; takes Range, If-Range and If-None-Match."""
+    jobs = _jobs(request)
+    job = await _found(request, id)
+    if job.state != "done":
+        yet = "" if job.ended else " yet"
+        raise ProblemError(Problem(CONFLICT, f"the table is {job.state}: it has no result{yet}"))
+    try:
+        export = export_of(format)
+    except InvalidInputError as error:
+        raise ProblemError(problem_of_design(error)) from None
+    tag = f'"{job.sha256[:32]}-{job.version}-{format}"'
+    held = _tags(request.headers.get("if-none-match", ""))
+    if tag in held:
+        return Response(status_code=304, headers={"etag": tag})
+    path = jobs.path_of(id, format)
+    if not path.is_file():
+        await _made(request, job, format, path)
+    if "*" in held:
+        return Response(status_code=304, headers={"etag": tag})
+    name = f"table-{id[:8]}{export.suffix}"
+    headers = {
+        "etag": tag,
+        "content-type": export.media_type,
+        "content-disposition": f'attachment; filename="{name}"',
+    }
+    try:
+        return file_response(path, request.headers, headers)
+    except FileNotFoundError:
+        raise _missing(id) from None  # deleted meanwhile
+
+
+async def _made(request: Request, job: Job, name: str, path: Path) -> None:
+    """Have a worker make a file, once for all who ask for it, as long as one of them waits."""
+    settings: Settings = request.app.state.settings
+    work = _pool(request).run(
+        write_result_of,
+        _jobs(request).store.url,
+        job.id,
+        name,
+        str(path),
+        client=client_of(request),
+        kind="background",
+        shape=(name, job.rows.bit_length()),
+        key=(write_result_of, path),
+        limit_s=settings.export_limit_s,
+    )
+    problem: Problem | None = await while_connected(request, work)
+    if problem is not None:
+        raise ProblemError(problem)
+
+
+def _tags(header: str) -> set[str]:
+    """Return the entity tags that a header lists; weak ones count here (RFC 9110, 13.1.2)."""
+    return {tag.strip().removeprefix("W/") for tag in header.split(",")}

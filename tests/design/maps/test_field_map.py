@@ -1,0 +1,441 @@
+"""Maps against single cells, closed forms, integration and moves played."""
+
+import math
+from dataclasses import replace
+from functools import cache
+from itertools import product
+from typing import Any, Literal
+
+import numpy as np
+import pytest
+
+from design.analysis.residual import residual_vibration, residuals_of_cases
+from design.errors import InvalidInputError
+from design.maps.field_map import Axis, Map, MapCase, Move, Quantity, Recipe, field_map, varied
+from design.model.actuators import Actuator, Ideal, SecondOrder, SecondOrderSet
+from design.model.impulses import Impulses
+from design.model.plants import Pendulum
+from design.moves.maneuvers import maneuver
+from design.moves.playback import motion
+from design.pictures.design_sheet import figure_bytes
+from design.pictures.map_sheet import map_sheet
+from design.pipeline import design
+from design.shapers.registry import SHAPERS
+from tests.design.test_switched import SWITCHED, random_case
+from tests.second_route import claims_by_formula, residual_by_integration
+from tests.shaper_table import CRANE, THESIS
+
+LENGTH = Axis(path=("plant", "cable_length_m"), values=np.linspace(0.5, 1.2, 7))
+CORNER = Axis(
+    path=("actuator", "accel", "natural_frequency_rad_s"), values=np.linspace(12.0, 40.0, 5)
+)
+
+
+@pytest.mark.parametrize("model", ["superposed", "switched"])
+@pytest.mark.parametrize("seed", range(60))
+def test_many_cases_at_once_are_each_alone(seed: int, model: str) -> None:
+    command, mode, actuator = random_case(seed)
+    changed: Any = {"model": model}
+    actuator = replace(actuator, **changed)
+    lags = (actuator.accel_lag, actuator.decel_lag)
+    told = residuals_of_cases(
+        command,
+        np.array([mode.pole_rad_s] * 2),
+        np.array([[lag.first_s for lag in lags]] * 2),
+        np.array([[lag.second_s2 for lag in lags]] * 2),
+        actuator.model,
+    )
+    alone = residual_vibration(command, mode, actuator)
+    assert told == pytest.approx([alone, alone], abs=1e-12)  # rounding
+
+
+@pytest.mark.parametrize("actuator", [THESIS, SWITCHED], ids=["superposed", "switched"])
+def test_a_held_shaper_is_judged_in_each_cell(actuator: SecondOrder) -> None:
+    shaper = design(CRANE, actuator, SHAPERS["numzvd"]).impulses
+    found = residuals(MapCase(plant=CRANE, actuator=actuator, shaper=shaper), CORNER, LENGTH)
+    assert found.shape == (7, 5)
+    for row, length in enumerate(LENGTH.values.tolist()):
+        for column, corner in enumerate(CORNER.values.tolist()):
+            plant = Pendulum(cable_length_m=length, gravity_m_s2=CRANE.gravity_m_s2)
+            drive = replace(actuator, accel=replace(actuator.accel, natural_frequency_rad_s=corner))
+            expected = residual_vibration(shaper, plant.mode, drive)
+            assert found[row, column] == pytest.approx(expected, abs=1e-13)
+
+
+def test_a_shaper_designed_anew_leaves_nothing_in_any_cell() -> None:
+    anew = residuals(case("numzv"), CORNER, LENGTH)
+    assert np.all(anew < 1e-12)
+
+
+def test_one_that_knows_no_actuator_leaves_more_behind_a_slower_one() -> None:
+    # Kim 2011, fig. 3-18: the difference of the two sets is what matters.
+    left = residuals(case("umzv"), CORNER, LENGTH)
+    assert np.all(np.diff(left[:, :3], axis=1) < 0)
+
+
+def test_a_cell_without_a_shaper_is_not_a_number() -> None:
+    # About the crane's own, 0.3348.
+    found = residuals(case("numzv", max_duration_periods=0.335), CORNER, LENGTH)
+    assert np.isnan(found).any()
+    assert not np.isnan(found).all()
+
+
+def test_a_number_is_replaced_by_its_path_and_no_other() -> None:
+    changed = varied(THESIS, ("decel", "damping_ratio"), 0.9)
+    assert changed == replace(THESIS, decel=replace(THESIS.decel, damping_ratio=0.9))
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        (("mass_kg",), r"^field must be one of cable_length_m, damping_ratio, gravity_m_s2, got"),
+        (("cable_length_m", "x"), r"^field must be one of none, got"),
+    ],
+)
+def test_a_field_that_is_not_there_is_refused(path: tuple[str, ...], message: str) -> None:
+    with pytest.raises(InvalidInputError, match=message):
+        varied(CRANE, path, 1.0)
+
+
+def test_words_are_no_numbers() -> None:
+    with pytest.raises(InvalidInputError, match=r"^field must be the name of a number"):
+        varied(THESIS, ("model",), 1.0)
+
+
+PULSES = Axis(path=("move", "pulse_s"), values=np.linspace(0.2, 3.0, 15))
+FREQUENCY = 3.5017852589786254  # of the crane, sqrt(9.81 / 0.8)
+
+
+def case(
+    name: str,
+    actuator: Actuator = THESIS,
+    *,
+    each: bool = True,
+    move: Move | None = None,
+    quantity: Quantity = "residual",
+    designed_for: Literal["superposed", "switched"] | None = None,
+    speed_m_s: float | None = None,
+    **options: Any,
+) -> MapCase:
+    kind = SHAPERS[name]
+    recipe = Recipe(
+        kind=kind, options=kind.options(**options), each=each, designed_for=designed_for
+    )
+    return MapCase(
+        plant=CRANE,
+        actuator=actuator,
+        shaper=recipe,
+        move=move,
+        quantity=quantity,
+        speed_m_s=speed_m_s,
+    )
+
+
+def residuals(of: MapCase, x: Axis, y: Axis | None = None) -> Any:
+    return field_map(of, x, y).values[:, :, 0]
+
+
+@pytest.mark.parametrize("actuator", [THESIS, SWITCHED], ids=["superposed", "switched"])
+def test_over_the_pulse_of_a_held_move_the_stop_alone_is_re_timed(actuator: SecondOrder) -> None:
+    held = case("numzvd", actuator, each=False, move=Move(pulse_s=2.5))
+    found = residuals(held, PULSES, CORNER)
+    move = maneuver(CRANE, actuator, SHAPERS["numzvd"], speed_m_s=0.2, pulse_s=2.5)
+    for (row, corner), (column, pulse) in product(
+        enumerate(CORNER.values.tolist()), enumerate(PULSES.values.tolist())
+    ):
+        if pulse < move.start.duration_s:
+            assert np.isnan(found[row, column])
+            continue
+        command = Impulses(
+            times_s=np.concatenate((move.start.times_s, move.stop.times_s + pulse - 2.5)),
+            amplitudes=move.command.amplitudes,
+        )
+        drive = replace(actuator, accel=replace(actuator.accel, natural_frequency_rad_s=corner))
+        expected = residual_vibration(command, CRANE.mode, drive)
+        assert found[row, column] == pytest.approx(expected, abs=1e-12)
+    assert residuals(held, CORNER, PULSES) == pytest.approx(found.T, abs=1e-12, nan_ok=True)
+
+
+def test_a_move_designed_for_superposed_steps_swings_a_switched_drive() -> None:
+    # By integration of both, step by step: no closed form of the package.
+    judged = case(
+        "numzv", SWITCHED, designed_for="superposed", move=Move(pulse_s=3.0)
+    )  # fmt: skip
+    pulses = Axis(path=PULSES.path, values=np.array([0.9, 2.0]))
+    found = residuals(judged, pulses)[0]
+    for left, pulse in zip(found.tolist(), pulses.values.tolist(), strict=True):
+        move = maneuver(CRANE, THESIS, SHAPERS["numzv"], speed_m_s=0.2, pulse_s=pulse)
+        assert left > 1e-4
+        assert left == pytest.approx(
+            residual_by_integration(move.command, CRANE.mode, SWITCHED), abs=1e-7
+        )
+
+
+def test_a_shaper_for_superposed_steps_leaves_what_is_known_of_a_switched_drive() -> None:
+    found = residuals(
+        case("numzvd", SWITCHED, designed_for="superposed"), Axis(
+            path=LENGTH.path, values=np.array([0.8])
+        )
+    )  # fmt: skip
+    assert found[0, 0] == pytest.approx(0.0074, abs=5e-5)
+
+
+@pytest.mark.parametrize(
+    ("actuator", "mirrored"), [(THESIS, 0.0056), (SWITCHED, 0.0015)], ids=["superposed", "switched"]
+)
+def test_a_solved_stop_leaves_nothing_and_a_mirrored_one_what_it_must(
+    actuator: SecondOrder, mirrored: float
+) -> None:
+    at = Axis(path=PULSES.path, values=np.array([2.5]))
+    for stop, left in (("solved", 0.0), ("mirrored", mirrored)):
+        for each in (True, False):
+            move = Move(pulse_s=2.5, stop=stop)  # type: ignore[arg-type]
+            found = residuals(case("numzvd", actuator, each=each, move=move), at)
+            assert found[0, 0] == pytest.approx(left, abs=5e-5)
+
+
+def test_a_pulse_too_short_for_a_mirrored_stop_is_no_cell() -> None:
+    found = residuals(case("numzvd", move=Move(pulse_s=2.5, stop="mirrored")), PULSES)[0]
+    short = PULSES.values < 1.32  # the start, docs/theory.md
+    assert np.isnan(found[short]).all()
+    assert np.isfinite(found[~short]).all()
+
+
+def test_a_deflection_is_that_of_the_move_played() -> None:
+    moved = case(
+        "umzv", move=Move(pulse_s=3.0), quantity="deflection_m", speed_m_s=0.2
+    )  # fmt: skip
+    lengths = Axis(path=LENGTH.path, values=np.array([0.6, 0.8]))
+    found = field_map(moved, lengths).values[0, :, 0]
+    once = case("umzv", each=False, move=Move(pulse_s=3.0), quantity="deflection_m", speed_m_s=0.2)
+    held = field_map(once, lengths).values[0, :, 0]
+    for told, length in zip(found.tolist(), lengths.values.tolist(), strict=True):
+        plant = replace(CRANE, cable_length_m=length)
+        move = maneuver(plant, THESIS, SHAPERS["umzv"], speed_m_s=0.2, pulse_s=3.0)
+        after = move.command.times_s[-1] + np.linspace(2, 6, 8001)  # the drive has come to rest
+        played = motion(plant, THESIS, move.command, 0.2, after)
+        assert told == pytest.approx(float(np.abs(played.deflection_m).max()), rel=1e-5)
+    # The held one is that of 0.8 m.
+    assert held[1] == pytest.approx(found[1], rel=1e-12)
+    assert abs(held[0] - found[0]) > 1e-4
+
+
+def test_gains_are_those_of_the_transfer_functions() -> None:
+    corners = np.array([10.0, 20.0, 50.0])
+    x = Axis(path=("actuator", "decel", "natural_frequency_rad_s"), values=corners)
+    y = Axis(path=("actuator", "accel", "natural_frequency_rad_s"), values=corners)
+    gains = {}
+    for quantity in ("alpha", "beta_rad"):
+        of = MapCase(plant=CRANE, actuator=THESIS, quantity=quantity)
+        gains[quantity] = field_map(of, x, y).values[:, :, 0]
+    for (row, accel), (column, decel) in product(enumerate(corners), enumerate(corners)):
+        s = 1j * FREQUENCY
+        ratio = (
+            decel**2 / (s**2 + 2 * 1.5 * decel * s + decel**2)
+            * (s**2 + 2 * 0.8 * accel * s + accel**2) / accel**2
+        )  # fmt: skip
+        assert gains["alpha"][row, column] == pytest.approx(abs(ratio), rel=1e-12)
+        assert gains["beta_rad"][row, column] == pytest.approx(-np.angle(ratio), abs=1e-12)
+    # At the crane of Kim 2011.
+    assert gains["alpha"][1, 2] == pytest.approx(0.9921129437, abs=1e-10)
+    assert gains["beta_rad"][1, 2] == pytest.approx(-0.0732506641, abs=1e-10)
+
+
+def test_equal_sets_have_a_gain_of_one() -> None:
+    # Kim 2011, at fig. 3-13: the smaller the difference of the sets, the nearer to 1.
+    even = replace(THESIS, decel=THESIS.accel)
+    x = Axis(
+        path=("actuator", "decel", "natural_frequency_rad_s"), values=np.array([20.0, 25.0, 40.0])
+    )
+    alpha = field_map(MapCase(plant=CRANE, actuator=even, quantity="alpha"), x).values[0, :, 0]
+    assert alpha[0] == 1
+    assert np.all(np.diff(np.abs(alpha - 1)) > 0)
+
+
+def test_times_are_those_of_each_design_and_fall_with_the_frequency() -> None:
+    over = Axis(path=LENGTH.path, values=np.array([0.8, 0.6, 0.4]))
+    found = field_map(case("numzvd", quantity="times_s"), over).values[0]
+    assert found.shape == (3, 5)
+    thesis = [0, 0.18211712, 0.66033323, 1.18087995, 1.32079496]
+    assert found[0] == pytest.approx(thesis, abs=1e-8)
+    assert np.all(np.diff(found[:, 1:], axis=0) < 0)
+    for times, length in zip(found, over.values.tolist(), strict=True):
+        left = claims_by_formula(
+            Impulses(times_s=times, amplitudes=np.array([1.0, -1, 1, -1, 1])),
+            replace(CRANE, cable_length_m=length).mode,
+            THESIS,
+        )
+        assert max(left.values()) < 1e-7
+    lasting = field_map(case("numzvd", quantity="duration_s"), over).values[0, :, 0]
+    assert lasting == pytest.approx(found[:, -1], abs=1e-12)
+
+
+def test_times_of_a_move_include_those_of_its_stop() -> None:
+    # Kim 2011, fig. 3-16: t5 and t6 follow from the pulse, 3 s.
+    over = Axis(path=LENGTH.path, values=np.array([0.8]))
+    times = field_map(
+        case("numzv", quantity="times_s", move=Move(pulse_s=3.0)), over
+    ).values[0, 0]  # fmt: skip
+    turn = math.pi / 3  # of equal sets; of the crane's, nearly
+    assert times[:4] == pytest.approx([0, 0.32126352, 0.60069086, 3.0], abs=1e-8)
+    assert times[4:] == pytest.approx([3 + turn / FREQUENCY, 3 + 2 * turn / FREQUENCY], abs=0.05)
+
+
+@cache
+def settling_s(one: SecondOrderSet) -> float:
+    """From when on a step response stays within 20 % of its end, by simulation."""
+    from scipy.signal import step
+
+    w, z = one.natural_frequency_rad_s, one.damping_ratio
+    times, velocity = step(([w * w], [1, 2 * z * w, w * w]), T=np.linspace(0, 20 / w, 4001))
+    return float(times[np.flatnonzero(np.abs(velocity - 1) > 0.2)[-1] + 1])
+
+
+def fastest_branch(actuator: SecondOrder) -> tuple[float, tuple[int, int, int]]:
+    """Search every branch for the fastest whose steps settle to 80 %, by the step responses."""
+    settling = [settling_s(one) for one in (actuator.accel, actuator.decel)]
+    s = 1j * FREQUENCY
+    accel, decel = (
+        one.natural_frequency_rad_s**2
+        / (
+            s * s
+            + 2 * one.damping_ratio * one.natural_frequency_rad_s * s
+            + one.natural_frequency_rad_s**2
+        )
+        for one in (actuator.accel, actuator.decel)
+    )
+    ratio = decel / accel
+    found = []
+    for sign, n, m in product((1, -1), range(-1, 5), range(-1, 6)):
+        half = sign * math.acos(abs(ratio) / 2)
+        t2 = (half + float(np.angle(ratio)) + 2 * math.pi * n) / FREQUENCY
+        t3 = (2 * half + 2 * math.pi * m) / FREQUENCY
+        if t2 >= settling[0] and t3 - t2 >= settling[1]:
+            found.append((t3, (n, m, sign)))
+    return min(found)
+
+
+def test_the_branch_is_the_fastest_of_all_that_settle() -> None:
+    # Kim 2011, fig. 3-15.
+    corners = np.linspace(1.5, 20.0, 8)
+    x = Axis(path=("actuator", "accel", "natural_frequency_rad_s"), values=corners)
+    y = Axis(path=("actuator", "decel", "natural_frequency_rad_s"), values=corners)
+    of = case("numzv", quantity="branch", settle=True, max_duration_periods=5.0)
+    found = field_map(of, x, y).values
+    seen = set()
+    for (row, decel), (column, accel) in product(
+        enumerate(corners.tolist()), enumerate(corners.tolist())
+    ):
+        branch = found[row, column]
+        if np.isnan(branch).any():
+            continue
+        drive = replace(
+            THESIS,
+            accel=replace(THESIS.accel, natural_frequency_rad_s=accel),
+            decel=replace(THESIS.decel, natural_frequency_rad_s=decel),
+        )
+        _, expected = fastest_branch(drive)
+        assert tuple(branch) == expected
+        seen.add(expected)
+    assert (0, 0, 1) in seen
+    assert len(seen) > 2
+
+
+@pytest.mark.parametrize(
+    ("of", "x", "message"),
+    [
+        (case("numzv"), PULSES, r"^x\.field must be a number of plant or actuator as given"),
+        (
+            case("numzv", move=Move(pulse_s=2.0)),
+            Axis(path=PULSES.path, values=np.array([0.0, 1.0])),
+            r"^x\.values must be finite and > 0, got 0\.0",
+        ),
+        (
+            case("numzvd", move=Move(pulse_s=1.0), each=False),
+            PULSES,
+            r"^move\.pulse_s must be so long that start and stop do not overlap",
+        ),
+        (case("numzv", quantity="alpha"), LENGTH, r"^shaper must be left out"),
+        (MapCase(plant=CRANE, actuator=THESIS), LENGTH, r"^shaper must be given"),
+        (case("numzv", quantity="times_s", each=False), LENGTH, r"^design must be each"),
+        (case("numzvd", quantity="branch"), LENGTH, r"^quantity must be asked of numzv or umzvc"),
+        (case("numzv", SWITCHED, quantity="branch"), LENGTH, r"^quantity must be asked of"),
+        (case("numzv", quantity="deflection_m"), LENGTH, r"^speed_m_s must be given for a map of"),
+        (case("numzv", speed_m_s=0.2), LENGTH, r"^speed_m_s must be given for a map of"),
+        (
+            case("umzv", Ideal(), designed_for="switched"),
+            LENGTH,
+            r"^designed_for must be left out: one of kind ideal",
+        ),
+        (
+            MapCase(
+                plant=CRANE,
+                actuator=THESIS,
+                shaper=Impulses(times_s=np.zeros(1), amplitudes=np.ones(1)),
+                move=Move(pulse_s=2.0),
+            ),
+            LENGTH,
+            r"^move must be left out",
+        ),
+    ],
+)
+def test_what_does_not_go_together_is_refused(of: MapCase, x: Axis, message: str) -> None:
+    with pytest.raises(InvalidInputError, match=message):
+        field_map(of, x)
+
+
+def test_two_axes_over_one_field_and_a_map_too_large_are_refused() -> None:
+    shaper = design(CRANE, THESIS, SHAPERS["numzv"]).impulses
+    held = MapCase(plant=CRANE, actuator=THESIS, shaper=shaper)
+    with pytest.raises(InvalidInputError, match=r"^y\.field must be another field than that of x"):
+        field_map(held, LENGTH, LENGTH)
+    wide = Axis(path=LENGTH.path, values=np.linspace(0.5, 1.0, 501))
+    high = Axis(path=CORNER.path, values=np.linspace(10, 20, 4))
+    deep = Axis(path=CORNER.path, values=np.linspace(10, 20, 2000))
+    with pytest.raises(InvalidInputError, match=r"of a map of at most 20000 cells"):
+        field_map(held, wide, deep)
+    with pytest.raises(InvalidInputError, match=r"of a map of at most 2000 cells"):
+        field_map(case("numzv"), wide, high)
+    with pytest.raises(InvalidInputError, match=r"of a map of at most 500 cells"):
+        field_map(case("numzv", move=Move(pulse_s=3.0)), wide)
+
+
+def test_a_picture_of_a_map_has_units_and_equal_bytes() -> None:
+    of = case("numzvd", each=False)
+    found = field_map(of, CORNER, LENGTH)
+    figure = map_sheet(of, CORNER, LENGTH, found)
+    assert figure.axes[0].get_xlabel() == "accel natural frequency [rad/s]"
+    assert figure.axes[0].get_ylabel() == "cable length [m]"
+    assert figure.axes[-1].get_ylabel() == "residual vibration [%]"
+    first, second = (
+        figure_bytes(map_sheet(of, CORNER, LENGTH, found), "png") for _ in range(2)
+    )  # fmt: skip
+    assert first == second
+
+
+PICTURED: dict[str, tuple[MapCase, Axis, Axis | None, int]] = {
+    "times, curves": (case("numzvd", quantity="times_s"), LENGTH, None, 1),
+    "times, panels": (case("numzv", quantity="times_s"), LENGTH, CORNER, 3),
+    "branch": (case("numzv", quantity="branch", settle=True), LENGTH, CORNER, 4),
+    "alpha": (MapCase(plant=CRANE, actuator=THESIS, quantity="alpha"), LENGTH, CORNER, 2),
+    "beta": (MapCase(plant=CRANE, actuator=THESIS, quantity="beta_rad"), LENGTH, None, 1),
+    "moves": (case("umzv", each=False, move=Move(pulse_s=2.0)), PULSES, CORNER, 2),
+    "one cell": (
+        case("umzv"),
+        Axis(path=LENGTH.path, values=np.array([0.8])),
+        Axis(path=CORNER.path, values=np.array([20.0])),
+        2,
+    ),
+    "nothing": (case("numzv", max_duration_periods=0.2), LENGTH, CORNER, 2),
+    "no curve": (case("numzv", max_duration_periods=0.2), LENGTH, None, 1),
+}
+
+
+@pytest.mark.parametrize("name", PICTURED)
+def test_each_quantity_is_drawn_with_a_title_and_units(name: str) -> None:
+    of, x, y, panels = PICTURED[name]
+    found: Map = field_map(of, x, y)
+    figure = map_sheet(of, x, y, found)
+    assert len(figure.axes) == panels  # that of the colours included
+    assert figure.get_suptitle()
+    assert figure_bytes(figure, "png").startswith(b"\x89PNG")

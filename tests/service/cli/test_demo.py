@@ -1,0 +1,81 @@
+"""`make demo` as a user runs it, and what it says of a service that does not answer."""
+
+import re
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from pathlib import Path
+
+import pytest
+
+from service.cli import demo
+from service.problems import OVERLOADED, Problem
+
+HUNG_S = 600.0
+"""Ends a demo that hangs; none is judged by it."""
+
+
+def test_the_demo_designs_prints_draws_and_stops(tmp_path: Path) -> None:
+    folder = tmp_path / "demo-output"
+    done = subprocess.run(
+        [sys.executable, "-m", "service.cli.demo", str(folder)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=HUNG_S,
+    )
+    assert (done.returncode, done.stderr) == (0, ""), done.stdout
+    assert done.stdout.endswith("The service has stopped with status 0.\n")
+    for kind in demo.SHAPERS:
+        assert f"{kind} for the thesis's crane:" in done.stdout
+        assert (folder / f"{kind}.png").read_bytes().startswith(b"\x89PNG")
+        assert "</svg>" in (folder / f"{kind}.svg").read_text()
+    # The first table is that of the README: numzvd.
+    assert re.search(r"^5 +1\.3207949\d +1$", done.stdout, re.MULTILINE)
+    assert "certificate verified: residual" in done.stdout
+
+
+@pytest.fixture
+def overloaded() -> Iterator[str]:
+    """Serve nothing but the service's own 503."""
+    refusal = Problem(OVERLOADED, "no worker is ready").document("id-1").model_dump_json().encode()
+
+    class Refusing(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            self.send_response(503)
+            self.end_headers()
+            self.wfile.write(refusal)
+
+        def log_message(self, format: str, *args: object) -> None:
+            pass
+
+    with HTTPServer(("127.0.0.1", 0), Refusing) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        yield f"http://127.0.0.1:{server.server_port}"
+        server.shutdown()
+        thread.join()
+
+
+def test_a_slow_start_is_told_with_the_reason_that_the_service_gives(
+    overloaded: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(demo, "SLOW_START_S", 0.0)
+    monkeypatch.setattr(demo, "START_WAIT_S", 0.3)
+    with subprocess.Popen(["sleep", "600"]) as server:
+        try:
+            with pytest.raises(demo.DemoError, match=r"not ready in .* s: 503, no worker is ready"):
+                demo._wait_until_ready(overloaded, server)
+        finally:
+            server.kill()
+    told = capsys.readouterr().out
+    assert told.count("The service is slow to start (503, no worker is ready)") == 1
+
+
+def test_a_service_that_has_ended_is_not_waited_for() -> None:
+    with subprocess.Popen(["false"]) as server:
+        server.wait()
+        with pytest.raises(demo.DemoError, match="the service ended with status 1"):
+            demo._wait_until_ready("http://127.0.0.1:9", server)

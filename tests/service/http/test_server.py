@@ -1,0 +1,292 @@
+"""The service as a process: workers, limits, signals, log."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from tests.conftest import CRANE, Running, running_service
+from tests.processes import HUNG_S, TICKS_A_SECOND, children, running, until, workers
+
+SLOW: dict[str, Any] = {
+    **CRANE,
+    "plant": {"kind": "mode", "natural_frequency_rad_s": 3.5},
+    "shaper": {"kind": "numzvd", "max_duration_periods": 3},
+    "fit": {"over": "/plant/damping_ratio", "from": 0, "to": 0.4, "max_residual": 1e-15},
+}
+"""A second of work and more: every degree is tried, and none is good enough."""
+
+
+ENDLESS: dict[str, Any] = {
+    "plant": {
+        "kind": "modes",
+        "modes": [
+            {"natural_frequency_rad_s": frequency, "damping_ratio": 0.01}
+            for frequency in (1.0, 1.7, 2.9, 4.1, 6.3, 8.8)
+        ],
+    },
+    "actuator": {"kind": "ideal"},
+    "shaper": {"kind": "convolved", "base": "zvdd"},
+    "sensitivity": {"from_ratio": 0.3, "to_ratio": 1.8},
+}
+"""Ten seconds of work and more: 4,096 impulses, and what they leave over a band."""
+
+WORKED_S = 0.2
+"""Processor time that a worker has not used before its first task: it is born with its solvers
+built [s]."""
+
+
+def at_work(service: Running, before: dict[int, float]) -> int:
+    """Return a worker that has worked since, waiting for one; a ready worker that waits does not.
+
+    Four ticks of the processor's clock are work: to be born takes fewer.
+    """
+    ticks = 4.5 / TICKS_A_SECOND
+    return until(
+        lambda: next(
+            (pid for pid, used in workers(service).items() if used > before.get(pid, 0.0) + ticks),
+            0,
+        ),
+        "no worker is at work",
+    )
+
+
+def test_a_design_that_hits_its_time_limit_is_ended_and_the_worker_replaced(tmp_path: Path) -> None:
+    with (
+        running_service(tmp_path / "log", job_workers=0, workers=1, time_limit_s=1.0) as service,
+        service.client() as client,
+    ):
+        late = client.post("/v1/designs", json=ENDLESS)
+        assert (late.status_code, late.json()["type"]) == (504, "urn:shapersmith:time-limit")
+        assert "after 1 s" in late.json()["detail"]
+        assert client.post("/v1/designs", json=CRANE).status_code == 200
+
+
+def test_one_late_line_spoils_no_other_of_its_batch(tmp_path: Path) -> None:
+    lines = "\n".join(map(json.dumps, [CRANE, ENDLESS, CRANE]))
+    with (
+        running_service(tmp_path / "log", job_workers=0, workers=1, time_limit_s=1.0) as service,
+        service.client() as client,
+    ):
+        told = client.post("/v1/designs/batch", content=lines).text.splitlines()
+    assert [json.loads(line).get("status", 200) for line in told] == [200, 504, 200]
+
+
+def test_a_worker_killed_while_it_solves_is_replaced_and_its_request_retried(
+    tmp_path: Path,
+) -> None:
+    with (
+        running_service(tmp_path / "log", job_workers=0, workers=1) as service,
+        service.client() as client,
+    ):
+        answers: list[httpx.Response] = []
+        before = workers(service)
+        thread = threading.Thread(
+            target=lambda: answers.append(client.post("/v1/designs", json=SLOW))
+        )
+        thread.start()
+        victim = at_work(service, before)
+        os.kill(victim, signal.SIGKILL)
+        thread.join(HUNG_S)
+        # The same answer as undisturbed: a fit to 1e-15 is refused, by the second worker.
+        assert answers[0].json()["type"] == "urn:shapersmith:infeasible"
+        assert victim not in workers(service)
+        assert client.post("/v1/designs", json=CRANE).status_code == 200
+    assert f"worker {victim} died at a task" in (tmp_path / "log").read_text()
+
+
+def test_a_request_that_crashes_every_worker_is_given_up_at_the_second(tmp_path: Path) -> None:
+    with (
+        running_service(tmp_path / "log", job_workers=0, workers=1, time_limit_s=HUNG_S) as service,
+        service.client() as client,
+    ):
+        answers: list[httpx.Response] = []
+        thread = threading.Thread(
+            target=lambda: answers.append(client.post("/v1/designs", json=ENDLESS))
+        )
+        thread.start()
+        while thread.is_alive():
+            for pid, used in workers(service).items():
+                if used > WORKED_S:
+                    os.kill(pid, signal.SIGSEGV)
+            thread.join(0.05)
+        assert (answers[0].status_code, answers[0].json()["type"]) == (
+            500,
+            "urn:shapersmith:internal",
+        )
+        assert client.post("/v1/designs", json=CRANE).status_code == 200
+    assert (tmp_path / "log").read_text().count("died at a task: killed by SIGSEGV") == 2
+
+
+def cut_off(client: httpx.Client) -> threading.Thread:
+    """Return a thread that asks for endless work, and is cut off when the service is killed."""
+
+    def post() -> None:
+        with pytest.raises(httpx.TransportError):
+            client.post("/v1/designs", json=ENDLESS)
+
+    thread = threading.Thread(target=post)
+    thread.start()
+    return thread
+
+
+def test_too_much_waiting_work_is_refused_with_a_time_to_retry(tmp_path: Path) -> None:
+    with (
+        running_service(
+            tmp_path / "log", job_workers=0, workers=1, max_pending=1, time_limit_s=HUNG_S
+        ) as service,
+        service.client() as client,
+    ):
+        before = workers(service)
+        thread = cut_off(client)
+        at_work(service, before)
+        refused = client.post("/v1/designs", json=CRANE)
+        service.process.kill()
+        thread.join(HUNG_S)
+    assert (refused.status_code, refused.json()["type"]) == (503, "urn:shapersmith:overloaded")
+    assert int(refused.headers["retry-after"]) >= 1
+
+
+def _refuses(service: Running) -> bool:
+    try:
+        with service.client() as late:
+            late.get("/health/live")
+    except httpx.TransportError:
+        return True
+    return False
+
+
+def test_sigterm_finishes_what_runs_refuses_what_is_new_and_exits_0(tmp_path: Path) -> None:
+    with (
+        running_service(tmp_path / "log", job_workers=0, workers=1) as service,
+        service.client() as client,
+    ):
+        answers: list[httpx.Response] = []
+        before = workers(service)
+        thread = threading.Thread(
+            target=lambda: answers.append(client.post("/v1/designs", json=SLOW))
+        )
+        thread.start()
+        at_work(service, before)
+        below = children(service.process.pid)
+        service.process.send_signal(signal.SIGTERM)
+        until(lambda: _refuses(service), "the service takes what is new")
+        thread.join(HUNG_S)
+        assert answers[0].json()["type"] == "urn:shapersmith:infeasible"
+        assert service.process.wait(HUNG_S) == 0
+    assert below
+    # The fork server sees the end of its parent a little later.
+    until(lambda: not running(below), "workers outlive the service")
+
+
+def test_workers_end_with_their_parent_in_the_middle_of_a_solve(tmp_path: Path) -> None:
+    with (
+        running_service(tmp_path / "log", job_workers=0, workers=2, time_limit_s=HUNG_S) as service,
+        service.client() as client,
+    ):
+        before = workers(service)
+        thread = cut_off(client)
+        at_work(service, before)
+        below = children(service.process.pid)
+        service.process.kill()
+        until(lambda: not running(below), "workers outlive their parent")
+        thread.join(HUNG_S)
+    assert len(below) >= 2
+
+
+def test_the_log_has_one_json_line_a_request(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    with running_service(log, job_workers=0, workers=1) as service, service.client() as client:
+        client.post("/v1/designs", json=CRANE, headers={"x-request-id": "one"})
+        client.get("/v1/nothing", headers={"x-request-id": "two"})
+    lines = [json.loads(line) for line in log.read_text().splitlines()]
+    told = {line["request_id"]: line for line in lines if line["logger"] == "shapersmith.access"}
+    assert (told["one"]["method"], told["one"]["path"], told["one"]["status"]) == (
+        "POST",
+        "/v1/designs",
+        200,
+    )
+    assert told["one"]["duration_ms"] > 0
+    assert told["two"]["status"] == 404
+    assert sum(line.get("request_id") == "one" for line in lines) == 1
+
+
+def test_a_taken_port_is_one_readable_line(service: Running) -> None:
+    second = subprocess.run(
+        [sys.executable, "-m", "service", "serve", "--port", str(service.port)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert second.returncode == 1
+    assert second.stderr == (
+        f"shapersmith: cannot serve on 127.0.0.1 port {service.port}: Address already in use\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "told"),
+    [
+        ("WORKERS", "none", "SHAPERSMITH_WORKERS"),
+        ("TIME_LIMIT_S", "-1", "SHAPERSMITH_TIME_LIMIT_S"),
+        ("COLOUR", "red", "SHAPERSMITH_COLOUR"),
+    ],
+)
+def test_a_faulty_setting_is_named(name: str, value: str, told: str) -> None:
+    started = subprocess.run(
+        [sys.executable, "-m", "service", "serve", "--port", "0"],
+        env={**os.environ, f"SHAPERSMITH_{name}": value},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert started.returncode == 2
+    assert told in started.stderr
+    assert started.stderr.count("\n") == 1
+
+
+def test_a_client_that_leaves_early_is_no_error_of_the_service(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    with running_service(log, job_workers=0, workers=1) as service:
+        with socket.create_connection(("127.0.0.1", service.port)) as half:
+            half.sendall(b"POST /v1/designs HTTP/1.1\r\nhost: x\r\ncontent-length: 500\r\n\r\n{")
+        until(lambda: "/v1/designs" in log.read_text(), "no line in the log")
+    lines = [json.loads(line) for line in log.read_text().splitlines()]
+    assert [line["status"] for line in lines if line.get("path") == "/v1/designs"] == [499]
+    assert not [line for line in lines if line["level"] == "error"]
+
+
+def test_a_busy_service_is_ready_and_alive(tmp_path: Path) -> None:
+    with (
+        running_service(tmp_path / "log", job_workers=0, workers=1, time_limit_s=HUNG_S) as service,
+        service.client() as client,
+    ):
+        before = workers(service)
+        thread = cut_off(client)
+        at_work(service, before)
+        assert client.get("/health/ready").status_code == 200
+        assert thread.is_alive()  # it answers while it works
+        service.process.kill()
+        thread.join(HUNG_S)
+
+
+def test_sigterm_does_not_wait_for_a_body_that_never_comes(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    with (
+        running_service(log, job_workers=0, workers=1, time_limit_s=0.5) as service,
+        socket.create_connection(("127.0.0.1", service.port)) as half,
+    ):
+        half.sendall(b"POST /v1/designs HTTP/1.1\r\nhost: x\r\ncontent-length: 500\r\n\r\n{")
+        with service.client() as client:
+            client.get("/health/live")  # what was sent before has been read
+        service.process.send_signal(signal.SIGTERM)
+        assert service.process.wait(HUNG_S) == 0
+    assert '"status": 408' not in log.read_text()  # which it is when the body was waited for
