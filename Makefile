@@ -6,7 +6,7 @@ STAMP := $(VENV)/.installed
 PORT ?= 8000
 
 .DEFAULT_GOAL := help
-.PHONY: help setup serve demo test check bench chaos lock clean
+.PHONY: help setup serve demo test acceptance check bench chaos lock clean
 
 help: ## this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/ -/'
@@ -25,8 +25,11 @@ serve: $(STAMP) ## the service on http://127.0.0.1:8000
 demo: $(STAMP) ## serve, design the thesis's crane over HTTP, write pictures to demo-output/
 	$(BIN)/python -m service.cli.demo demo-output
 
-test: $(STAMP) ## all tests
-	$(BIN)/python -m pytest -n 2 --dist worksteal -q
+test: $(STAMP) ## the tests, within ten minutes on two cores
+	$(BIN)/python -m pytest -n 2 --dist worksteal -q --ignore tests/acceptance
+
+acceptance: $(STAMP) ## whole claims: random designs, tables and moves, kills, the wheel
+	$(BIN)/python -m pytest -n 2 --dist worksteal -q tests/acceptance
 
 check: $(STAMP) ## format, lint, types, import rules
 	$(BIN)/ruff format --check .
