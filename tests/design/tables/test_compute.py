@@ -31,7 +31,7 @@ from tests.table_cases import random_table
 
 MODELS: tuple[Model, ...] = ("superposed", "switched")
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 SAME = 1e-10
 """Times agree to this share of the duration: IPOPT's tolerance is 1e-12."""

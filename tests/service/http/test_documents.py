@@ -7,7 +7,7 @@ from service.cli.main import COMMANDS
 from service.http.app import create_app
 from service.settings import PREFIX, Settings
 
-README = (Path(__file__).parents[2] / "README.md").read_text()
+README = (Path(__file__).parents[3] / "README.md").read_text()
 
 
 def test_the_readme_has_a_row_for_every_setting_with_its_default() -> None:
