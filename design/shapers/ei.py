@@ -7,7 +7,7 @@ nominal one. The equations and their solution are those of `design.formulations.
 import functools
 from dataclasses import dataclass
 
-from design.claims import Promise, within
+from design.claims import ZERO_LIMITS, Promise, within
 from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.humps import Humps, humped
 from design.model.actuators import Actuator, Ideal
@@ -21,9 +21,6 @@ from design.shapers.kind import (
 )
 from design.shapers.positive import EVERY_ACTUATOR, served
 from design.types import require_between
-
-ZERO = 1e-9
-"""What counts as no residual: as in the certificate, which formulations do not import [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,7 +56,7 @@ def extra_insensitive(
 
 def _promises(found: Humps, tolerance: float) -> tuple[Promise, ...]:
     """Return what the curve keeps: a hump or a zero at the nominal frequency, and all humps."""
-    nominal = tolerance if 1.0 in found.peaks else ZERO
+    nominal = tolerance if 1.0 in found.peaks else ZERO_LIMITS["residual"]
     band = (float(found.zeros[0]), float(found.zeros[-1]))
     return (
         Promise(quantity="residual", limit=nominal),

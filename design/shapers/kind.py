@@ -5,26 +5,12 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from design.claims import Promise, Quantity
+from design.claims import Quantity
 from design.errors import InvalidInputError
 from design.formulations.formulation import Formulation
 from design.model.actuators import Actuator
 from design.model.plants import LARGEST_DAMPING_RATIO, Mode
 from design.types import require_between
-
-__all__ = [
-    "LARGEST_TOLERANCE",
-    "SMALLEST_TOLERANCE",
-    "DampingBound",
-    "NoOptions",
-    "PeakOptions",
-    "Promise",
-    "Quantity",
-    "SettleOptions",
-    "ShaperKind",
-    "for_one_of",
-    "tolerance_field",
-]
 
 SHORTEST_HORIZON_PERIODS = 0.1
 LONGEST_HORIZON_PERIODS = 100.0

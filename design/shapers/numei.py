@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.claims import Promise, within
+from design.claims import ZERO_LIMITS, Promise, within
 from design.errors import InfeasibleDesignError
 from design.formulations.alternating import AlternatingBand
 from design.formulations.equations import Expressions, Problem, Ratios, Seed
@@ -31,7 +31,6 @@ from design.formulations.unity_magnitude import (
 )
 from design.model.actuators import Actuator, RateLimited
 from design.model.plants import Mode
-from design.shapers.ei import ZERO
 from design.shapers.kind import (
     LARGEST_TOLERANCE,
     SMALLEST_TOLERANCE,
@@ -158,6 +157,7 @@ def numei(mode: Mode, actuator: Actuator, options: HumpOptions, *, humps: int) -
     equal = with_equal_sets(parameters)
     equal[0], equal[-1] = damping_ratio, tolerance
     lowest, highest = RATIO_BOUNDS
+    nominal = options.tolerance if humps == 1 else ZERO_LIMITS["residual"]
     below = np.arange(2 * humps) < humps
     return Problem(
         model=model,
@@ -169,7 +169,7 @@ def numei(mode: Mode, actuator: Actuator, options: HumpOptions, *, humps: int) -
         seeds=_seeds(mode, actuator, name, near, equal),
         designed_for=actuator,
         claims=(
-            Promise(quantity="residual", limit=options.tolerance if humps == 1 else ZERO),
+            Promise(quantity="residual", limit=nominal),
             within(options.tolerance, band=None),
         ),
         ratios=Ratios(

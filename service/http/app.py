@@ -26,7 +26,7 @@ from service.http.table_routes import router as table_router
 from service.jobs.service import JobService
 from service.problems import METHOD_NOT_ALLOWED, NOT_FOUND, Problem, ProblemKind
 from service.settings import Settings
-from service.workers.memory import settled
+from service.workers.memory import settle
 from service.workers.pool import WorkerPool
 
 ASSETS = "/assets/swagger-ui"
@@ -50,7 +50,7 @@ def create_app(settings: Settings, jobs: JobService | None = None) -> FastAPI:
         app.openapi()
         if jobs is not None:
             jobs.start()
-        settled()
+        settle()
         yield
         if jobs is not None:
             await asyncio.to_thread(jobs.close)

@@ -7,7 +7,7 @@ from design.model.actuators import FirstOrder, Ideal, SecondOrder, SecondOrderSe
 from design.model.plants import Mode
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
-from service.workers.memory import settled
+from service.workers.memory import settle
 
 
 @functools.cache
@@ -25,4 +25,4 @@ def warm_solvers() -> None:
         for kind in SHAPERS.values():
             if actuator.kind in kind.actuators:
                 design(mode, actuator, kind)
-    settled()
+    settle()
