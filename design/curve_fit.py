@@ -7,7 +7,7 @@ actuator's alone, smoothly: a few coefficients do.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.polynomial import polynomial as power
 
 from design.analysis.residual import residuals_of_many
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
+from design.fields import vary
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import Problem
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
@@ -249,8 +250,8 @@ def plants_at_ends(plant: Plant, wanted: FitRange) -> tuple[Plant, Plant]:
 
 
 def _plant_with(plant: Plant, field: Field, value: float) -> Plant:
-    changed: dict[str, Any] = {field: value}
-    return replace(plant, **changed)
+    changed: Plant = vary(plant, (field,), value)
+    return changed
 
 
 def _axis(plant: Plant, actuator: Actuator, wanted: FitRange) -> _Axis:

@@ -18,7 +18,8 @@ from design.analysis.sensitivity import (
 )
 from design.curve_fit import fit, plants_at_ends
 from design.errors import InvalidInputError
-from design.maps.field_map import Axis, Map, MapCase, field_map
+from design.fields import Axis
+from design.maps.field_map import Map, MapCase, field_map
 from design.model.actuators import Actuator
 from design.model.impulses import Impulses
 from design.model.plants import MOST_MODES, Mode, Modes, Plant, Scheduled

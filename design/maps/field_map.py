@@ -1,8 +1,7 @@
 """What a shaper leaves, or what it is, over one or two fields of plant, actuator and move."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -14,6 +13,7 @@ from design.analysis.residual import (
     unshaped_deflection_s,
 )
 from design.errors import InfeasibleDesignError, InvalidInputError
+from design.fields import Axis, vary
 from design.formulations.unity_magnitude import PERIOD_RAD, decel_over_accel
 from design.model.actuators import Actuator, FirstOrder, Model, RateLimited, SecondOrder
 from design.model.impulses import Impulses
@@ -48,22 +48,6 @@ OF_ACTUATORS = ("alpha", "beta_rad")
 
 BRANCHED = ("numzv", "umzvc")
 """Kinds whose closed form has branches."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Axis:
-    """One field and the values that it takes.
-
-    Attributes
-    ----------
-    path
-        From the request down: ``plant``, ``actuator`` or ``move``, then names of fields.
-    values
-        Values, shape (m,), each in the field's own unit.
-    """
-
-    path: tuple[str, ...]
-    values: FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -158,32 +142,6 @@ Cell = dict[str, Any]
 """Plant, actuator and, in a move, ``move``, with the values of one cell."""
 
 
-def varied(record: Any, path: Sequence[str], value: float) -> Any:  # noqa: ANN401
-    """Return a record with one number, named by its path, replaced.
-
-    Raises
-    ------
-    InvalidInputError
-        If there is no such number, or it breaks its rule.
-    """
-    name, *rest = path
-    if isinstance(record, tuple) and rest:
-        numbers = [str(number) for number in range(len(record))]
-        if name not in numbers:
-            raise InvalidInputError("field", "/".join(path), f"one of {', '.join(numbers)}")
-        changed = varied(record[int(name)], rest, value)
-        return (*record[: int(name)], changed, *record[int(name) + 1 :])
-    names = [field.name for field in fields(record) if field.init] if is_dataclass(record) else []
-    if name not in names:
-        raise InvalidInputError("field", "/".join(path), f"one of {', '.join(names) or 'none'}")
-    inner = getattr(record, name)
-    if rest:
-        return replace(record, **{name: varied(inner, rest, value)})
-    if not isinstance(inner, float | int) or isinstance(inner, bool):
-        raise InvalidInputError("field", "/".join(path), "the name of a number")
-    return replace(record, **{name: value})
-
-
 def field_map(case: MapCase, x: Axis, y: Axis | None = None) -> Map:
     """Return a quantity over one or two fields.
 
@@ -207,6 +165,7 @@ def field_map(case: MapCase, x: Axis, y: Axis | None = None) -> Map:
 
     Examples
     --------
+    >>> from design.fields import Axis
     >>> from design.model.actuators import Ideal
     >>> from design.model.plants import Pendulum
     >>> from design.shapers.registry import SHAPERS
@@ -306,7 +265,7 @@ def _with(whole: Cell, axis: Axis, name: str, value: float) -> Cell:
             f"{name}.field", "/".join(axis.path), f"a number of {' or '.join(whole)} as given"
         )
     try:
-        return {**whole, part: varied(whole[part], path, value)}
+        return {**whole, part: vary(whole[part], path, value)}
     except InvalidInputError as error:
         if error.name == "field":
             raise error.within(name) from None

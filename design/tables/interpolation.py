@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from design.analysis.residual import residuals_of_many
 from design.errors import InvalidInputError
-from design.maps.field_map import varied
+from design.fields import vary
 from design.model.actuators import Actuator
 from design.model.plants import Mode, Pendulum, Plant, SpringMass
 from design.tables.columns import amplitudes_of, names_of, times_of
@@ -264,7 +264,7 @@ def _residuals(made: Interpolant, points: FloatArray) -> FloatArray:
     for number, values in enumerate(drives.tolist()):
         actuator = made.actuator
         for index, value in zip(drive, values, strict=True):
-            actuator = varied(actuator, made.names[index].split(".")[1:], value)
+            actuator = vary(actuator, made.names[index].split(".")[1:], value)
         here = np.flatnonzero((of.ravel() == number) & known)
         residuals[here] = residuals_of_many(times[here], made.amplitudes, poles[here], actuator)
     return residuals

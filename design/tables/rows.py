@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from design.curve_fit import Fit
 from design.errors import InvalidInputError
-from design.maps.field_map import varied
+from design.fields import vary
 from design.model.actuators import Actuator
 from design.model.plants import Plant
 from design.shapers.kind import ShaperKind
@@ -108,7 +108,7 @@ class Subject:
             "shaper": self.options,
         }
         for (part, *rest), value in zip(paths, values, strict=True):
-            parts[part] = varied(parts[part], rest, value)
+            parts[part] = vary(parts[part], rest, value)
         return parts["plant"], parts["actuator"], parts["shaper"]
 
 

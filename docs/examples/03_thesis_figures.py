@@ -14,7 +14,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from design.analysis.sensitivity import SensitivityRange, sensitivity
-from design.maps.field_map import Axis, MapCase, Move, Quantity, Recipe, field_map
+from design.fields import Axis
+from design.maps.field_map import MapCase, Move, Quantity, Recipe, field_map
 from design.model.actuators import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
 from design.model.plants import Mode, Pendulum

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from design.maps.field_map import Axis, MapCase, field_map
+from design.fields import Axis
+from design.maps.field_map import MapCase, field_map
 from design.model.actuators import (
     Actuator,
     FirstOrder,

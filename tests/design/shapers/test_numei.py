@@ -13,6 +13,7 @@ from design.analysis.sensitivity import insensitivity
 from design.claims import Promise
 from design.curve_fit import FitRange, fit
 from design.errors import InfeasibleDesignError, InvalidInputError
+from design.fields import Axis
 from design.formulations.equations import Problem
 from design.model.actuators import Actuator, FirstOrder, Model, SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
@@ -23,7 +24,7 @@ from design.shapers.numei import HumpOptions
 from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import SHAPERS
 from design.tables.compute import compute_rows
-from design.tables.specification import Axis, TableSpecification
+from design.tables.specification import TableSpecification
 from design.types import FloatArray
 from tests.acceptance.test_random_designs import random_case
 from tests.second_route import (

@@ -14,6 +14,7 @@ import pytest
 
 from design.claims import ZERO_LIMITS
 from design.errors import DesignError
+from design.fields import Axis
 from design.model.actuators import Actuator, FirstOrder, Model
 from design.model.plants import Plant
 from design.pipeline import Design, design
@@ -25,7 +26,7 @@ from design.tables import compute, kernel, starts
 from design.tables.compiled import compiled
 from design.tables.compute import compute_rows, counted_rows
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL
-from design.tables.specification import Axis, TableSpecification
+from design.tables.specification import TableSpecification
 from tests.shaper_table import CRANE, THESIS
 from tests.table_cases import random_table
 
