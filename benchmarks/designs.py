@@ -13,7 +13,8 @@ from design.analysis.residual import evenly_spaced_vectors
 from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.fields import Axis
 from design.formulations.unity_magnitude import ZVD_POLYNOMIALS
-from design.maps.field_map import MapCase, field_map
+from design.maps.field_map import field_map
+from design.maps.map_case import MapCase
 from design.model.actuators import SecondOrder, SecondOrderSet
 from design.model.commands import convolved, pulse
 from design.model.impulses import Impulses

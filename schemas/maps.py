@@ -9,7 +9,7 @@ from pydantic import Field
 from design.analysis.judge import DesignWarning
 from design.errors import InvalidInputError
 from design.fields import Axis, space_evenly
-from design.maps.field_map import Map, MapCase, Move, Quantity, Recipe
+from design.maps.map_case import Map, MapCase, Move, Quantity, Recipe
 from design.model.actuators import Actuator, Model
 from design.model.impulses import Impulses
 from design.model.plants import Plant

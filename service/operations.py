@@ -19,7 +19,8 @@ from design.analysis.sensitivity import (
 from design.curve_fit import fit, plants_at_ends
 from design.errors import InvalidInputError
 from design.fields import Axis
-from design.maps.field_map import Map, MapCase, field_map
+from design.maps.field_map import field_map
+from design.maps.map_case import Map, MapCase
 from design.model.actuators import Actuator
 from design.model.impulses import Impulses
 from design.model.plants import MOST_MODES, Mode, Modes, Plant, Scheduled

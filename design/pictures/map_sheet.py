@@ -11,7 +11,7 @@ from matplotlib.colors import BoundaryNorm, LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from design.fields import Axis, name_in_words, unit_of
-from design.maps.field_map import Map, MapCase, Quantity, Recipe
+from design.maps.map_case import Map, MapCase, Quantity, Recipe
 from design.pictures.curve_sheet import Curve, curve_sheet
 from design.pictures.style import INK, SMALL_PT, house_style
 from design.types import FloatArray

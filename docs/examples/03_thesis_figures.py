@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 
 from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.fields import Axis
-from design.maps.field_map import MapCase, Move, Quantity, Recipe, field_map
+from design.maps.field_map import field_map
+from design.maps.map_case import MapCase, Move, Quantity, Recipe
 from design.model.actuators import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
 from design.model.plants import Mode, Pendulum

@@ -12,7 +12,8 @@ import pytest
 from design.analysis.residual import residual_vibration, residuals_of_cases
 from design.errors import InvalidInputError
 from design.fields import Axis
-from design.maps.field_map import Map, MapCase, Move, Quantity, Recipe, field_map
+from design.maps.field_map import field_map
+from design.maps.map_case import Map, MapCase, Move, Quantity, Recipe
 from design.model.actuators import Actuator, Ideal, SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
 from design.model.plants import Pendulum

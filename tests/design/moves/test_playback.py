@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from design.fields import Axis
-from design.maps.field_map import MapCase, field_map
+from design.maps.field_map import field_map
+from design.maps.map_case import MapCase
 from design.model.actuators import (
     Actuator,
     FirstOrder,
