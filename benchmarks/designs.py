@@ -15,10 +15,10 @@ from design.fields import Axis
 from design.formulations.unity_magnitude import ZVD_POLYNOMIALS
 from design.maps.field_map import field_map
 from design.maps.map_case import MapCase
-from design.model.actuators import SecondOrder, SecondOrderSet
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.commands import convolved, pulse
 from design.model.impulses import Impulses
-from design.model.plants import Pendulum
+from design.model.plants.pendulum import Pendulum
 from design.moves.maneuvers import maneuver
 from design.moves.playback import motion
 from design.pipeline import design

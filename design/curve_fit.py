@@ -20,9 +20,12 @@ from design.fields import vary
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import Problem
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
-from design.model.actuators import Actuator, FirstOrder, SecondOrder
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
-from design.model.plants import Pendulum, Plant
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
 from design.pipeline import design
 from design.shapers.kind import ShaperKind
 from design.solvers.budget import Budget

@@ -66,7 +66,7 @@ def vary(record: Any, path: Sequence[str], value: float) -> Any:  # noqa: ANN401
 
     Examples
     --------
-    >>> from design.model.plants import Pendulum
+    >>> from design.model.plants.pendulum import Pendulum
     >>> vary(Pendulum(cable_length_m=0.8), ["cable_length_m"], 1.2).cable_length_m
     1.2
     """

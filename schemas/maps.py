@@ -10,9 +10,10 @@ from design.analysis.judge import DesignWarning
 from design.errors import InvalidInputError
 from design.fields import Axis, space_evenly
 from design.maps.map_case import Map, MapCase, Move, Quantity, Recipe
-from design.model.actuators import Actuator, Model
+from design.model.actuators.model import Model
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Plant
+from design.model.plants.registry import Plant
 from design.types import FloatArray
 from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Wire, named

@@ -12,7 +12,7 @@ from design.analysis.sensitivity import (
     Sensitivity,
     SensitivityRange,
 )
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from schemas.actuators import ActuatorIn
 from schemas.base import PlantDamping, Wire, left_out_if_none
 from schemas.impulses import ImpulsesWire

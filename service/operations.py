@@ -21,9 +21,12 @@ from design.errors import InvalidInputError
 from design.fields import Axis
 from design.maps.field_map import field_map
 from design.maps.map_case import Map, MapCase
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import MOST_MODES, Mode, Modes, Plant, Scheduled
+from design.model.plants.mode import Mode
+from design.model.plants.modes import MOST_MODES, Modes
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
 from design.moves.maneuvers import maneuver
 from design.moves.playback import motion
 from design.moves.programs import program

@@ -7,10 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.errors import InvalidInputError
-from design.model.actuators import Actuator, FirstOrder, Ideal, Model, RateLimited, unit_ramps_s
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.model import Model
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import SAME_TIME, Impulses
 from design.model.initial_state import FreeSwing
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.model.reference_ramps import Reference, ramp_factors, reference
 from design.response.closed_form import LagStates, lag_states, states_of
 from design.types import ComplexArray, FloatArray
@@ -361,7 +365,7 @@ def unshaped_deflection_s(mode: Mode, actuator: Actuator) -> float:
 
     Examples
     --------
-    >>> from design.model.actuators import Ideal
+    >>> from design.model.actuators.ideal import Ideal
     >>> half_damped = Mode(natural_frequency_rad_s=2.0, damping_ratio=0.5)
     >>> round(unshaped_deflection_s(half_damped, Ideal()), 5)
     0.57735
@@ -382,7 +386,7 @@ def residual_vibration(
     Examples
     --------
     >>> import numpy as np
-    >>> from design.model.actuators import Ideal
+    >>> from design.model.actuators.ideal import Ideal
     >>> half_period = Impulses(times_s=np.array([0.0, np.pi]), amplitudes=np.array([0.5, 0.5]))
     >>> residual_vibration(half_period, Mode(natural_frequency_rad_s=1.0), Ideal()) < 1e-15
     True

@@ -13,9 +13,10 @@ from design.analysis.residual import (
     step_contributions,
 )
 from design.errors import InvalidInputError, SolverFailedError
-from design.model.actuators import Actuator, RateLimited
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
 from design.types import FloatArray, require_between
 
 MOST_POINTS = 20_001

@@ -40,9 +40,9 @@ from design.export.klipper_shapers import (
     older_klipper_impulses,
     rounding_of_mzv,
 )
-from design.model.actuators import Ideal
+from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.shapers.ei import ToleranceOptions
 from design.shapers.positive import MzvOptions

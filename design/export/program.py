@@ -12,7 +12,8 @@ from design.curve_fit import Fit
 from design.errors import InvalidInputError
 from design.export.header import comment_lines
 from design.export.live import live_remarks
-from design.model.actuators import FirstOrder, SecondOrder
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
 from design.tables.columns import amplitudes_of, names_of, require_times, times_of
 from design.tables.rows import STATUSES, WITH_DESIGN, Rows, TableHead, subject_of

@@ -6,9 +6,9 @@ import numpy as np
 
 from design.errors import InvalidInputError
 from design.formulations.unity_magnitude import PERIOD_RAD, decel_over_accel
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Plant
+from design.model.plants.registry import Plant
 from design.types import FloatArray
 
 WHOLE_TURN_MARGIN = 1e-6

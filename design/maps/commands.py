@@ -6,7 +6,10 @@ import numpy as np
 
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.maps.map_case import Cell, Recipe
-from design.model.actuators import Actuator, FirstOrder, RateLimited, SecondOrder
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
 from design.moves.maneuvers import maneuver, mirrored_stop
 from design.pipeline import design

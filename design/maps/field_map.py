@@ -48,8 +48,8 @@ def field_map(case: MapCase, x: Axis, y: Axis | None = None) -> Map:
     --------
     >>> from design.fields import Axis
     >>> from design.maps.map_case import Recipe
-    >>> from design.model.actuators import Ideal
-    >>> from design.model.plants import Pendulum
+    >>> from design.model.actuators.ideal import Ideal
+    >>> from design.model.plants.pendulum import Pendulum
     >>> from design.shapers.registry import SHAPERS
     >>> umzv = SHAPERS["umzv"]
     >>> recipe = Recipe(kind=umzv, options=umzv.options(), each=True)

@@ -8,7 +8,7 @@ from design.analysis.residual import residual_vibration, residuals_of_cases, res
 from design.errors import InvalidInputError
 from design.maps.commands import design_command
 from design.maps.map_case import Cell, MapCase, Move, Recipe
-from design.model.actuators import RateLimited
+from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses
 from design.types import FloatArray
 

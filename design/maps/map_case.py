@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from design.model.actuators import Actuator, Model
+from design.model.actuators.model import Model
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Plant
+from design.model.plants.registry import Plant
 from design.shapers.kind import ShaperKind
 from design.types import FloatArray, require_scale
 

@@ -12,8 +12,9 @@ from design.analysis.judge import DesignWarning
 from design.errors import DesignError
 from design.formulations.equations import Problem
 from design.formulations.formulation import ClosedForm, Convolution
-from design.model.actuators import Actuator
-from design.model.plants import Modes, Plant
+from design.model.actuators.registry import Actuator
+from design.model.plants.modes import Modes
+from design.model.plants.registry import Plant
 from design.pipeline import Design, design
 from design.recommendations.choices import Choice
 from design.recommendations.requirements import Question

@@ -23,9 +23,10 @@ from design.analysis.judge import (
 from design.analysis.residual import require_workable, residual_curve, residual_vibration
 from design.claims import ZERO_LIMITS, Promise, Quantity, within
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
-from design.model.actuators import Actuator, Ideal
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.pipeline import Design
 from design.sampling.sample_grid import carried, nearest, on_samples, shared, split
 from design.sampling.unity_grid import (
@@ -200,7 +201,7 @@ def sample(
 
     Examples
     --------
-    >>> from design.model.actuators import Ideal
+    >>> from design.model.actuators.ideal import Ideal
     >>> zv = Impulses(times_s=np.array([0.0, 0.25]), amplitudes=np.array([0.5, 0.5]))
     >>> two_hertz = Mode(natural_frequency_rad_s=4 * np.pi)
     >>> sampled = sample(zv, two_hertz, Ideal(), 0.1, ("residual",))

@@ -14,9 +14,9 @@ import numpy as np
 
 from design.analysis.residual import require_workable, vectors_of_many
 from design.errors import InvalidInputError
-from design.model.actuators import Actuator, unit_ramps_s
+from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.sampling.sample_grid import IntArray, require_gaps, rounded
 from design.types import ComplexArray, FloatArray
 

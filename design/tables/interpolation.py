@@ -18,8 +18,11 @@ from numpy.typing import NDArray
 from design.analysis.residual import residuals_of_many
 from design.errors import InvalidInputError
 from design.fields import vary
-from design.model.actuators import Actuator
-from design.model.plants import Mode, Pendulum, Plant, SpringMass
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
+from design.model.plants.spring_mass import SpringMass
 from design.tables.columns import amplitudes_of, names_of, times_of
 from design.tables.rows import Rows, TableHead, subject_of
 from design.types import BoolArray, FloatArray

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from design.curve_fit import Fit
 from design.errors import InvalidInputError
 from design.fields import vary
-from design.model.actuators import Actuator
-from design.model.plants import Plant
+from design.model.actuators.registry import Actuator
+from design.model.plants.registry import Plant
 from design.shapers.kind import ShaperKind
 from design.types import BoolArray, FloatArray
 

@@ -10,8 +10,13 @@ from design.errors import InvalidInputError
 from design.fields import Axis, Path, unit_of, vary
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
-from design.model.actuators import Actuator, FirstOrder, Ideal
-from design.model.plants import Mode, Modes, Plant, Scheduled
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
 from design.shapers.kind import ShaperKind
 from design.shapers.several_modes import BASES, ConvolvedOptions
 from design.tables.rows import Column, Subject

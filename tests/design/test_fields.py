@@ -7,7 +7,8 @@ import pytest
 
 from design.errors import InvalidInputError
 from design.fields import Axis, Spacing, space_evenly, vary
-from design.model.plants import Mode, Modes
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
 from design.pictures.map_sheet import axis_label
 from tests.shaper_table import CRANE, THESIS
 

@@ -13,9 +13,12 @@ from design.analysis.residual import (
     residual_vectors,
     residual_vibration,
 )
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.response.simulation import ringing_after
 from tests.second_route import claims_by_formula, residual_by_integration
 from tests.shaper_table import CRANE, FIRST_ORDER, IDEAL, THESIS

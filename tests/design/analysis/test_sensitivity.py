@@ -15,9 +15,12 @@ from design.analysis.sensitivity import (
     sensitivity,
 )
 from design.errors import InvalidInputError
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray

@@ -17,8 +17,8 @@ from design.export.klipper_shapers import (
     klipper_impulses,
     older_klipper_impulses,
 )
-from design.model.actuators import Ideal
-from design.model.plants import Mode
+from design.model.actuators.ideal import Ideal
+from design.model.plants.mode import Mode
 from design.pipeline import Design, design
 from design.shapers.registry import SHAPERS
 from design.tables.rows import TableHead, subject_of

@@ -14,9 +14,11 @@ from design.errors import InvalidInputError
 from design.fields import Axis
 from design.maps.field_map import field_map
 from design.maps.map_case import Map, MapCase, Move, Quantity, Recipe
-from design.model.actuators import Actuator, Ideal, SecondOrder, SecondOrderSet
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Pendulum
+from design.model.plants.pendulum import Pendulum
 from design.moves.maneuvers import maneuver
 from design.moves.playback import motion
 from design.pictures.design_sheet import figure_bytes

@@ -11,9 +11,13 @@ from design.analysis.certificate import certify
 from design.analysis.residual import residual_vectors, residual_vibration, vectors_of_many
 from design.claims import Quantity, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Plant
+from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
 from design.pipeline import design
 from design.sampling.sampled import (
     Sampled,

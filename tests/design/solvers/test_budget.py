@@ -8,8 +8,12 @@ import pytest
 
 from design.curve_fit import FitRange, fit
 from design.errors import InfeasibleDesignError
-from design.model.actuators import Actuator, RateLimited, SecondOrder
-from design.model.plants import Mode, Modes, Plant
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
+from design.model.plants.registry import Plant
 from design.pipeline import design
 from design.recommendations.recommendation import recommend
 from design.recommendations.requirements import Requirements

@@ -15,8 +15,10 @@ import pytest
 from design.claims import ZERO_LIMITS
 from design.errors import DesignError
 from design.fields import Axis
-from design.model.actuators import Actuator, FirstOrder, Model
-from design.model.plants import Plant
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.model import Model
+from design.model.actuators.registry import Actuator
+from design.model.plants.registry import Plant
 from design.pipeline import Design, design
 from design.shapers.kind import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS

@@ -9,8 +9,8 @@ import pytest
 
 from design.errors import InvalidInputError
 from design.fields import Axis
-from design.model.actuators import SecondOrder, SecondOrderSet
-from design.model.plants import Pendulum
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.plants.pendulum import Pendulum
 from design.shapers.registry import SHAPERS
 from design.tables.compute import compute_rows
 from design.tables.specification import TableSpecification, amplitudes_of, columns_of
