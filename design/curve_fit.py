@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import Chebyshev, Polynomial
 from numpy.polynomial import polynomial as power
 
-from design.analysis.residual import residuals_of_many
+from design.analysis.residuals_of_many import residuals_of_many
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.fields import vary
 from design.formulations.bands import BandProblem, BandSearch

@@ -8,9 +8,9 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from design.analysis.certificate import Certificate, certify, rounding_of
+from design.analysis.insensitivity import insensitivity
 from design.analysis.judge import DesignWarning, drive_warnings, judge, shortfall_of
-from design.analysis.residual import require_workable
-from design.analysis.sensitivity import insensitivity
+from design.analysis.workable import require_workable
 from design.claims import Promise, within, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.formulations.formulation import Convolution, Formulation

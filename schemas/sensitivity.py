@@ -4,11 +4,11 @@ from typing import Annotated, Self
 
 from pydantic import Field
 
+from design.analysis.insensitivity import Insensitivity
 from design.analysis.sensitivity import (
     MOST_POINTS,
     RATIO_BOUNDS,
     DampingRange,
-    Insensitivity,
     Sensitivity,
     SensitivityRange,
 )

@@ -9,13 +9,14 @@ from typing import Any, Literal, Protocol
 import numpy as np
 
 from design.analysis.judge import DesignWarning, sum_warnings
-from design.analysis.residual import require_workable, residual_vibration
+from design.analysis.residual import residual_vibration
 from design.analysis.sensitivity import (
     Sensitivity,
     SensitivityRange,
     sensitivity,
     worst_of,
 )
+from design.analysis.workable import require_workable
 from design.curve_fit import fit, plants_at_ends
 from design.errors import InvalidInputError
 from design.fields import Axis

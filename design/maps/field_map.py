@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from design.analysis.residual import unshaped_deflection_s
+from design.analysis.unshaped import unshaped_deflection_s
 from design.errors import InvalidInputError
 from design.fields import Axis, vary
 from design.formulations.unity_magnitude import decel_over_accel

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from design.analysis.residual import residual_vibration, residuals_of_cases, residuals_of_many
+from design.analysis.residual import residual_vibration
+from design.analysis.residuals_of_many import residuals_of_cases, residuals_of_many
 from design.errors import InvalidInputError
 from design.maps.commands import design_command
 from design.maps.map_case import Cell, MapCase, Move, Recipe

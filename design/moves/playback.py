@@ -4,7 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.analysis.residual import RESONANCE, residual_vibration, unshaped_deflection_s
+from design.analysis.residual import residual_vibration
+from design.analysis.unshaped import unshaped_deflection_s
+from design.analysis.workable import RESONANCE
 from design.model.actuators.registry import Actuator, require_speed
 from design.model.impulses import Impulses
 from design.model.plants.pendulum import Pendulum

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from design.analysis.residual import unshaped_deflection_s
+from design.analysis.unshaped import unshaped_deflection_s
 from design.claims import ZERO_LIMITS
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from design.analysis.residual import terms_of_residual
+from design.analysis.vectors import terms_of_residual
 from design.claims import ZERO_LIMITS
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from design.analysis.residual import require_workable
+from design.analysis.workable import require_workable
 from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode

@@ -20,7 +20,8 @@ from design.analysis.judge import (
     judge,
     shortfall_of,
 )
-from design.analysis.residual import require_workable, residual_curve, residual_vibration
+from design.analysis.residual import residual_curve, residual_vibration
+from design.analysis.workable import require_workable
 from design.claims import ZERO_LIMITS, Promise, Quantity, within
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.model.actuators.ideal import Ideal

@@ -12,7 +12,8 @@ from functools import partial
 
 import numpy as np
 
-from design.analysis.residual import require_workable, vectors_of_many
+from design.analysis.residuals_of_many import vectors_of_many
+from design.analysis.workable import require_workable
 from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.analysis.residual import residuals_of_many
+from design.analysis.residuals_of_many import residuals_of_many
 from design.errors import InvalidInputError
 from design.fields import vary
 from design.model.actuators.registry import Actuator

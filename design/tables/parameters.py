@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from design.analysis.residual import RESONANCE, SLOWEST
+from design.analysis.workable import RESONANCE, SLOWEST
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.second_order import LARGEST_DAMPING_RATIO as LARGEST_LAG_DAMPING

@@ -15,7 +15,7 @@ mpl.use("Agg")
 
 import matplotlib.pyplot as plt
 
-from design.analysis.sensitivity import insensitivity
+from design.analysis.insensitivity import insensitivity
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
 from design.model.plants.pendulum import Pendulum

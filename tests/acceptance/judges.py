@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from design.analysis.certificate import Claim, certify
-from design.analysis.residual import residual_curve, residual_vectors, residual_vibration
-from design.analysis.sensitivity import insensitivity
+from design.analysis.insensitivity import insensitivity
+from design.analysis.residual import residual_curve, residual_vibration
+from design.analysis.vectors import residual_vectors
 from design.claims import Promise
 from design.errors import DesignError, InfeasibleDesignError, InvalidInputError
 from design.model.actuators.ideal import Ideal

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from design.analysis.certificate import certify
+from design.analysis.insensitivity import insensitivity
 from design.analysis.residual import residual_curve, residual_vibration
-from design.analysis.sensitivity import insensitivity
 from design.claims import Promise
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.model.actuators.first_order import FirstOrder

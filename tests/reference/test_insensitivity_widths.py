@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from design.analysis.sensitivity import insensitivity
+from design.analysis.insensitivity import insensitivity
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode

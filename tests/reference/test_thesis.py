@@ -10,8 +10,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from design.analysis.insensitivity import insensitivity
 from design.analysis.residual import residual_vibration
-from design.analysis.sensitivity import insensitivity
 from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses

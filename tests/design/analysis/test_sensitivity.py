@@ -5,15 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from design.analysis.residual import residual_curve, residual_vibration
-from design.analysis.sensitivity import (
+from design.analysis.insensitivity import (
     WIDEST_RATIOS,
     Insensitivity,
-    SensitivityRange,
     common_interval,
     insensitivity,
-    sensitivity,
 )
+from design.analysis.residual import residual_curve, residual_vibration
+from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.errors import InvalidInputError
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from design.analysis.certificate import certify_modes
+from design.analysis.insensitivity import insensitivity
 from design.analysis.residual import residual_vibration
-from design.analysis.sensitivity import insensitivity
 from design.claims import Promise
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.export.klipper import KLIPPER, NAMES, READ_AS_ZERO

@@ -9,7 +9,8 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
-from design.analysis.residual import residual_vibration, residuals_of_cases
+from design.analysis.residual import residual_vibration
+from design.analysis.residuals_of_many import residuals_of_cases
 from design.errors import InvalidInputError
 from design.fields import Axis
 from design.maps.field_map import field_map

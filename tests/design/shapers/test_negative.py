@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
-from design.analysis.sensitivity import insensitivity
+from design.analysis.insensitivity import insensitivity
 from design.errors import InfeasibleDesignError
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.model import Model

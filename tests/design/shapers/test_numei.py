@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import fsolve
 
 from design.analysis.certificate import certify
-from design.analysis.sensitivity import insensitivity
+from design.analysis.insensitivity import insensitivity
 from design.claims import Promise
 from design.curve_fit import FitRange, fit
 from design.errors import InfeasibleDesignError, InvalidInputError

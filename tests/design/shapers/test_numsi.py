@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 from design.analysis.certificate import certify
-from design.analysis.sensitivity import insensitivity
+from design.analysis.insensitivity import insensitivity
 from design.claims import Promise
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.model.actuators.registry import Actuator

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from design.analysis.certificate import certify
-from design.analysis.residual import residual_vibration, residuals_of_many
+from design.analysis.residual import residual_vibration
+from design.analysis.residuals_of_many import residuals_of_many
 from design.claims import zeros
 from design.errors import InvalidInputError
 from design.model.actuators.first_order import FirstOrder

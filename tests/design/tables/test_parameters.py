@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from design.analysis.residual import require_workable
+from design.analysis.workable import require_workable
 from design.errors import InvalidInputError
 from design.fields import Axis
 from design.formulations.unity_magnitude import lag_parameters, settling_gaps_rad
