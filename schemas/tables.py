@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, ValidationError
 
-from design.curve_fit import plants_at_ends
+from design.curve_fit.fit_range import plants_at_ends
 from design.errors import InvalidInputError
 from design.export.program import DEFAULT_TITLE
 from design.fields import Axis, Path, Spacing, space_evenly

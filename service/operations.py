@@ -17,7 +17,8 @@ from design.analysis.sensitivity import (
     worst_of,
 )
 from design.analysis.workable import require_workable
-from design.curve_fit import fit, plants_at_ends
+from design.curve_fit.fit import fit
+from design.curve_fit.fit_range import plants_at_ends
 from design.errors import InvalidInputError
 from design.fields import Axis
 from design.maps.field_map import field_map
@@ -34,7 +35,8 @@ from design.moves.programs import program
 from design.moves.shaped_commands import ShapedCommand, shaped_command
 from design.pipeline import Design, design
 from design.recommendations.recommendation import recommend
-from design.sampling.sampled import Sampled, claims_on_samples, sampled_design
+from design.sampling.sampled import Sampled
+from design.sampling.sampled_design import claims_on_samples, sampled_design
 from design.shapers.registry import SHAPERS
 from design.types import SMALLEST
 from schemas.actuators import ActuatorIn

@@ -11,7 +11,7 @@ from string import Template
 
 import numpy as np
 
-from design.curve_fit import Fit
+from design.curve_fit.polynomials import Fit
 from design.export.kind import Export
 from design.export.program import (
     HASH_DIGITS,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.curve_fit import Fit
+from design.curve_fit.polynomials import Fit
 from design.errors import InvalidInputError
 from design.export.header import comment_lines
 from design.export.live import live_remarks

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from design.curve_fit import Fit
+from design.curve_fit.polynomials import Fit
 from design.errors import InvalidInputError
 from design.fields import vary
 from design.model.actuators.registry import Actuator

@@ -21,7 +21,8 @@ from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
 from design.response.closed_form import history
-from design.sampling.sampled import carried, nearest, sample
+from design.sampling.sample_grid import carried, nearest
+from design.sampling.sampled import sample
 from design.shapers.registry import SHAPERS
 
 SAMPLE_S = 0.02

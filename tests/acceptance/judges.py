@@ -21,7 +21,7 @@ from design.model.plants.mode import Mode
 from design.model.plants.modes import Modes
 from design.model.plants.scheduled import Scheduled
 from design.pipeline import Design, design
-from design.sampling.sampled import sampled_design
+from design.sampling.sampled_design import sampled_design
 from design.shapers.registry import SHAPERS
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions

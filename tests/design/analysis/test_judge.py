@@ -20,7 +20,7 @@ from design.model.plants.modes import Modes
 from design.model.plants.pendulum import Pendulum
 from design.moves.maneuvers import maneuver
 from design.pipeline import design
-from design.sampling.sampled import sampled_design
+from design.sampling.sampled_design import sampled_design
 from design.shapers.registry import SHAPERS
 from tests.second_route import residual_by_integration
 

@@ -21,16 +21,11 @@ from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
 from design.pipeline import design
-from design.sampling.sampled import (
-    Sampled,
-    carried,
-    exact_positive,
-    nearest,
-    sample,
-    sampled_design,
-    split,
-    unity_on_grid,
-)
+from design.sampling.exact_positive import exact_positive
+from design.sampling.sample_grid import carried, nearest, split
+from design.sampling.sampled import Sampled, sample
+from design.sampling.sampled_design import sampled_design
+from design.sampling.unity_grid import unity_on_grid
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
 from tests.second_route import claims_by_formula, largest_in_band_by_formula

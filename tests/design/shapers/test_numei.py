@@ -11,7 +11,8 @@ from scipy.optimize import fsolve
 from design.analysis.certificate import certify
 from design.analysis.insensitivity import insensitivity
 from design.claims import Promise
-from design.curve_fit import FitRange, fit
+from design.curve_fit.fit import fit
+from design.curve_fit.fit_range import FitRange
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.fields import Axis
 from design.formulations.equations import Problem
