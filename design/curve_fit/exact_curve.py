@@ -117,6 +117,7 @@ class ExactCurve:
             worst_residual=worst_residual,
             checked_points=CHECKED_POINTS,
             formula=f"t_i = {self.axis.formula(degree)}",
+            frequency_unit_rad_s=self.axis.frequency_unit_rad_s,
         )
 
     def _power_basis(self, nodes: FloatArray, values: FloatArray, degree: int) -> FloatArray:

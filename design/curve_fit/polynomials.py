@@ -47,6 +47,8 @@ class Fit:
         Size of that grid.
     formula
         How to get times from them.
+    frequency_unit_rad_s
+        What the plant's frequency is divided by to give x [rad/s]; None where x is not that.
     """
 
     variable: Variable
@@ -57,3 +59,9 @@ class Fit:
     worst_residual: float
     checked_points: int
     formula: str
+    frequency_unit_rad_s: float | None
+
+    @property
+    def in_phases(self) -> bool:
+        """Whether the polynomials give phases, which the plant's frequency turns into times."""
+        return self.value != "time_s"

@@ -29,6 +29,7 @@ class FitAxis:
     plant_at: Callable[[float], Plant]
     value: str
     in_phases: bool
+    frequency_unit_rad_s: float | None
 
     def scale_at(self, x: float) -> float:
         """Return what turns a time into the fitted value [rad/s], or 1."""
@@ -74,8 +75,10 @@ def axis_of_fit(plant: Plant, actuator: Actuator, wanted: FitRange) -> FitAxis:
             plant_at=plant_with,
             value="time_s",
             in_phases=False,
+            frequency_unit_rad_s=1.0,
         )
     plant_at: Callable[[float], Plant] = plant_with
+    unit: float | None = None
     variable = Variable(name="x", meaning="damping_ratio", start=wanted.start, stop=wanted.stop)
     if wanted.over != "damping_ratio":
         unit, in_words = _unit_of_frequency(actuator, last)
@@ -94,6 +97,7 @@ def axis_of_fit(plant: Plant, actuator: Actuator, wanted: FitRange) -> FitAxis:
         plant_at=plant_at,
         value=f"{frequency}{TIMES_TIME}",
         in_phases=True,
+        frequency_unit_rad_s=unit,
     )
 
 
