@@ -13,7 +13,7 @@ from design.errors import InvalidInputError
 from design.export.header import comment_lines
 from design.export.live import live_remarks
 from design.model.impulses import Impulses
-from design.tables.columns import amplitudes_of, names_of, require_times, times_of
+from design.tables.columns import amplitudes_of, require_times, times_of, varied_paths
 from design.tables.rows import STATUSES, WITH_DESIGN, Rows, TableHead, subject_of
 from design.types import FloatArray
 
@@ -167,7 +167,7 @@ def _of_live_commands(head: TableHead, rows: Listing) -> list[str]:
     designed = np.flatnonzero(np.isin(rows.status, WITH_DESIGN))
     if not designed.size:
         return []
-    subject, paths = subject_of(head), [name.split(".") for name in names_of(head, "field")]
+    subject, paths = subject_of(head), varied_paths(head)
     first = int(designed[0])
     plant, drive, _ = subject.at(paths, rows.numbers[first, : len(paths)].tolist())
     drives = [drive]
