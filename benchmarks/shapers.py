@@ -12,8 +12,12 @@ from benchmarks.designs import ACTUATOR
 from benchmarks.measure import Figure, alternating_medians, ratio
 from design.formulations.formulation import ClosedForm
 from design.formulations.humps import humped
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder
-from design.model.plants import Mode, Modes
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
 from design.pipeline import design
 from design.shapers import numsi
 from design.shapers.ei import ToleranceOptions

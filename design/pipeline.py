@@ -8,15 +8,17 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from design.analysis.certificate import Certificate, certify, rounding_of
+from design.analysis.insensitivity import insensitivity
 from design.analysis.judge import DesignWarning, drive_warnings, judge, shortfall_of
-from design.analysis.residual import require_workable
-from design.analysis.sensitivity import insensitivity
+from design.analysis.workable import require_workable
 from design.claims import Promise, within, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.formulations.formulation import Convolution, Formulation
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Plant, Scheduled
+from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
 from design.shapers.kind import ShaperKind
 from design.solvers.budget import Budget
 from design.solving.solve import Solution, SolverReport, solutions
@@ -104,8 +106,8 @@ def design(
 
     Examples
     --------
-    >>> from design.model.actuators import Ideal
-    >>> from design.model.plants import Pendulum
+    >>> from design.model.actuators.ideal import Ideal
+    >>> from design.model.plants.pendulum import Pendulum
     >>> from design.shapers.registry import SHAPERS
     >>> crane = Pendulum(cable_length_m=0.8)
     >>> design(crane, Ideal(), SHAPERS["umzvd"]).certificate.verified

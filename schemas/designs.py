@@ -6,7 +6,8 @@ from pydantic import Field
 
 from design.analysis.certificate import Certificate, Claim
 from design.model.impulses import Impulses
-from design.model.plants import Plant, Scheduled
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
 from design.pipeline import Design
 from design.sampling.sampled import Sampled
 from schemas.actuators import ActuatorIn

@@ -9,26 +9,34 @@ from typing import Any, Literal, Protocol
 import numpy as np
 
 from design.analysis.judge import DesignWarning, sum_warnings
-from design.analysis.residual import require_workable, residual_vibration
+from design.analysis.residual import residual_vibration
 from design.analysis.sensitivity import (
     Sensitivity,
     SensitivityRange,
     sensitivity,
     worst_of,
 )
-from design.curve_fit import fit, plants_at_ends
+from design.analysis.workable import require_workable
+from design.curve_fit.fit import fit
+from design.curve_fit.fit_range import plants_at_ends
 from design.errors import InvalidInputError
-from design.maps.field_map import Axis, Map, MapCase, field_map
-from design.model.actuators import Actuator
+from design.fields import Axis
+from design.maps.field_map import field_map
+from design.maps.map_case import Map, MapCase
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import MOST_MODES, Mode, Modes, Plant, Scheduled
+from design.model.plants.mode import Mode
+from design.model.plants.modes import MOST_MODES, Modes
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
 from design.moves.maneuvers import maneuver
 from design.moves.playback import motion
 from design.moves.programs import program
 from design.moves.shaped_commands import ShapedCommand, shaped_command
 from design.pipeline import Design, design
 from design.recommendations.recommendation import recommend
-from design.sampling.sampled import Sampled, claims_on_samples, sampled_design
+from design.sampling.sampled import Sampled
+from design.sampling.sampled_design import claims_on_samples, sampled_design
 from design.shapers.registry import SHAPERS
 from design.types import SMALLEST
 from schemas.actuators import ActuatorIn

@@ -12,26 +12,18 @@ from typing import Any, Literal
 import numpy as np
 
 from design.errors import InvalidInputError
-from design.model.actuators import (
-    Actuator,
-    FirstOrder,
-    Ideal,
-    Model,
-    RateLimited,
-    SecondOrder,
-    SecondOrderSet,
-    Unlimited,
-)
-from design.model.plants import (
-    LARGEST_DAMPING_RATIO,
-    WIDEST_SPREAD,
-    Mode,
-    Modes,
-    Pendulum,
-    Plant,
-    Scheduled,
-    SpringMass,
-)
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.model import Model
+from design.model.actuators.rate_limited import RateLimited, Unlimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.modes import WIDEST_SPREAD, Modes
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
+from design.model.plants.spring_mass import SpringMass
 from design.shapers.kind import ShaperKind
 from design.shapers.registry import SHAPERS
 

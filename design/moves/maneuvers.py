@@ -11,17 +11,14 @@ from design.analysis.judge import DesignWarning, drive_warnings, judge, shortfal
 from design.claims import ZERO_LIMITS, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.formulations.unity_magnitude import PERIOD_RAD
-from design.model.actuators import (
-    Actuator,
-    FirstOrder,
-    RateLimited,
-    SecondOrder,
-    Unlimited,
-    require_speed,
-)
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.rate_limited import RateLimited, Unlimited
+from design.model.actuators.registry import Actuator, require_speed
+from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing, InitialSwing, free_swing
-from design.model.plants import Mode, Plant
+from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
 from design.moves.rest_to_rest import Parts, faster_as_one, over_distance, over_pulse, with_swing
 from design.pipeline import design
 from design.response.closed_form import travel
@@ -155,8 +152,8 @@ def maneuver(
 
     Examples
     --------
-    >>> from design.model.actuators import Ideal
-    >>> from design.model.plants import Pendulum
+    >>> from design.model.actuators.ideal import Ideal
+    >>> from design.model.plants.pendulum import Pendulum
     >>> from design.shapers.registry import SHAPERS
     >>> crane = Pendulum(cable_length_m=0.8)
     >>> move = maneuver(crane, Ideal(), SHAPERS["umzvd"], speed_m_s=0.2, distance_m=-0.42)

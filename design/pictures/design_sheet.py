@@ -8,9 +8,13 @@ from matplotlib.lines import Line2D
 
 from design.analysis.sensitivity import Sensitivity
 from design.claims import ZERO_LIMITS
-from design.model.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.pictures import time_panels
 from design.pictures.sensitivity_panel import draw_sensitivity
 from design.pictures.style import BRIGHT, GREY, INK, SMALL_PT, house_style, percent

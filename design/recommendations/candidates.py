@@ -12,13 +12,14 @@ from design.analysis.judge import DesignWarning
 from design.errors import DesignError
 from design.formulations.equations import Problem
 from design.formulations.formulation import ClosedForm, Convolution
-from design.model.actuators import Actuator
-from design.model.plants import Modes, Plant
+from design.model.actuators.registry import Actuator
+from design.model.plants.modes import Modes
+from design.model.plants.registry import Plant
 from design.pipeline import Design, design
 from design.recommendations.choices import Choice
 from design.recommendations.requirements import Question
-from design.sampling.sampled import SAMPLE_TOLERANCE, sampled_design
-from design.sampling.unity_grid import cuts_ramps
+from design.sampling.left import cuts_ramps
+from design.sampling.sampled_design import SAMPLE_TOLERANCE, sampled_design
 from design.shapers.several_modes import FREQUENCIES_A_RADIAN, PROOF_WORK, impulses_of
 from design.solvers.budget import Budget
 

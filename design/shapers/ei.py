@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from design.claims import ZERO_LIMITS, Promise, within
 from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.humps import Humps, humped
-from design.model.actuators import Actuator, Ideal
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.shapers.kind import (
     LARGEST_TOLERANCE,
     SMALLEST_TOLERANCE,

@@ -8,8 +8,8 @@ from typing import Any
 from design.claims import Quantity
 from design.errors import InvalidInputError
 from design.formulations.formulation import Formulation
-from design.model.actuators import Actuator
-from design.model.plants import LARGEST_DAMPING_RATIO, Mode
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
 from design.types import require_between
 
 SHORTEST_HORIZON_PERIODS = 0.1

@@ -20,9 +20,9 @@ from design.formulations.unity_magnitude import (
     decel_over_accel,
     unity_magnitude_problem,
 )
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.shapers.kind import DampingBound, ShaperKind
 from design.types import FloatArray
 

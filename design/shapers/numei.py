@@ -29,8 +29,9 @@ from design.formulations.unity_magnitude import (
     switched_order,
     with_equal_sets,
 )
-from design.model.actuators import Actuator, RateLimited
-from design.model.plants import Mode
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
 from design.shapers.kind import (
     LARGEST_TOLERANCE,
     SMALLEST_TOLERANCE,

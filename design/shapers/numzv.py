@@ -14,9 +14,10 @@ from design.formulations.unity_magnitude import (
     undamped_times_rad,
     unity_magnitude_problem,
 )
-from design.model.actuators import Actuator, RateLimited
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.shapers.kind import PeakOptions, SettleOptions, ShaperKind
 
 SOURCE = "Kim, master thesis (2011), chapter 3"

@@ -18,9 +18,10 @@ from design.formulations.unity_magnitude import (
     undamped_times_rad,
     unity_magnitude_problem,
 )
-from design.model.actuators import Actuator, Ideal
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.shapers.kind import DampingBound, NoOptions, ShaperKind
 from design.shapers.negative import LONGEST_PERIODS, SOURCE
 from design.shapers.positive import EVERY_ACTUATOR

@@ -15,9 +15,11 @@ import numpy as np
 from design.claims import Quantity
 from design.errors import InvalidInputError
 from design.formulations.formulation import ClosedForm, Formulation
-from design.model.actuators import Actuator, Ideal, RateLimited
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.impulses import ROUNDING, Impulses
-from design.model.plants import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
 from design.shapers.kind import DampingBound, NoOptions, ShaperKind, require_damping
 from design.types import require_between
 

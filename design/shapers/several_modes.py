@@ -9,8 +9,9 @@ import numpy as np
 from design.errors import InvalidInputError
 from design.formulations.equations import Problem
 from design.formulations.formulation import ClosedForm, Convolution, Formulation, JointProblem
-from design.model.actuators import Actuator, Ideal
-from design.model.plants import Mode
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
 from design.shapers.ei import EI, THREE_HUMP_EI, TWO_HUMP_EI, ToleranceOptions
 from design.shapers.kind import (
     LARGEST_TOLERANCE,

@@ -6,8 +6,8 @@ from typing import Literal
 
 from design.errors import InvalidInputError
 from design.formulations.bands import BandProblem
-from design.model.actuators import Actuator
-from design.model.plants import Mode
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
 from design.shapers.kind import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS, ShaperKind
 from design.types import require_between
 

@@ -15,8 +15,11 @@ from design.errors import (
     InvalidInputError,
     SolverFailedError,
 )
-from design.model.actuators import Actuator
-from design.model.plants import Mode, Pendulum, Plant, SpringMass
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
+from design.model.plants.spring_mass import SpringMass
 from design.pipeline import Design, design
 from design.shapers.kind import NoOptions, SettleOptions, ShaperKind
 from design.tables.parameters import RowParameters, of_one_mode_and_lags, row_parameters

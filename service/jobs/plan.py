@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from pydantic import ValidationError
 
-from design.curve_fit import fit
+from design.curve_fit.fit import fit
 from design.errors import DesignError
 from design.export.program import DEFAULT_TITLE
 from design.tables.compute import counted

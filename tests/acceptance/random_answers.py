@@ -22,9 +22,13 @@ from typing import Any
 import numpy as np
 
 from design.claims import ZERO_LIMITS
-from design.model.actuators import Actuator, Ideal, RateLimited
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Pendulum, Plant
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
 from design.shapers.registry import SHAPERS
 from service.dispatch import respond
 from service.problems import INFEASIBLE, INVALID, Problem

@@ -12,9 +12,13 @@ from design.analysis.residual import residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.unity_magnitude import ZERO_VIBRATION, unity_magnitude_problem
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Pendulum
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
 from design.shapers.kind import SettleOptions, ShaperKind
 from design.shapers.registry import SHAPERS

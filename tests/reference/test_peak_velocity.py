@@ -5,8 +5,8 @@ import math
 import pytest
 
 from design.errors import InfeasibleDesignError
-from design.model.actuators import FirstOrder
-from design.model.plants import Mode
+from design.model.actuators.first_order import FirstOrder
+from design.model.plants.mode import Mode
 from design.moves.maneuvers import maneuver
 from design.pipeline import design
 from design.shapers.kind import PeakOptions

@@ -8,8 +8,14 @@ import numpy as np
 import pytest
 
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.model.actuators import Actuator, RateLimited, SecondOrder, SecondOrderSet
-from design.model.plants import Mode, Modes, Pendulum, Plant, Scheduled
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
 from design.recommendations import candidates, recommendation
 from design.recommendations.judging import Candidate
 from design.recommendations.recommendation import Recommendation, recommend

@@ -11,9 +11,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from design.claims import ZERO_LIMITS
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Plant
+from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
 from design.pipeline import design
 from design.shapers.kind import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS

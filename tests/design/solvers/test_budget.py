@@ -6,10 +6,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from design.curve_fit import FitRange, fit
+from design.curve_fit.fit import fit
+from design.curve_fit.fit_range import FitRange
 from design.errors import InfeasibleDesignError
-from design.model.actuators import Actuator, RateLimited, SecondOrder
-from design.model.plants import Mode, Modes, Plant
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
+from design.model.plants.registry import Plant
 from design.pipeline import design
 from design.recommendations.recommendation import recommend
 from design.recommendations.requirements import Requirements
@@ -176,7 +181,7 @@ def test_what_a_recommendation_has_no_budget_for_is_said(monkeypatch: pytest.Mon
 
 def test_a_fit_ends_with_its_budget(monkeypatch: pytest.MonkeyPatch) -> None:
     wanted = FitRange(over="damping_ratio", start=0.0, stop=0.2, max_residual=1e-16)
-    monkeypatch.setattr("design.curve_fit.DESIGN_WORK", MOST_WORK / 30)
+    monkeypatch.setattr("design.curve_fit.exact_curve.DESIGN_WORK", MOST_WORK / 30)
     with pytest.raises(
         InfeasibleDesignError, match=r"no degree up to \d leaves .*; its budget of 4"
     ):

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from design.model.actuators import Ideal
+from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Modes
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
 from design.pipeline import design
 from design.shapers.negative import NegativeOptions
 from design.shapers.positive import MzvOptions

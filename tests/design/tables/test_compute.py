@@ -14,8 +14,11 @@ import pytest
 
 from design.claims import ZERO_LIMITS
 from design.errors import DesignError
-from design.model.actuators import Actuator, FirstOrder, Model
-from design.model.plants import Plant
+from design.fields import Axis
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.model import Model
+from design.model.actuators.registry import Actuator
+from design.model.plants.registry import Plant
 from design.pipeline import Design, design
 from design.shapers.kind import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS
@@ -25,7 +28,7 @@ from design.tables import compute, kernel, starts
 from design.tables.compiled import compiled
 from design.tables.compute import compute_rows, counted_rows
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL
-from design.tables.specification import Axis, TableSpecification
+from design.tables.specification import TableSpecification
 from tests.shaper_table import CRANE, THESIS
 from tests.table_cases import random_table
 

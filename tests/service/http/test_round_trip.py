@@ -7,7 +7,7 @@ import httpx
 import pytest
 from pydantic import BaseModel
 
-from design.maps.field_map import Quantity
+from design.maps.map_case import Quantity
 from schemas.catalogue import Catalogue
 from schemas.problems import ProblemDocument
 from schemas.tables import TableJob, TableJobs
