@@ -21,7 +21,7 @@ from design.errors import InvalidInputError
 from design.maps.field_map import Axis, Map, MapCase, field_map
 from design.model.actuators import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import MOST_MODES, Mode, Modes, Plant, Scheduled
+from design.model.plants import Mode, Modes, Plant, Scheduled
 from design.moves.maneuvers import maneuver
 from design.moves.playback import motion
 from design.moves.programs import program
@@ -417,11 +417,11 @@ def shaper_catalogue() -> Catalogue:
                 source=kind.source,
                 claims=list(kind.claims),
                 plants=PLANTS,
-                most_modes=MOST_MODES if kind.formulate_jointly else 1,
+                most_modes=kind.most_modes,
                 actuators=list(kind.actuators),
                 parameters=MODELS[kind.name].model_json_schema(),
                 example={
-                    "plant": TWO_MODES if kind.formulate_jointly else THESIS_CRANE["plant"],
+                    "plant": TWO_MODES if kind.serves_several else THESIS_CRANE["plant"],
                     "actuator": EXAMPLE_ACTUATORS[_richest(kind.actuators)],
                     "shaper": {"kind": kind.name},
                 },

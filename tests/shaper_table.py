@@ -16,10 +16,10 @@ from design.model.actuators import (
 )
 from design.model.plants import Mode, Pendulum, Plant
 from design.shapers.ei import ToleranceOptions
-from design.shapers.kind import NoOptions, PeakOptions, SettleOptions
 from design.shapers.negative import NegativeOptions
 from design.shapers.numei import HumpOptions
 from design.shapers.numsi import UnityBandOptions
+from design.shapers.options import NoOptions, PeakOptions, SettleOptions
 from design.shapers.positive import MzvOptions
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions

@@ -18,7 +18,8 @@ from design.errors import (
 from design.model.actuators import Actuator
 from design.model.plants import Mode, Pendulum, Plant, SpringMass
 from design.pipeline import Design, design
-from design.shapers.kind import NoOptions, SettleOptions, ShaperKind
+from design.shapers.kind import ShaperKind
+from design.shapers.options import NoOptions, SettleOptions
 from design.tables.parameters import RowParameters, of_one_mode_and_lags, row_parameters
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL, Rows
 from design.tables.specification import TableSpecification

@@ -17,7 +17,7 @@ from design.model.actuators import (
 )
 from design.model.actuators import FirstOrder, Ideal, SecondOrder
 from design.model.plants import Mode, Pendulum
-from design.shapers.kind import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
+from design.shapers.options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
 from design.shapers.umzv import LONGEST_PERIODS
 from design.tables.specification import TableSpecification
 from design.types import LARGEST, SMALLEST, BoolArray, FloatArray

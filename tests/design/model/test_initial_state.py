@@ -16,7 +16,8 @@ from design.model.commands import step
 from design.model.initial_state import AngleSwing, DeflectionSwing, InitialSwing, free_swing
 from design.model.plants import Mode, Pendulum, Plant
 from design.moves.maneuvers import Maneuver, maneuver
-from design.shapers.kind import PeakOptions, ShaperKind
+from design.shapers.kind import ShaperKind
+from design.shapers.options import PeakOptions
 from design.shapers.registry import SHAPERS
 from tests.design.moves.test_maneuvers import any_actuator, levels
 from tests.second_route import integrate

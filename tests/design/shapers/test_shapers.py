@@ -15,7 +15,7 @@ from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder, Sec
 from design.model.impulses import Impulses
 from design.model.plants import Mode, Plant
 from design.pipeline import design
-from design.shapers.kind import PeakOptions, SettleOptions
+from design.shapers.options import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
 from tests.second_route import (

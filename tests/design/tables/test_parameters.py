@@ -10,7 +10,7 @@ from design.errors import InvalidInputError
 from design.formulations.unity_magnitude import lag_parameters, settling_gaps_rad
 from design.model.actuators import Model
 from design.model.plants import Pendulum
-from design.shapers.kind import SettleOptions
+from design.shapers.options import SettleOptions
 from design.tables.kernel import rows_of_problems
 from design.tables.parameters import row_parameters
 from design.tables.specification import Axis, TableSpecification
