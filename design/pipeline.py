@@ -125,7 +125,7 @@ def design(
     options = kind.options() if options is None else options
     if isinstance(plant, Scheduled):
         options = _over_range(plant, options)
-    formulation = _formulation(modes, actuator, kind, options)
+    formulation = kind.formulate(kind.case(modes, actuator, options))
     promises = promises_of(formulation, kind, modes)
     if isinstance(plant, Scheduled):
         promises = (*promises, *_promise_over_range(plant, promises))
@@ -187,24 +187,6 @@ def _require_doubles_to_hold(
         f"double precision makes {claim.value:.3g} of it (limit {claim.limit:g}). Modes nearer "
         "to each other, or a kind that claims fewer derivatives, can be proved"
     )
-
-
-def _formulation(
-    modes: tuple[Mode, ...],
-    actuator: Actuator,
-    kind: ShaperKind,
-    options: Any,  # noqa: ANN401
-) -> Formulation:
-    if kind.formulate_jointly is not None:
-        return kind.formulate_jointly(modes, actuator, options)
-    if len(modes) > 1:
-        raise InvalidInputError(
-            "plant.modes",
-            f"{len(modes)} modes",
-            f"a list of one: {kind.name} serves a single mode; multi_zv, multi_umzv and convolved "
-            "serve several",
-        )
-    return kind.formulate(modes[0], actuator, options)
 
 
 def _over_range(plant: Scheduled, options: Any) -> Any:  # noqa: ANN401

@@ -26,7 +26,7 @@ from design.maps.map_case import Map, MapCase
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
-from design.model.plants.modes import MOST_MODES, Modes
+from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
 from design.moves.maneuvers import maneuver
@@ -425,11 +425,11 @@ def shaper_catalogue() -> Catalogue:
                 source=kind.source,
                 claims=list(kind.claims),
                 plants=PLANTS,
-                most_modes=MOST_MODES if kind.formulate_jointly else 1,
+                most_modes=kind.most_modes,
                 actuators=list(kind.actuators),
                 parameters=MODELS[kind.name].model_json_schema(),
                 example={
-                    "plant": TWO_MODES if kind.formulate_jointly else THESIS_CRANE["plant"],
+                    "plant": TWO_MODES if kind.serves_several else THESIS_CRANE["plant"],
                     "actuator": EXAMPLE_ACTUATORS[_richest(kind.actuators)],
                     "shaper": {"kind": kind.name},
                 },

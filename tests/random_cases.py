@@ -86,7 +86,7 @@ def case(number: int) -> Case:
     """Return a case."""
     rng = np.random.default_rng([SEED, number])
     kind = SHAPERS[ROUND[number % len(ROUND)]]
-    plant = random_plant(rng, several=kind.formulate_jointly is not None)
+    plant = random_plant(rng, several=kind.serves_several)
     fastest = max(mode.natural_frequency_rad_s for mode in plant.modes)
     actuator = random_actuator(rng, fastest, kind.actuators)
     options, refused = random_options(rng, kind.options)

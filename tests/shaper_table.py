@@ -15,10 +15,10 @@ from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.shapers.ei import ToleranceOptions
-from design.shapers.kind import NoOptions, PeakOptions, SettleOptions
 from design.shapers.negative import NegativeOptions
 from design.shapers.numei import HumpOptions
 from design.shapers.numsi import UnityBandOptions
+from design.shapers.options import NoOptions, PeakOptions, SettleOptions
 from design.shapers.positive import MzvOptions
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions

@@ -55,7 +55,7 @@ class ExactCurve:
         self.frequencies_rad_s = np.array([mode.natural_frequency_rad_s for mode in modes])
         self.formulations: list[Problem | ClosedForm] = []
         for mode in modes:
-            form = kind.formulate(mode, actuator, self.options)
+            form = kind.formulate(kind.case((mode,), actuator, self.options))
             if isinstance(form, BandProblem | BandSearch | JointProblem | Convolution):
                 raise InvalidInputError(
                     "over",

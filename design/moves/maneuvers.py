@@ -22,7 +22,8 @@ from design.model.plants.registry import Plant
 from design.moves.rest_to_rest import Parts, faster_as_one, over_distance, over_pulse, with_swing
 from design.pipeline import design
 from design.response.closed_form import travel
-from design.shapers.kind import PeakOptions, SettleOptions, ShaperKind
+from design.shapers.kind import ShaperKind
+from design.shapers.options import PeakOptions, SettleOptions
 from design.solving.solve import solutions
 from design.types import LARGEST, SMALLEST, require_scale
 
@@ -323,7 +324,7 @@ def _require_provable(name: str, value: float, travel_s: float, mode: Mode) -> N
 
 def _parts(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any) -> Parts:  # noqa: ANN401
     start = design(plant, actuator, kind, options).impulses
-    formulation = kind.formulate(plant.mode, actuator, options)
+    formulation = kind.formulate(kind.case(plant.modes, actuator, options))
     peak = options.max_velocity_ratio if isinstance(options, PeakOptions) else 1.0
     if not set(np.cumsum(start.amplitudes[:-1]).tolist()) <= {0.0, peak} or formulation.claims:
         raise InvalidInputError(
@@ -352,9 +353,10 @@ def _parts(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any) -> 
 def _with_stop(parts: Parts, plant: Plant, kind: ShaperKind, options: Any) -> Parts:  # noqa: ANN401
     """Return the parts with a stop that leaves nothing, begun at rest at full speed."""
     turned = swapped(parts.actuator)
-    if parts.peak == 1 or kind.formulate_stop is None:
+    if parts.peak == 1:
         return replace(parts, stop=_negative(design(plant, turned, kind, options).impulses))
-    for found in solutions(kind.formulate_stop(parts.mode, turned, options)):
+    stop = replace(kind.case((parts.mode,), turned, options), is_stop=True)
+    for found in solutions(kind.formulate(stop)):
         # By itself it is no start: above twice the speed its second step would increase |command|.
         tried = replace(parts, stop=_negative(found.impulses))
         if tried.verified(tried.whole(tried.rest_pulse_s)):

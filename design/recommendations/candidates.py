@@ -209,11 +209,7 @@ def effort(choice: Choice, question: Question) -> float:
     modes, actuator = question.designed_for, question.actuator
     kind = choice.kind
     try:
-        options = kind.options(**choice.options)
-        if kind.formulate_jointly is not None:
-            found = kind.formulate_jointly(modes, actuator, options)
-        else:
-            found = kind.formulate(modes[0], actuator, options)
+        found = kind.formulate(kind.case(modes, actuator, kind.options(**choice.options)))
     except DesignError:
         return 0.0  # what is refused at once
     if isinstance(found, ClosedForm):
@@ -231,11 +227,11 @@ PROGRAMS_EFFORT = 20.0
 
 def _convolved_impulses(choice: Choice, question: Question) -> int:
     """Return how many impulses a convolved shaper has, 0 for another."""
-    formulate = choice.kind.formulate_jointly
-    if "base" not in choice.options or formulate is None:
+    kind = choice.kind
+    if "base" not in choice.options:
         return 0
-    options = choice.kind.options(**choice.options)
-    found = formulate(question.designed_for, question.actuator, options)
+    options = kind.options(**choice.options)
+    found = kind.formulate(kind.case(question.designed_for, question.actuator, options))
     return impulses_of(found.parts) if isinstance(found, Convolution) else 0
 
 

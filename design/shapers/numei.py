@@ -32,11 +32,11 @@ from design.formulations.unity_magnitude import (
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
-from design.shapers.kind import (
+from design.shapers.kind import DesignCase, KindOf, ShaperKind
+from design.shapers.options import (
     LARGEST_TOLERANCE,
     SMALLEST_TOLERANCE,
     SettleOptions,
-    ShaperKind,
     tolerance_field,
 )
 from design.types import FloatArray, require_between
@@ -135,12 +135,13 @@ class AlternatingHumps:
         )
 
 
-def numei(mode: Mode, actuator: Actuator, options: HumpOptions, *, humps: int) -> Formulation:
+def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
     """Formulate the minimum-time shaper whose curve has one hump of the tolerance, or two.
 
     Zeros and peaks are at frequencies that are unknown as well, but for the middle one, which is at
     the nominal frequency.
     """
+    mode, actuator, options = case.mode, case.actuator, case.options
     model = AlternatingHumps(
         humps=humps,
         switched_order=switched_order(actuator),
@@ -223,14 +224,14 @@ def _seeds(
 
 
 def _kind(name: str, summary: str, humps: int) -> ShaperKind:
-    return ShaperKind(
+    return KindOf(
         name=name,
         summary=summary,
         source=SOURCE,
         claims=("residual", "band"),
         options=HumpOptions,
         actuators=("ideal", "first_order", "second_order", "rate_limited"),
-        formulate=functools.partial(numei, humps=humps),
+        formulation=functools.partial(numei, humps=humps),
     )
 
 

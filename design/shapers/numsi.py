@@ -22,11 +22,11 @@ from design.formulations.unity_magnitude import (
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
-from design.shapers.kind import (
+from design.shapers.kind import DesignCase, KindOf
+from design.shapers.options import (
     LARGEST_TOLERANCE,
     SMALLEST_TOLERANCE,
     SettleOptions,
-    ShaperKind,
     tolerance_field,
 )
 from design.types import require_between
@@ -116,13 +116,14 @@ class UnityBandOptions(SettleOptions):
             raise InvalidInputError("impulses", self.impulses, "3, 5, 7 or 9, or left out")
 
 
-def numsi(mode: Mode, actuator: Actuator, options: UnityBandOptions) -> Formulation:
+def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
     """Formulate the minimum-time shaper whose residual is within a tolerance over a band.
 
     ``|V(r)| <= tolerance`` for every ratio ``r`` of true and nominal frequency within the half
     width of 1, by the actuator's own gains at each pole; in the superposed model or the switched.
     No proof is known that a shorter one does not exist: the problem is not convex.
     """
+    mode, actuator, options = case.mode, case.actuator, case.options
     counts = COUNTS if options.impulses is None else (options.impulses,)
     horizon = options.max_duration_periods * PERIOD_RAD
     problems = []
@@ -188,7 +189,7 @@ def _seeds(
     return tuple(seeds)
 
 
-NUM_SI = ShaperKind(
+NUM_SI = KindOf(
     name="num_si",
     summary="Minimum-time unity magnitude, residual within a tolerance over a band of frequencies, "
     "asymmetric actuator.",
@@ -198,5 +199,5 @@ NUM_SI = ShaperKind(
     claims=("band",),
     options=UnityBandOptions,
     actuators=("ideal", "first_order", "second_order", "rate_limited"),
-    formulate=numsi,
+    formulation=numsi,
 )

@@ -19,11 +19,10 @@ from design.formulations.unity_magnitude import (
     unity_magnitude_problem,
 )
 from design.model.actuators.ideal import Ideal
-from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants.mode import Mode
-from design.shapers.kind import DampingBound, NoOptions, ShaperKind
+from design.shapers.kind import DampingBound, DesignCase, KindOf
 from design.shapers.negative import LONGEST_PERIODS, SOURCE
+from design.shapers.options import NoOptions
 from design.shapers.positive import EVERY_ACTUATOR
 
 PARTIAL_SUMS = np.array([1.0, -2.0, 2.0])
@@ -36,12 +35,13 @@ UNDAMPED_PARTIAL_SUMS_RAD = PERIOD_RAD * np.array([0.0, 0.152406, 0.277396, 0.63
 """Times of PS-ZVD, undamped, to six digits: the only solution of 7,000 starts within a period."""
 
 
-def ps_zv(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+def ps_zv(case: DesignCase[NoOptions]) -> Formulation:
     """Formulate the three impulses 1, -2, 2, whose sums are 1 in magnitude.
 
     The second step takes the command from 1 to -1: which set of an asymmetric actuator drives which
     part of it no model of steps can say. So the actuator is taken to follow its command.
     """
+    mode = case.mode
     if mode.damping_ratio == 0:
         phases = undamped_times_rad(1.0, np.zeros(2), 2 * math.pi, PARTIAL_SUMS)
         times = phases / mode.natural_frequency_rad_s
@@ -58,11 +58,12 @@ def ps_zv(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  #
     )
 
 
-def ps_zvd(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+def ps_zvd(case: DesignCase[NoOptions]) -> Formulation:
     """Formulate the five impulses 1, -2, 2, -2, 2, whose residual is flat in frequency.
 
     For an actuator that follows its command, for the reason of `ps_zv`.
     """
+    mode = case.mode
     gaps = np.diff(UNDAMPED_PARTIAL_SUMS_RAD) / math.sqrt(1 - mode.damping_ratio**2)
     return unity_magnitude_problem(
         ZERO_VIBRATION_DERIVATIVE,
@@ -75,7 +76,7 @@ def ps_zvd(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  
     )
 
 
-PS_ZV = ShaperKind(
+PS_ZV = KindOf(
     name="ps_zv",
     summary="Impulses 1, -2, 2 (partial sums of magnitude 1), zero vibration, for an actuator that "
     "follows its command.",
@@ -83,11 +84,11 @@ PS_ZV = ShaperKind(
     claims=("residual",),
     options=NoOptions,
     actuators=EVERY_ACTUATOR,
-    formulate=ps_zv,
+    formulation=ps_zv,
     damping=DampingBound(most=0.97, beyond=LAST_PULSE_VANISHES),
 )
 
-PS_ZVD = ShaperKind(
+PS_ZVD = KindOf(
     name="ps_zvd",
     summary="Impulses 1, -2, 2, -2, 2 (partial sums of magnitude 1), zero vibration and slope, for "
     "an actuator that follows its command.",
@@ -95,6 +96,6 @@ PS_ZVD = ShaperKind(
     claims=("residual", "slope"),
     options=NoOptions,
     actuators=EVERY_ACTUATOR,
-    formulate=ps_zvd,
+    formulation=ps_zvd,
     damping=DampingBound(most=0.88, beyond=LAST_PULSE_VANISHES),
 )

@@ -6,9 +6,8 @@ from typing import Literal
 
 from design.errors import InvalidInputError
 from design.formulations.bands import BandProblem
-from design.model.actuators.registry import Actuator
-from design.model.plants.mode import Mode
-from design.shapers.kind import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS, ShaperKind
+from design.shapers.kind import DesignCase, KindOf
+from design.shapers.options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS, ShaperOptions
 from design.types import require_between
 
 USUAL_HALF_WIDTH = 0.15
@@ -28,7 +27,7 @@ LARGEST_LEVEL = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BandOptions:
+class BandOptions(ShaperOptions):
     """Band, tolerance and limits.
 
     Attributes
@@ -170,7 +169,7 @@ class BandOptions:
         return 1 - half, 1 + half
 
 
-def specified_insensitivity(mode: Mode, actuator: Actuator, options: BandOptions) -> BandProblem:
+def specified_insensitivity(case: DesignCase[BandOptions]) -> BandProblem:
     """Formulate the minimum-time shaper whose residual stays within a tolerance over a band.
 
     Positive amplitudes use the acceleration set alone, whose G is then a common factor: the shaper
@@ -183,6 +182,7 @@ def specified_insensitivity(mode: Mode, actuator: Actuator, options: BandOptions
     InvalidInputError
         For negative amplitudes behind an actuator whose two sets differ.
     """
+    mode, actuator, options = case.mode, case.actuator, case.options
     if options.amplitudes == "negative" and actuator.accel_lag != actuator.decel_lag:
         raise InvalidInputError(
             "shaper.amplitudes",
@@ -202,7 +202,7 @@ def specified_insensitivity(mode: Mode, actuator: Actuator, options: BandOptions
     )
 
 
-SI = ShaperKind(
+SI = KindOf(
     name="si",
     summary="Minimum time, residual within a tolerance over a band: positive, or within limits.",
     source="W. Singhose, W. Seering, N. Singer, Input shaping for vibration reduction with "
@@ -210,5 +210,5 @@ SI = ShaperKind(
     claims=("band",),
     options=BandOptions,
     actuators=("ideal", "first_order", "second_order"),
-    formulate=specified_insensitivity,
+    formulation=specified_insensitivity,
 )

@@ -21,7 +21,8 @@ from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.model.plants.spring_mass import SpringMass
 from design.pipeline import Design, design
-from design.shapers.kind import NoOptions, SettleOptions, ShaperKind
+from design.shapers.kind import ShaperKind
+from design.shapers.options import NoOptions, SettleOptions
 from design.tables.parameters import RowParameters, of_one_mode_and_lags, row_parameters
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL, Rows
 from design.tables.specification import TableSpecification

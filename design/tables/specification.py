@@ -117,7 +117,7 @@ class TableSpecification:
     def _check_shaper(self) -> None:
         """Check that all rows have as many impulses, and note how many where the kind says."""
         several = isinstance(self.plant, Modes)
-        if several and self.kind.formulate_jointly is None:
+        if several and not self.kind.serves_several:
             raise InvalidInputError(
                 "design.plant.kind", "modes", f"a plant of one mode for {self.kind.name}"
             )
@@ -278,7 +278,7 @@ def amplitudes_of(kind: ShaperKind, options: Any, damping_ratio: float = 0.0) ->
     if actuator.kind not in kind.actuators:
         actuator = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1)
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=damping_ratio)
-    formulation = kind.formulate(mode, actuator, kind.options() if options is None else options)
+    formulation = kind.formulate(kind.case((mode,), actuator, options))
     if isinstance(formulation, JointProblem | Convolution):
         raise InvalidInputError(
             "design.shaper.kind",

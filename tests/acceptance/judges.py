@@ -134,10 +134,8 @@ def _designed_for(case: Case) -> Actuator:
     modes, options = case.plant.modes, case.options
     if isinstance(case.plant, Scheduled) and hasattr(options, "half_width"):
         options = type(options)()
-    if case.kind.formulate_jointly is not None:
-        found = case.kind.formulate_jointly(modes, case.actuator, options).designed_for
-    else:
-        found = case.kind.formulate(modes[0], case.actuator, options).designed_for
+    asked = case.kind.case(modes, case.actuator, options)
+    found: Actuator = case.kind.formulate(asked).designed_for
     assert found in {case.actuator, Ideal()}
     return found
 

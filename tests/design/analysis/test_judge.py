@@ -60,7 +60,7 @@ def test_the_claims_of_a_design_are_of_the_actuator_given_or_a_warning_has_the_f
     kind: str, drive: str
 ) -> None:
     actuator = DRIVES[drive]
-    plant = TWO_MODES if SHAPERS[kind].formulate_jointly else CRANE
+    plant = TWO_MODES if SHAPERS[kind].serves_several else CRANE
     found = design(plant, actuator, SHAPERS[kind])
     ignored = [one for one in found.warnings if one.code == "actuator_ignored"]
     assert len(ignored) == found.for_ideal

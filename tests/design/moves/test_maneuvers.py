@@ -22,7 +22,8 @@ from design.model.plants.registry import Plant
 from design.moves.maneuvers import Maneuver, maneuver, mirrored_stop, swapped
 from design.pipeline import design
 from design.response.closed_form import travel
-from design.shapers.kind import PeakOptions, SettleOptions, ShaperKind
+from design.shapers.kind import ShaperKind
+from design.shapers.options import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS
 from tests.second_route import integrate, residual_by_integration
 from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, THESIS

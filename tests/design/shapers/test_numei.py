@@ -311,7 +311,7 @@ def test_a_root_with_another_curve_is_none_of_these_shapers() -> None:
 def test_where_the_ideal_actuator_has_none_the_search_goes_on() -> None:
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=0.5)
     options = HumpOptions(tolerance=0.5)
-    problem = SHAPERS["num_ei"].formulate(mode, IDEAL, options)
+    problem = SHAPERS["num_ei"].formulate(SHAPERS["num_ei"].case((mode,), IDEAL, options))
     assert isinstance(problem, Problem)
     assert [seed.name for seed in problem.seeds] == ["um_ei_undamped", "um_ei_undamped_followed"]
     with pytest.raises(InfeasibleDesignError, match=r"in 1026 starts"):

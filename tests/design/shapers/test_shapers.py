@@ -19,7 +19,7 @@ from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
 from design.pipeline import design
-from design.shapers.kind import PeakOptions, SettleOptions
+from design.shapers.options import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
 from tests.second_route import (

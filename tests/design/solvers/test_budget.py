@@ -92,7 +92,7 @@ NO_SEED_SERVES: list[tuple[str, Plant, Actuator, Any]] = [
 """Ramps that outlast the gaps of the seeds: all is left to the search over branches."""
 
 EASY: list[tuple[str, Plant, Actuator, Any]] = [
-    (kind, TWO if SHAPERS[kind].formulate_jointly else MODE, actuator, None)
+    (kind, TWO if SHAPERS[kind].serves_several else MODE, actuator, None)
     for kind in SHAPERS
     for actuator in (IDEAL, THESIS, SWITCHED, LIMITED)
     if actuator.kind in SHAPERS[kind].actuators
@@ -115,7 +115,8 @@ def test_a_budget_of_any_size_ends_in_a_design_or_a_refusal(
 
 
 def test_a_search_of_branches_begins_no_more_starts_than_its_budget_allows() -> None:
-    problem: Any = SHAPERS["numzvd"].formulate(MODE, SWITCHED, SHAPERS["numzvd"].options())
+    numzvd = SHAPERS["numzvd"]
+    problem: Any = numzvd.formulate(numzvd.case((MODE,), SWITCHED))
     starts = np.tile(problem.seeds[0].gaps_rad, (1000, 1))
     some = newton.roots(problem.model, starts, problem.parameters, budget=Budget(most=2000.0))
     assert 0 < len(some.unknowns) < 1000
@@ -126,9 +127,9 @@ def test_a_search_of_branches_begins_no_more_starts_than_its_budget_allows() -> 
 
 
 def test_a_cut_search_tells_what_it_searched_and_what_it_did_not() -> None:
-    problem: Any = SHAPERS["numzvd"].formulate(
-        MODE, SWITCHED, SHAPERS["numzvd"].options(max_duration_periods=20.0)
-    )
+    numzvd = SHAPERS["numzvd"]
+    options = numzvd.options(max_duration_periods=20.0)
+    problem: Any = numzvd.formulate(numzvd.case((MODE,), SWITCHED, options))
     message = (
         r"^no ordered solution with duration <= 3 periods in \d+ starts; nearest miss: .*; "
         r"durations up to 20 periods were not searched to the end: its budget of 0\.02 million"

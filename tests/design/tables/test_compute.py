@@ -20,7 +20,7 @@ from design.model.actuators.model import Model
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.pipeline import Design, design
-from design.shapers.kind import PeakOptions, SettleOptions
+from design.shapers.options import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS
 from design.solvers.newton import roots
 from design.solvers.search import spread_starts
@@ -214,7 +214,7 @@ def test_a_wrong_branch_is_found_by_the_guard(monkeypatch: pytest.MonkeyPatch) -
     table = crane_table(1)
     right = compute_rows(table, 0, 1)
     plant, actuator, options = table.at(table.field_values(0, 1)[0])
-    problem: Any = table.kind.formulate(plant.mode, actuator, options)
+    problem: Any = table.kind.formulate(table.kind.case(plant.modes, actuator, options))
     ends = roots(problem.model, spread_starts(problem), problem.parameters)
     usable = ends.unknowns[ends.converged & (ends.unknowns > 1e-2).all(axis=1)]
     slower = usable[usable.sum(axis=1) > 1.1 * right.results[0, 4] * plant.mode.pole_rad_s.imag][:1]

@@ -11,7 +11,7 @@ from design.fields import Axis
 from design.formulations.unity_magnitude import lag_parameters, settling_gaps_rad
 from design.model.actuators.model import Model
 from design.model.plants.pendulum import Pendulum
-from design.shapers.kind import SettleOptions
+from design.shapers.options import SettleOptions
 from design.tables.kernel import rows_of_problems
 from design.tables.parameters import row_parameters
 from design.tables.specification import TableSpecification
