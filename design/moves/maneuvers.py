@@ -24,7 +24,7 @@ from design.pipeline import design
 from design.response.closed_form import travel
 from design.shapers.kind import ShaperKind
 from design.shapers.options import PeakOptions, SettleOptions
-from design.solving.solve import solutions
+from design.solving.solve import solve
 from design.types import LARGEST, SMALLEST, require_scale
 
 LONGEST_PERIODS = 500.0
@@ -356,7 +356,7 @@ def _with_stop(parts: Parts, plant: Plant, kind: ShaperKind, options: Any) -> Pa
     if parts.peak == 1:
         return replace(parts, stop=_negative(design(plant, turned, kind, options).impulses))
     stop = replace(kind.case((parts.mode,), turned, options), is_stop=True)
-    for found in solutions(kind.formulate(stop)):
+    for found in solve(kind.formulate(stop)):
         # By itself it is no start: above twice the speed its second step would increase |command|.
         tried = replace(parts, stop=_negative(found.impulses))
         if tried.verified(tried.whole(tried.rest_pulse_s)):

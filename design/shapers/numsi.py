@@ -2,7 +2,8 @@
 
 import cmath
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -108,12 +109,18 @@ class UnityBandOptions(SettleOptions):
         },
     )
 
+    BAND_FIELDS: ClassVar[tuple[str, ...]] = ("half_width",)
+
     def __post_init__(self) -> None:
         SettleOptions.__post_init__(self)
         require_between("tolerance", self.tolerance, SMALLEST_TOLERANCE, LARGEST_TOLERANCE)
         require_between("half_width", self.half_width, NARROWEST, WIDEST)
         if self.impulses is not None and self.impulses not in COUNTS:
             raise InvalidInputError("impulses", self.impulses, "3, 5, 7 or 9, or left out")
+
+    def with_band(self, half_width: float) -> Self:
+        """Return the same with a band of a half width around 1."""
+        return replace(self, half_width=half_width)
 
 
 def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:

@@ -1,6 +1,7 @@
 """Parameters of shapers that several kinds share, and their bounds."""
 
 from dataclasses import dataclass, field
+from typing import ClassVar, Self
 
 from design.types import require_between
 
@@ -34,7 +35,26 @@ def tolerance_field(description: str) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShaperOptions:
-    """Parameters of a kind of shaper: each kind has a record of its own."""
+    """Parameters of a kind of shaper: each kind has a separate record.
+
+    Attributes
+    ----------
+    BAND_FIELDS
+        Names of the fields that say over which band of frequencies a tolerance holds; none of
+        kinds without a band.
+    """
+
+    BAND_FIELDS: ClassVar[tuple[str, ...]] = ()
+
+    def with_band(self, half_width: float) -> Self:  # noqa: ARG002
+        """Return these parameters with a band of a half width around 1; as they are without one.
+
+        Raises
+        ------
+        InvalidInputError
+            If the kind serves no band so narrow, or so wide.
+        """
+        return self
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,8 +1,8 @@
 """Specified insensitivity: a band and a tolerance in, the fastest shaper that keeps them out."""
 
 import math
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Literal, Self
 
 from design.errors import InvalidInputError
 from design.formulations.bands import BandProblem
@@ -113,6 +113,8 @@ class BandOptions(ShaperOptions):
         },
     )
 
+    BAND_FIELDS: ClassVar[tuple[str, ...]] = ("half_width", "lower_ratio", "upper_ratio")
+
     def __post_init__(self) -> None:
         if not SMALLEST_TOLERANCE <= self.tolerance < 1:
             raise InvalidInputError(
@@ -135,6 +137,10 @@ class BandOptions(ShaperOptions):
                         f"{usual:g} for positive amplitudes, whose command rises from 0 to 1",
                     )
         self._require_band()
+
+    def with_band(self, half_width: float) -> Self:
+        """Return the same with a band of a half width around 1."""
+        return replace(self, half_width=half_width)
 
     def _require_band(self) -> None:
         if self.half_width is not None:

@@ -11,6 +11,7 @@ runs the first of them.
 """
 
 import argparse
+import dataclasses
 import json
 import math
 import sys
@@ -121,8 +122,8 @@ def random_subject(
 def random_shaper(rng: np.random.Generator, name: str) -> JSON:
     """Draw a kind's parameters."""
     options, _ = random_options(rng, SHAPERS[name].options)
-    fields = getattr(options, "__dataclass_fields__", {})
-    return {"kind": name, **{field: getattr(options, field) for field in fields}}
+    fields = () if options is None else dataclasses.fields(options)
+    return {"kind": name, **{field.name: getattr(options, field.name) for field in fields}}
 
 
 def full_speed(rng: np.random.Generator, actuator: Actuator) -> float:

@@ -1,5 +1,6 @@
 """Every kind of shaper: closed forms, limits, and its claims by another route."""
 
+import dataclasses
 import math
 import pickle
 from itertools import product
@@ -244,7 +245,7 @@ def test_every_entry_is_listed_under_its_own_name_with_words_for_the_catalogue()
 
 def test_every_option_has_a_description_and_a_default() -> None:
     for kind in SHAPERS.values():
-        for field in kind.options.__dataclass_fields__.values():
+        for field in dataclasses.fields(kind.options):
             assert field.metadata["description"].endswith("."), field.name
             assert kind.options() == kind.options()
 

@@ -24,7 +24,7 @@ from design.shapers.registry import SHAPERS
 from design.shapers.specified_insensitivity import BandOptions
 from design.solvers import newton
 from design.solvers.budget import MOST_WORK, Budget
-from design.solving.solve import solutions
+from design.solving.solve import solve
 from tests.shaper_table import IDEAL, THESIS
 
 OVERSHOOT = 1_000_000
@@ -135,7 +135,7 @@ def test_a_cut_search_tells_what_it_searched_and_what_it_did_not() -> None:
         r"durations up to 20 periods were not searched to the end: its budget of 0\.02 million"
     )
     with pytest.raises(InfeasibleDesignError, match=message):
-        for _ in solutions(problem, Budget(most=20_000.0)):
+        for _ in solve(problem, Budget(most=20_000.0)):
             pass
 
 
