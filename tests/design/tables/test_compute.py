@@ -187,7 +187,7 @@ def test_every_column_is_that_of_the_single_design(kind: str) -> None:
     # The drive's sets are apart: what does not know them is proven for an ideal one only.
     assert one.status.tolist() == [VERIFIED if kind == "numzvd" else VERIFIED_IDEAL] * 2
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(compute, "_square", lambda _: False)
+        patch.setattr(compute, "_compiled", lambda _: None)
         rows, counts = counted_rows(table, 0, 2)
     assert counts.single == 2
     assert one.status.tolist() == rows.status.tolist()
