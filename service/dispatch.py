@@ -1,8 +1,9 @@
 """From bytes to bytes: what a worker does with a request, and the command line by itself."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
@@ -24,6 +25,8 @@ from service.problems import (
     problem_of_validation,
 )
 from service.strict_json import RepeatedNameError, require_names_once
+
+NOTHING: Mapping[str, object] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,8 +112,20 @@ def answer(operation: str, body: bytes) -> Answer:
     return Answer(encoded, time.perf_counter() - started)
 
 
-def respond(operation: str, body: bytes) -> BaseModel | Problem:
-    """Validate a body and run the operation."""
+def respond(
+    operation: str, body: bytes, asked: Mapping[str, object] = NOTHING
+) -> BaseModel | Problem:
+    """Validate a body and run the operation.
+
+    Parameters
+    ----------
+    operation
+        Its row of `OPERATIONS`.
+    body
+        The request.
+    asked
+        Fields of the request that are set once it is read: by options of the command line.
+    """
     case = OPERATIONS[operation]
     try:
         request = case.request.model_validate_json(body)
@@ -121,7 +136,7 @@ def respond(operation: str, body: bytes) -> BaseModel | Problem:
     except RepeatedNameError as error:
         return problem_of_repetition(error)
     try:
-        return case.run(request)
+        return case.run(request.model_copy(update=asked) if asked else request)
     except DesignError as error:
         return problem_of_design(error)
 

@@ -3,6 +3,7 @@
 import functools
 import importlib.metadata
 from collections.abc import Iterable
+from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any, Literal, Protocol
 
@@ -19,7 +20,7 @@ from design.analysis.sensitivity import (
 from design.analysis.workable import require_workable
 from design.curve_fit.fit import fit
 from design.curve_fit.fit_range import plants_at_ends
-from design.errors import InvalidInputError
+from design.errors import DesignError, InvalidInputError
 from design.fields import Axis
 from design.maps.field_map import field_map
 from design.maps.map_case import Map, MapCase
@@ -38,6 +39,8 @@ from design.recommendations.recommendation import recommend
 from design.sampling.sampled import Sampled
 from design.sampling.sampled_design import claims_on_samples, sampled_design
 from design.shapers.registry import SHAPERS
+from design.solvers.budget import Budget
+from design.trace import TraceStep
 from design.types import SMALLEST
 from schemas.actuators import ActuatorIn
 from schemas.base import named
@@ -51,6 +54,7 @@ from schemas.recommendations import RecommendationRequest, RecommendationRespons
 from schemas.sensitivity import ModeOut, SensitivityOut, SensitivityRequest, SensitivityResponse
 from schemas.shapers import MODELS, ShaperIn
 from schemas.simulations import ImpulsesCommand, SimulationRequest, SimulationResponse
+from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut
 
 THESIS_CRANE = {
@@ -109,19 +113,21 @@ def version() -> str:
 
 def design_shaper(request: DesignRequest) -> DesignResponse:
     """Design one shaper, prove it, and add its curve and its coefficients where asked."""
-    plant, found, curves, sampled = _designed(request)
+    done = _designed(request)
     fitted = None
     if request.fit is not None:
         subject = FitDesign(plant=request.plant, actuator=request.actuator, shaper=request.shaper)
         fitted = _fitted(subject, request.fit)
+    trace = [TraceStepOut.from_design(step) for step in done.trace]
     return DesignResponse.from_design(
         request.shaper.kind,
-        found,
-        sampled,
-        SensitivityOut.from_design(worst_of(curves)) if curves else None,
-        _of_modes(plant.modes, found.residuals, curves),
-        RangeOut.from_design(plant, found),
+        done.design,
+        done.sampled,
+        SensitivityOut.from_design(worst_of(done.curves)) if done.curves else None,
+        _of_modes(done.plant.modes, done.design.residuals, done.curves),
+        RangeOut.from_design(done.plant, done.design),
         fitted,
+        trace if request.trace else None,
         version(),
     )
 
@@ -132,7 +138,8 @@ def design_file(request: DesignRequest, format_name: str) -> bytes:
     from design.export.single import single_table  # noqa: PLC0415
     from design.tables.rows import Subject as Designed  # noqa: PLC0415
 
-    plant, found, _, _ = _designed(request)
+    done = _designed(request)
+    plant, found = done.plant, done.design
     actuator, kind, options = (
         request.actuator.to_design(),
         request.shaper.registered(),
@@ -154,18 +161,21 @@ def design_file(request: DesignRequest, format_name: str) -> bytes:
 
 
 def design_picture(request: DesignRequest, image_format: Literal["png", "svg"]) -> bytes:
-    """Draw one design: impulses, command, response and sensitivity."""
+    """Draw one design, or the search for it where its trace is asked for."""
     from design.pictures.design_sheet import (  # noqa: PLC0415 - matplotlib takes a second
         design_sheet,
         figure_bytes,
     )
+    from design.pictures.trace_sheet import trace_sheet  # noqa: PLC0415
 
-    plant, found, curves, _ = _designed(request)
-    modes, actuator = plant.modes, request.actuator.to_design()
+    done = _designed(request)
+    if request.trace:
+        return figure_bytes(trace_sheet(request.shaper.kind, done.trace), image_format)
+    modes, actuator, curves = done.plant.modes, request.actuator.to_design(), done.curves
     if not curves:
         usual = SensitivityRange()
-        curves = [sensitivity(found.impulses, mode, actuator, usual) for mode in modes]
-    sheet = design_sheet(request.shaper.kind, modes, actuator, found, worst_of(curves))
+        curves = [sensitivity(done.design.impulses, mode, actuator, usual) for mode in modes]
+    sheet = design_sheet(request.shaper.kind, modes, actuator, done.design, worst_of(curves))
     return figure_bytes(sheet, image_format)
 
 
@@ -189,9 +199,18 @@ def _subject(request: Subject) -> tuple[Plant, Actuator]:
     return plant, actuator
 
 
-def _designed(
-    request: DesignRequest,
-) -> tuple[Plant, Design, list[Sensitivity], SampledOut | None]:
+@dataclass(frozen=True, slots=True)
+class _Designed:
+    """A design with all that was asked of it."""
+
+    plant: Plant
+    design: Design
+    curves: list[Sensitivity]
+    sampled: SampledOut | None
+    trace: list[TraceStep]
+
+
+def _designed(request: DesignRequest) -> _Designed:
     plant, actuator = _subject(request)
     with named("shaper"):
         options = request.shaper.options()
@@ -213,7 +232,13 @@ def _designed(
             sample_time_s,
             "left out for a plant of several modes or of a range",
         )
-    found, told = design(plant, actuator, kind, options), None
+    trace: list[TraceStep] = []
+    budget = Budget(trace=trace if request.trace else None)
+    try:
+        found, told = design(plant, actuator, kind, options, budget), None
+    except DesignError as error:
+        error.trace = tuple(trace)
+        raise
     if sample_time_s is not None:
         continuous = found.impulses
         found, sampled = _on_samples(found, plant, actuator, request.shaper, sample_time_s)
@@ -221,7 +246,7 @@ def _designed(
     curves = []
     if curve_range is not None:
         curves = [sensitivity(found.impulses, mode, actuator, curve_range) for mode in plant.modes]
-    return plant, found, curves, told
+    return _Designed(plant, found, curves, told, trace)
 
 
 def _of_modes(

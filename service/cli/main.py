@@ -90,6 +90,12 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("request", metavar="REQUEST.json", help="the request; - reads stdin")
         _add_format(command, PROGRAMS if name == "design" else ())
         if name in DRAWN:
+            if name == "design":
+                command.add_argument(
+                    "--trace",
+                    action="store_true",
+                    help="report each step of the search; with --plot, draw it in place",
+                )
             command.add_argument(
                 "--plot", metavar="FILE", type=Path, help="draw it: FILE.png or FILE.svg"
             )
@@ -178,7 +184,8 @@ def _answer(options: argparse.Namespace) -> int:
             return _tell(written, as_json=False)
         sys.stdout.write(written.decode())
         return OK
-    response = respond(operation, body)
+    asked = {"trace": True} if getattr(options, "trace", False) else {}
+    response = respond(operation, body, asked)
     if isinstance(response, Problem):
         return _tell(response, as_json=options.format == "json")
     if plot is not None:
@@ -187,6 +194,7 @@ def _answer(options: argparse.Namespace) -> int:
 
         draw = design_picture if operation == "design" else map_picture
         request = OPERATIONS[operation].request.model_validate_json(body)
+        request = request.model_copy(update=asked)
         write_whole(plot, draw(request, PICTURES[plot.suffix]))  # type: ignore[arg-type]
     _print(response, options.format)  # type: ignore[arg-type]
     return OK
