@@ -1,6 +1,7 @@
 """The one table from errors to problem documents, for HTTP and the command line alike."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
 from itertools import zip_longest
@@ -124,6 +125,28 @@ class Problem:
             request_id=request_id,
             trace=[TraceStepOut.from_design(step) for step in self.trace] or None,
         )
+
+
+class ProblemError(Exception):
+    """A problem on the way to an answer, raised where it is known and answered in one place.
+
+    Parameters
+    ----------
+    problem
+        What is wrong.
+    headers
+        Headers that the answer over HTTP has.
+
+    Attributes
+    ----------
+    problem, headers
+        The same.
+    """
+
+    def __init__(self, problem: Problem, headers: Mapping[str, str] | None = None) -> None:
+        super().__init__(problem.detail)
+        self.problem = problem
+        self.headers = headers or {}
 
 
 def problem_of_design(error: DesignError) -> Problem:

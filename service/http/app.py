@@ -3,15 +3,13 @@
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from http import HTTPStatus
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from fastapi import FastAPI, Request
+from fastapi import FastAPI
 from fastapi.openapi.docs import get_swagger_ui_html
 from pydantic.json_schema import models_json_schema
-from starlette.exceptions import HTTPException
 from starlette.responses import Response
 from starlette.staticfiles import StaticFiles
 
@@ -19,12 +17,11 @@ from schemas.problems import ProblemDocument
 from schemas.tables import TableRequest
 from service import operations
 from service.dispatch import OPERATIONS
-from service.http.bodies import problem_response
+from service.http.handlers import add_handlers
 from service.http.middleware import RequestMiddleware
 from service.http.routes import router
 from service.http.table_routes import router as table_router
 from service.jobs.service import JobService
-from service.problems import METHOD_NOT_ALLOWED, NOT_FOUND, Problem, ProblemKind
 from service.settings import Settings
 from service.workers.memory import settle
 from service.workers.pool import WorkerPool
@@ -71,26 +68,11 @@ def create_app(settings: Settings, jobs: JobService | None = None) -> FastAPI:
         jobs.stopping = lambda: app.state.stopping()
     app.include_router(router)
     app.include_router(table_router)
-    app.add_exception_handler(HTTPException, _http_problem)
+    add_handlers(app)
     app.add_middleware(RequestMiddleware)
     _serve_docs(app)
     _document_bodies(app)
     return app
-
-
-async def _http_problem(request: Request, error: Exception) -> Response:
-    """Answer what the framework itself refuses, as 404 and 405, by a problem document."""
-    status = error.status_code if isinstance(error, HTTPException) else 0
-    known: dict[int, tuple[ProblemKind, str]] = {
-        404: (NOT_FOUND, f"there is no {request.url.path}"),
-        405: (METHOD_NOT_ALLOWED, f"{request.url.path} does not take {request.method}"),
-    }
-    refused = ProblemKind("refused", HTTPStatus(status or 500), 1, "The request was refused")
-    kind, detail = known.get(status, (refused, str(error)))
-    response = problem_response(Problem(kind, detail), request.state.request_id)
-    if isinstance(error, HTTPException) and error.headers:
-        response.headers.update(error.headers)
-    return response
 
 
 def _serve_docs(app: FastAPI) -> None:

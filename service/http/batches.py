@@ -4,10 +4,10 @@ import asyncio
 from collections import deque
 
 from service.dispatch import Answer, answer_lines
-from service.problems import TIME_LIMIT, Problem
+from service.problems import TIME_LIMIT, Problem, ProblemError
 from service.workers.costs import shape_of
 from service.workers.pool import WorkerPool
-from service.workers.runs import SplitError, TaskError
+from service.workers.runs import SplitError
 
 PART_S = 0.05
 """What a part of a batch is expected to take, so that batches share workers [s]."""
@@ -58,7 +58,7 @@ class Batch:
             part = self._next()
             try:
                 await self._answer(part)
-            except (SplitError, TaskError):
+            except (SplitError, ProblemError):
                 for number in part:
                     await self._answer_alone(number)
 
@@ -95,7 +95,7 @@ class Batch:
                 kind="batch",
                 shape=self._shape(number),
             )
-        except TaskError as error:
+        except ProblemError as error:
             self._answers[number] = Answer(error.problem, 0.0)
 
     def _shape(self, number: int) -> object:

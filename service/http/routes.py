@@ -12,19 +12,16 @@ from service import operations
 from service.dispatch import OPERATIONS, Answer, answer
 from service.http.batches import Batch
 from service.http.bodies import (
-    BodyError,
     answer_line,
     answer_response,
     client_of,
-    problem_response,
     read_body,
     while_connected,
 )
-from service.problems import NOT_JSON, OVERLOADED, TOO_LARGE, Problem
+from service.problems import NOT_JSON, OVERLOADED, TOO_LARGE, Problem, ProblemError
 from service.settings import Settings
 from service.workers.costs import shape_of
 from service.workers.pool import WorkerPool
-from service.workers.runs import TaskError
 
 JSON = ("application/json",)
 JSON_LINES = (
@@ -75,23 +72,19 @@ def _answering(operation: str) -> Callable[[Request], Coroutine[Any, Any, Respon
     """Return the route of an operation: read the body, have a worker answer it, return."""
 
     async def answering(request: Request) -> Response:
-        request_id: str = request.state.request_id
-        try:
-            body = await read_body(
-                request, limit_bytes=_settings(request).max_body_bytes, media_types=JSON
-            )
-            work = _pool(request).run(
-                answer,
-                operation,
-                body,
-                client=client_of(request),
-                shape=shape_of(operation, body),
-                key=(operation, body),
-            )
-            done: Answer = await while_connected(request, work)
-        except (BodyError, TaskError) as error:
-            return problem_response(error.problem, request_id)
-        return answer_response(done, request_id)
+        body = await read_body(
+            request, limit_bytes=_settings(request).max_body_bytes, media_types=JSON
+        )
+        work = _pool(request).run(
+            answer,
+            operation,
+            body,
+            client=client_of(request),
+            shape=shape_of(operation, body),
+            key=(operation, body),
+        )
+        done: Answer = await while_connected(request, work)
+        return answer_response(done, request.state.request_id)
 
     return answering
 
@@ -133,23 +126,17 @@ for _name, _operation in OPERATIONS.items():
 )
 async def designs_batch(request: Request) -> Response:
     """Answer each line as `POST /v1/designs` would."""
-    request_id: str = request.state.request_id
-    settings, pool = _settings(request), _pool(request)
-    try:
-        body = await read_body(
-            request, limit_bytes=settings.max_batch_bytes, media_types=JSON_LINES
-        )
-    except BodyError as error:
-        return problem_response(error.problem, request_id)
+    settings = _settings(request)
+    body = await read_body(request, limit_bytes=settings.max_batch_bytes, media_types=JSON_LINES)
     lines = body.rstrip(b"\r\n").split(b"\n")
     if lines == [b""]:
-        return problem_response(Problem(NOT_JSON, "the batch is empty"), request_id)
+        raise ProblemError(Problem(NOT_JSON, "the batch is empty"))
     if len(lines) > settings.max_batch_lines:
         detail = f"a batch must be at most {settings.max_batch_lines} lines, got {len(lines)}"
-        return problem_response(Problem(TOO_LARGE, detail), request_id)
-    batch = Batch(pool, lines, client=client_of(request), limit_s=settings.batch_limit_s)
+        raise ProblemError(Problem(TOO_LARGE, detail))
+    batch = Batch(_pool(request), lines, client=client_of(request), limit_s=settings.batch_limit_s)
     answers = await while_connected(request, batch.answers())
-    told = [answer_line(done, request_id) for done in answers]
+    told = [answer_line(done, request.state.request_id) for done in answers]
     return Response(b"\n".join(told) + b"\n", media_type=JSON_LINES[0])
 
 
@@ -174,5 +161,5 @@ async def ready(request: Request) -> Response:
     """Answer 200 while a worker lives whose solvers are built, and the queue has room."""
     if not _pool(request).ready:
         problem = Problem(OVERLOADED, "no worker is ready, or too much work is waiting")
-        return problem_response(problem, request.state.request_id)
+        raise ProblemError(problem)
     return JSONResponse({"status": "ready", "version": operations.version()})

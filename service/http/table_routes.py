@@ -13,7 +13,6 @@ from schemas.problems import FieldFault
 from schemas.tables import TableJob, TableJobs
 from service.http.bodies import client_of, read_body, while_connected
 from service.http.byte_ranges import file_response
-from service.http.telling import ProblemError, telling
 from service.jobs.adding import KeyReusedError
 from service.jobs.plan import Plan, planned, told
 from service.jobs.records import Job
@@ -26,6 +25,7 @@ from service.problems import (
     NOT_FOUND,
     OVERLOADED,
     Problem,
+    ProblemError,
     problem_of_design,
 )
 from service.settings import Settings
@@ -125,7 +125,6 @@ def _answered(job: Job, status: int = 200) -> Response:
     },
     summary="Begin a table of designs over axes or a list",
 )
-@telling
 async def begin(request: Request) -> Response:
     """Answer with the job's size and, in `Location`, where its state is."""
     settings: Settings = request.app.state.settings
@@ -164,7 +163,6 @@ def _refused_key(rule: str) -> ProblemError:
 @router.get(
     "/v1/tables", response_model=TableJobs, responses=_problems(503), summary="The newest tables"
 )
-@telling
 async def listed(request: Request) -> Response:
     """Answer with the newest jobs, newest first."""
     jobs = _jobs(request)
@@ -179,7 +177,6 @@ async def listed(request: Request) -> Response:
     responses=_problems(404, 503),
     summary="State and progress of a table",
 )
-@telling
 async def state(request: Request, id: str) -> Response:
     """Answer with the state, rows done, rate and time left."""
     return _answered(await _found(request, id))
@@ -191,7 +188,6 @@ async def state(request: Request, id: str) -> Response:
     responses=_problems(404, 409, 503),
     summary="Cancel a table, or delete one that has ended",
 )
-@telling
 async def delete(request: Request, id: str) -> Response:
     """Cancel an unfinished job; one that has ended is deleted with its rows and files.
 
@@ -219,7 +215,6 @@ async def delete(request: Request, id: str) -> Response:
     responses=_problems(404, 409, 503),
     summary="Go on with a table that has failed",
 )
-@telling
 async def resume(request: Request, id: str) -> Response:
     """Try again what failed; the rows that are done are kept."""
     jobs = _jobs(request)
@@ -254,7 +249,6 @@ async def resume(request: Request, id: str) -> Response:
     },
     summary="Progress of a table as server-sent events",
 )
-@telling
 async def events(request: Request, id: str) -> Response:
     """Send the state whenever it changes, until the job has ended."""
     job = await _found(request, id)
@@ -279,7 +273,6 @@ async def events(request: Request, id: str) -> Response:
     },
     summary="The file of a table, in any format",
 )
-@telling
 async def result(request: Request, id: str, format: str = "csv") -> Response:
     """Answer with the file; takes Range, If-Range and If-None-Match."""
     jobs = _jobs(request)

@@ -6,17 +6,13 @@ from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
 from typing import Any
 
-from service.problems import OVERLOADED, Problem
+from service.problems import OVERLOADED, Problem, ProblemError
 from service.workers.process import Worker
 from service.workers.queue import Kind, Ticket
 
 
-class TaskError(Exception):
+class TaskError(ProblemError):
     """A task that has no answer."""
-
-    def __init__(self, problem: Problem) -> None:
-        super().__init__(problem.detail)
-        self.problem = problem
 
 
 class SplitError(Exception):
