@@ -3,31 +3,21 @@
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from importlib.util import find_spec
-from pathlib import Path
-from typing import Any
 
 from fastapi import FastAPI
-from fastapi.openapi.docs import get_swagger_ui_html
-from pydantic.json_schema import models_json_schema
-from starlette.responses import Response
-from starlette.staticfiles import StaticFiles
 
-from schemas.problems import ProblemDocument
 from schemas.tables import TableRequest
 from service import operations
 from service.dispatch import OPERATIONS
 from service.http.handlers import add_handlers
 from service.http.middleware import RequestMiddleware
+from service.http.openapi import document_bodies, serve_docs
 from service.http.routes import router
 from service.http.table_routes import router as table_router
 from service.jobs.service import JobService
 from service.settings import Settings
 from service.workers.memory import settle
 from service.workers.pool import WorkerPool
-
-ASSETS = "/assets/swagger-ui"
-SCHEMAS = "#/components/schemas/{model}"
 
 
 def create_app(settings: Settings, jobs: JobService | None = None) -> FastAPI:
@@ -70,46 +60,6 @@ def create_app(settings: Settings, jobs: JobService | None = None) -> FastAPI:
     app.include_router(table_router)
     add_handlers(app)
     app.add_middleware(RequestMiddleware)
-    _serve_docs(app)
-    _document_bodies(app)
+    serve_docs(app)
+    document_bodies(app, [*(case.request for case in OPERATIONS.values()), TableRequest])
     return app
-
-
-def _serve_docs(app: FastAPI) -> None:
-    """Serve Swagger UI from its package: the machine may be offline."""
-    spec = find_spec("fastapi_offline")
-    if spec is None or spec.origin is None:
-        raise RuntimeError("the package fastapi-offline, which holds Swagger UI, is not installed")
-    app.mount(ASSETS, StaticFiles(directory=Path(spec.origin).parent / "static"))
-
-    @app.get("/docs", include_in_schema=False)
-    async def docs() -> Response:
-        return get_swagger_ui_html(
-            openapi_url="/openapi.json",
-            title="shapersmith",
-            swagger_js_url=f"{ASSETS}/swagger-ui-bundle.js",
-            swagger_css_url=f"{ASSETS}/swagger-ui.css",
-            swagger_favicon_url=f"{ASSETS}/favicon.png",
-        )
-
-
-def _document_bodies(app: FastAPI) -> None:
-    """Add the request models to the schema: bodies are validated in the workers, not by routes."""
-    generated = app.openapi
-
-    def openapi() -> dict[str, Any]:
-        if app.openapi_schema is None:
-            schema = generated()
-            requests = [*(case.request for case in OPERATIONS.values()), TableRequest]
-            models = [(request, "validation") for request in requests]
-            _, definitions = models_json_schema(
-                [*models, (ProblemDocument, "serialization")],  # type: ignore[list-item]
-                ref_template=SCHEMAS,
-            )
-            schemas = schema.setdefault("components", {}).setdefault("schemas", {})
-            for name, definition in definitions["$defs"].items():
-                schemas.setdefault(name, definition)
-            app.openapi_schema = schema
-        return app.openapi_schema
-
-    app.openapi = openapi  # type: ignore[method-assign]

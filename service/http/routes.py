@@ -8,6 +8,7 @@ from fastapi.routing import APIRoute
 from starlette.responses import JSONResponse, Response
 
 from schemas.catalogue import Catalogue
+from schemas.designs import DesignRequest
 from service import operations
 from service.dispatch import OPERATIONS, Answer, answer
 from service.http.batches import Batch
@@ -18,6 +19,7 @@ from service.http.bodies import (
     read_body,
     while_connected,
 )
+from service.http.openapi import OPERATION_TEXTS, body_of, problems
 from service.problems import NOT_JSON, OVERLOADED, TOO_LARGE, Problem, ProblemError
 from service.settings import Settings
 from service.workers.costs import shape_of
@@ -31,31 +33,9 @@ JSON_LINES = (
     "application/json",
 )
 
-PROBLEMS: dict[int | str, dict[str, Any]] = {
-    code: {
-        "description": text,
-        "content": {
-            "application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDocument"}}
-        },
-    }
-    for code, text in {
-        400: "Not JSON",
-        413: "Too large",
-        415: "Not declared as JSON",
-        422: "A field breaks its rule, or no such shaper was found",
-        500: "Nothing verified was found, or the service failed",
-        503: "Overloaded",
-        504: "Time limit",
-    }.items()
-}
+PROBLEMS = problems(OPERATION_TEXTS, 400, 413, 415, 422, 500, 503, 504)
 
 router = APIRouter()
-
-
-def _documented(operation: str, media_type: str = JSON[0]) -> dict[str, Any]:
-    name = OPERATIONS[operation].request.__name__
-    schema = {"$ref": f"#/components/schemas/{name}"}
-    return {"requestBody": {"required": True, "content": {media_type: {"schema": schema}}}}
 
 
 def _settings(request: Request) -> Settings:
@@ -105,7 +85,7 @@ for _name, _operation in OPERATIONS.items():
         name=_name,
         response_model=_operation.response,
         responses=PROBLEMS,
-        openapi_extra=_documented(_name),
+        openapi_extra={"requestBody": body_of(_operation.request, JSON[0])},
         summary=_operation.summary,
         route_class_override=BareRoute,
     )
@@ -121,7 +101,7 @@ for _name, _operation in OPERATIONS.items():
             "content": {"application/jsonl": {}},
         },
     },
-    openapi_extra=_documented("design", JSON_LINES[0]),
+    openapi_extra={"requestBody": body_of(DesignRequest, JSON_LINES[0])},
     summary="Design up to 1,000 shapers, JSON Lines in and out",
 )
 async def designs_batch(request: Request) -> Response:
@@ -155,7 +135,7 @@ async def live() -> dict[str, str]:
 @router.get(
     "/health/ready",
     summary="Whether designs are answered",
-    responses={503: PROBLEMS[503]},
+    responses=problems(OPERATION_TEXTS, 503),
 )
 async def ready(request: Request) -> Response:
     """Answer 200 while a worker lives whose solvers are built, and the queue has room."""

@@ -2,7 +2,6 @@
 
 import re
 from pathlib import Path
-from typing import Any
 
 from fastapi import APIRouter, Request
 from starlette.responses import Response, StreamingResponse
@@ -10,9 +9,10 @@ from starlette.responses import Response, StreamingResponse
 from design.errors import InvalidInputError
 from design.export.registry import EXPORTS
 from schemas.problems import FieldFault
-from schemas.tables import TableJob, TableJobs
+from schemas.tables import TableJob, TableJobs, TableRequest
 from service.http.bodies import client_of, read_body, while_connected
 from service.http.byte_ranges import file_response
+from service.http.openapi import TABLE_TEXTS, body_of, problems
 from service.jobs.adding import KeyReusedError
 from service.jobs.plan import Plan, planned, told
 from service.jobs.records import Job
@@ -39,30 +39,6 @@ ID = re.compile(r"[0-9a-f]{32}\Z")
 
 KEY_HEADER = "Idempotency-Key"
 KEY = re.compile(r"[ -~]{1,255}\Z")
-
-PROBLEM = {
-    "content": {
-        "application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDocument"}}
-    }
-}
-
-
-def _problems(*codes: int) -> dict[int | str, dict[str, Any]]:
-    texts = {
-        400: "Not JSON",
-        404: "No such table",
-        408: "The body did not arrive in time",
-        409: "Not in this state",
-        413: "Too large",
-        415: "Not declared as JSON",
-        416: "No such range",
-        422: "A field or a header breaks its rule",
-        500: "The service failed",
-        503: "Overloaded, or the job store does not answer",
-        504: "Time limit",
-    }
-    return {code: {"description": texts[code], **PROBLEM} for code in codes}
-
 
 router = APIRouter()
 
@@ -99,7 +75,7 @@ def _answered(job: Job, status: int = 200) -> Response:
     "/v1/tables",
     status_code=202,
     response_model=TableJob,
-    responses=_problems(400, 408, 413, 415, 422, 500, 503, 504),
+    responses=problems(TABLE_TEXTS, 400, 408, 413, 415, 422, 500, 503, 504),
     openapi_extra={
         "parameters": [
             {
@@ -116,12 +92,7 @@ def _answered(job: Job, status: int = 200) -> Response:
                 },
             }
         ],
-        "requestBody": {
-            "required": True,
-            "content": {
-                "application/json": {"schema": {"$ref": "#/components/schemas/TableRequest"}}
-            },
-        },
+        "requestBody": body_of(TableRequest, JSON[0]),
     },
     summary="Begin a table of designs over axes or a list",
 )
@@ -161,7 +132,10 @@ def _refused_key(rule: str) -> ProblemError:
 
 
 @router.get(
-    "/v1/tables", response_model=TableJobs, responses=_problems(503), summary="The newest tables"
+    "/v1/tables",
+    response_model=TableJobs,
+    responses=problems(TABLE_TEXTS, 503),
+    summary="The newest tables",
 )
 async def listed(request: Request) -> Response:
     """Answer with the newest jobs, newest first."""
@@ -174,7 +148,7 @@ async def listed(request: Request) -> Response:
 @router.get(
     "/v1/tables/{id}",
     response_model=TableJob,
-    responses=_problems(404, 503),
+    responses=problems(TABLE_TEXTS, 404, 503),
     summary="State and progress of a table",
 )
 async def state(request: Request, id: str) -> Response:
@@ -185,7 +159,7 @@ async def state(request: Request, id: str) -> Response:
 @router.delete(
     "/v1/tables/{id}",
     response_model=TableJob,
-    responses=_problems(404, 409, 503),
+    responses=problems(TABLE_TEXTS, 404, 409, 503),
     summary="Cancel a table, or delete one that has ended",
 )
 async def delete(request: Request, id: str) -> Response:
@@ -212,7 +186,7 @@ async def delete(request: Request, id: str) -> Response:
     "/v1/tables/{id}/resume",
     status_code=202,
     response_model=TableJob,
-    responses=_problems(404, 409, 503),
+    responses=problems(TABLE_TEXTS, 404, 409, 503),
     summary="Go on with a table that has failed",
 )
 async def resume(request: Request, id: str) -> Response:
@@ -240,7 +214,7 @@ async def resume(request: Request, id: str) -> Response:
     "/v1/tables/{id}/events",
     response_class=Response,
     responses={
-        **_problems(404, 503),
+        **problems(TABLE_TEXTS, 404, 503),
         200: {
             "description": "An event `progress` a change, then one named for the last state; "
             "`gone` where the table was deleted",
@@ -263,7 +237,7 @@ async def events(request: Request, id: str) -> Response:
     "/v1/tables/{id}/result",
     response_class=Response,
     responses={
-        **_problems(404, 409, 413, 416, 422, 500, 503, 504),
+        **problems(TABLE_TEXTS, 404, 409, 413, 416, 422, 500, 503, 504),
         200: {
             "description": "The file",
             "content": {export.media_type: {} for export in EXPORTS.values()},
