@@ -9,7 +9,6 @@ from starlette.responses import JSONResponse, Response
 
 from schemas.catalogue import Catalogue
 from schemas.designs import DesignRequest
-from service import operations
 from service.dispatch import OPERATIONS, Answer, answer
 from service.http.batches import Batch
 from service.http.bodies import (
@@ -20,8 +19,10 @@ from service.http.bodies import (
     while_connected,
 )
 from service.http.openapi import OPERATION_TEXTS, body_of, problems
+from service.operations.table import TABLE
 from service.problems import NOT_JSON, OVERLOADED, TOO_LARGE, Problem, ProblemError
 from service.settings import Settings
+from service.version import version
 from service.workers.costs import shape_of
 from service.workers.pool import WorkerPool
 
@@ -77,16 +78,16 @@ class BareRoute(APIRoute):
         return self.endpoint
 
 
-for _name, _operation in OPERATIONS.items():
+for _name, _row in TABLE.items():
     router.add_api_route(
-        _operation.path,
+        _row.path,
         _answering(_name),
         methods=["POST"],
         name=_name,
-        response_model=_operation.response,
+        response_model=OPERATIONS[_name].response,
         responses=PROBLEMS,
-        openapi_extra={"requestBody": body_of(_operation.request, JSON[0])},
-        summary=_operation.summary,
+        openapi_extra={"requestBody": body_of(OPERATIONS[_name].request, JSON[0])},
+        summary=_row.summary,
         route_class_override=BareRoute,
     )
 
@@ -142,4 +143,4 @@ async def ready(request: Request) -> Response:
     if not _pool(request).ready:
         problem = Problem(OVERLOADED, "no worker is ready, or too much work is waiting")
         raise ProblemError(problem)
-    return JSONResponse({"status": "ready", "version": operations.version()})
+    return JSONResponse({"status": "ready", "version": version()})

@@ -9,8 +9,8 @@ import pytest
 from design.pictures.trace_sheet import MOST_ROWS, trace_sheet
 from design.trace import TraceStep
 from schemas.designs import DesignRequest, DesignResponse
+from service.catalogue import shaper_catalogue
 from service.dispatch import respond
-from service.operations import shaper_catalogue
 from service.problems import Problem
 from tests.conftest import CRANE
 from tests.service.cli.test_command_line import shapersmith
