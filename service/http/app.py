@@ -19,23 +19,35 @@ from service.settings import Settings
 from service.version import version
 from service.workers.memory import settle
 from service.workers.pool import WorkerPool
+from service.workers.protocol import Pool
 
 
-def create_app(settings: Settings, jobs: JobService | None = None) -> FastAPI:
-    """Build the service; its workers start and end with the application's lifespan."""
+def create_app(
+    settings: Settings, *, jobs: JobService | None = None, pool: Pool | None = None
+) -> FastAPI:
+    """Build the service; its jobs and its pool start and end with the application's lifespan.
 
-    @asynccontextmanager
-    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+    Parameters
+    ----------
+    settings
+        Limits, and the workers of a pool that is not given.
+    jobs
+        The table jobs; None in a process that has none.
+    pool
+        Answers the requests; None for one of worker processes.
+    """
+    if pool is None:
         pool = WorkerPool(
             workers=settings.workers,
             time_limit_s=settings.time_limit_s,
             max_pending=settings.max_pending,
             memory_bytes=settings.worker_memory_bytes,
         )
-        app.state.pool = pool
-        # Neither is made while others wait.
-        app.state.catalogue = shaper_catalogue().model_dump_json().encode()
-        app.openapi()
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        pool.start()
+        app.openapi()  # not while others wait
         if jobs is not None:
             jobs.start()
         settle()
@@ -54,6 +66,8 @@ def create_app(settings: Settings, jobs: JobService | None = None) -> FastAPI:
     )
     app.state.settings = settings
     app.state.jobs = jobs
+    app.state.pool = pool
+    app.state.catalogue = shaper_catalogue().model_dump_json().encode()
     app.state.stopping = lambda: False  # the server tells: streams must not hold it up
     if jobs is not None:
         jobs.stopping = lambda: app.state.stopping()

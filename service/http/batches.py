@@ -6,7 +6,7 @@ from collections import deque
 from service.dispatch import Answer, answer_lines
 from service.problems import TIME_LIMIT, Problem, ProblemError
 from service.workers.costs import shape_of
-from service.workers.pool import WorkerPool
+from service.workers.protocol import Pool
 from service.workers.runs import SplitError
 
 PART_S = 0.05
@@ -31,9 +31,7 @@ class Batch:
         How long all of it may take [s]; lines without an answer by then have a problem each.
     """
 
-    def __init__(
-        self, pool: WorkerPool, lines: list[bytes], *, client: str, limit_s: float
-    ) -> None:
+    def __init__(self, pool: Pool, lines: list[bytes], *, client: str, limit_s: float) -> None:
         self._pool = pool
         self._lines = lines
         self._client = client

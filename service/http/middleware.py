@@ -11,7 +11,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from service.http.bodies import client_of
 from service.operations.table import TABLE
 from service.problems import INTERNAL, OVERLOADED, Problem
-from service.workers.pool import WorkerPool
+from service.workers.protocol import Pool
 
 REQUEST_ID = re.compile(rb"[A-Za-z0-9._-]{1,64}\Z")
 """Ids of clients that are taken over; others are replaced."""
@@ -44,7 +44,7 @@ class RequestMiddleware:
         """
         if scope["method"] != "POST" or scope["path"] not in PATHS:
             return None
-        pool: WorkerPool = scope["app"].state.pool
+        pool: Pool = scope["app"].state.pool
         return pool.refusal(client_of(scope))
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:

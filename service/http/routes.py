@@ -24,7 +24,7 @@ from service.problems import NOT_JSON, OVERLOADED, TOO_LARGE, Problem, ProblemEr
 from service.settings import Settings
 from service.version import version
 from service.workers.costs import shape_of
-from service.workers.pool import WorkerPool
+from service.workers.protocol import Pool
 
 JSON = ("application/json",)
 JSON_LINES = (
@@ -44,8 +44,8 @@ def _settings(request: Request) -> Settings:
     return settings
 
 
-def _pool(request: Request) -> WorkerPool:
-    pool: WorkerPool = request.app.state.pool
+def _pool(request: Request) -> Pool:
+    pool: Pool = request.app.state.pool
     return pool
 
 

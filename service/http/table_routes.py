@@ -30,7 +30,7 @@ from service.problems import (
 from service.settings import Settings
 from service.version import version
 from service.workers.costs import shape_of
-from service.workers.pool import WorkerPool
+from service.workers.protocol import Pool
 
 JSON = ("application/json",)
 MOST_LISTED = 100
@@ -50,8 +50,8 @@ def _jobs(request: Request) -> JobService:
     return jobs
 
 
-def _pool(request: Request) -> WorkerPool:
-    pool: WorkerPool = request.app.state.pool
+def _pool(request: Request) -> Pool:
+    pool: Pool = request.app.state.pool
     return pool
 
 
