@@ -14,7 +14,7 @@ from service.http.middleware import RequestMiddleware
 from service.http.openapi import document_bodies, serve_docs
 from service.http.routes import router
 from service.http.table_routes import router as table_router
-from service.jobs.service import JobService
+from service.jobs.protocol import Jobs
 from service.settings import Settings
 from service.version import version
 from service.workers.memory import settle
@@ -23,7 +23,7 @@ from service.workers.protocol import Pool
 
 
 def create_app(
-    settings: Settings, *, jobs: JobService | None = None, pool: Pool | None = None
+    settings: Settings, *, jobs: Jobs | None = None, pool: Pool | None = None
 ) -> FastAPI:
     """Build the service; its jobs and its pool start and end with the application's lifespan.
 

@@ -15,9 +15,9 @@ from service.http.byte_ranges import file_response
 from service.http.openapi import TABLE_TEXTS, body_of, problems
 from service.jobs.adding import KeyReusedError
 from service.jobs.plan import Plan, planned, told
+from service.jobs.protocol import Jobs
 from service.jobs.records import Job
-from service.jobs.results import export_of, write_result_of
-from service.jobs.service import JobService
+from service.jobs.results import export_of
 from service.problems import (
     CONFLICT,
     INVALID,
@@ -43,8 +43,8 @@ KEY = re.compile(r"[ -~]{1,255}\Z")
 router = APIRouter()
 
 
-def _jobs(request: Request) -> JobService:
-    jobs: JobService | None = request.app.state.jobs
+def _jobs(request: Request) -> Jobs:
+    jobs: Jobs | None = request.app.state.jobs
     if jobs is None:
         raise ProblemError(Problem(OVERLOADED, "this process has no job store"))
     return jobs
@@ -109,7 +109,7 @@ async def begin(request: Request) -> Response:
     if isinstance(plan, Problem):
         raise ProblemError(plan)
     try:
-        job_id = await jobs.writing.ask(jobs.store.add, plan.job, key)
+        job_id = await jobs.add(plan.job, key)
     except KeyReusedError:
         raise _refused_key("not be one that began a table of another specification") from None
     response = _answered(await _found(request, job_id), 202)
@@ -140,7 +140,7 @@ def _refused_key(rule: str) -> ProblemError:
 async def listed(request: Request) -> Response:
     """Answer with the newest jobs, newest first."""
     jobs = _jobs(request)
-    found = await jobs.reading.ask(jobs.store.jobs, MOST_LISTED)
+    found = await jobs.newest(MOST_LISTED)
     tables = TableJobs(tables=[told(job) for job in found])
     return Response(tables.model_dump_json(), media_type="application/json")
 
@@ -171,14 +171,12 @@ async def delete(request: Request, id: str) -> Response:
     jobs = _jobs(request)
     job = await _found(request, id)
     if not job.ended:
-        if await jobs.writing.ask(jobs.store.cancel, id):
-            jobs.cleaner.wake()
+        if await jobs.cancel(id):
             return _answered(await _found(request, id))
         raise ProblemError(Problem(CONFLICT, "the table has ended by now: once more deletes it"))
-    if not await jobs.writing.ask(jobs.store.delete, id):
+    if not await jobs.delete(id):
         now = await _found(request, id)
         raise ProblemError(Problem(CONFLICT, f"the table is {now.state} by now: once more cancels"))
-    jobs.cleaner.wake()
     return _answered(job)
 
 
@@ -195,7 +193,7 @@ async def resume(request: Request, id: str) -> Response:
     job = await _found(request, id)
     if not job.sound:
         raise ProblemError(Problem(CONFLICT, f"the table cannot go on: {job.reason}"))
-    resumed = job.state == "failed" and await jobs.writing.ask(jobs.store.resume, id)
+    resumed = job.state == "failed" and await jobs.resume(id)
     job = await _found(request, id)
     if resumed:
         return _answered(job, 202)
@@ -227,7 +225,7 @@ async def events(request: Request, id: str) -> Response:
     """Send the state whenever it changes, until the job has ended."""
     job = await _found(request, id)
     return StreamingResponse(
-        _jobs(request).watching.events(job),
+        _jobs(request).events(job),
         media_type="text/event-stream",
         headers={"cache-control": "no-store"},
     )
@@ -283,15 +281,11 @@ async def _made(request: Request, job: Job, name: str, path: Path) -> None:
     """Have a worker make a file, once for all who ask for it, as long as one of them waits."""
     settings: Settings = request.app.state.settings
     work = _pool(request).run(
-        write_result_of,
-        _jobs(request).store.url,
-        job.id,
-        name,
-        str(path),
+        _jobs(request).writing_of(job.id, name),
         client=client_of(request),
         kind="background",
         shape=(name, job.rows.bit_length()),
-        key=(write_result_of, path),
+        key=path,
         limit_s=settings.export_limit_s,
     )
     problem: Problem | None = await while_connected(request, work)
