@@ -114,6 +114,14 @@ class Problem:
     retry_after_s: int = 1
     trace: tuple[TraceStep, ...] = ()
 
+    @property
+    def headers(self) -> dict[str, str]:
+        """Headers of its answer over HTTP: when to ask again, of what passes.
+
+        A problem may come from a worker, whose kinds are equal to these and not the same.
+        """
+        return {"retry-after": str(self.retry_after_s)} if self.kind == OVERLOADED else {}
+
     def document(self, request_id: str | None = None) -> ProblemDocument:
         """Return the problem document."""
         return ProblemDocument(

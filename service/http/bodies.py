@@ -13,7 +13,6 @@ from starlette.types import Scope
 
 from service.dispatch import Answer
 from service.problems import (
-    OVERLOADED,
     REQUEST_TIMEOUT,
     TOO_LARGE,
     UNSUPPORTED_MEDIA_TYPE,
@@ -133,7 +132,7 @@ def problem_response(problem: Problem, request_id: str | None) -> Response:
         problem.document(request_id).model_dump_json(),
         status_code=problem.kind.http.value,
         media_type="application/problem+json",
-        headers={"retry-after": str(problem.retry_after_s)} if problem.kind is OVERLOADED else None,
+        headers=problem.headers,
     )
 
 

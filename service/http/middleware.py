@@ -10,7 +10,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.http.bodies import client_of
 from service.operations.table import TABLE
-from service.problems import INTERNAL, OVERLOADED, Problem
+from service.problems import INTERNAL, Problem
 from service.workers.protocol import Pool
 
 REQUEST_ID = re.compile(rb"[A-Za-z0-9._-]{1,64}\Z")
@@ -102,8 +102,7 @@ async def _send_problem(problem: Problem, request_id: str, send: Send) -> None:
         (b"content-type", b"application/problem+json"),
         (b"content-length", str(len(body)).encode()),
     ]
-    if problem.kind is OVERLOADED:
-        headers.append((b"retry-after", str(problem.retry_after_s).encode()))
+    headers += [(name.encode(), value.encode()) for name, value in problem.headers.items()]
     await send({
         "type": "http.response.start",
         "status": problem.kind.http.value,
