@@ -11,7 +11,6 @@ import asyncio
 import logging
 import time
 from asyncio import get_running_loop
-from collections import Counter
 from collections.abc import Callable, Hashable
 from dataclasses import replace
 from functools import partial
@@ -20,6 +19,7 @@ from typing import cast
 from service.problems import INTERNAL, TIME_LIMIT, TOO_LARGE, Problem
 from service.workers.costs import SLICE_S, Costs
 from service.workers.crew import Crew
+from service.workers.large import oldest_overdue, youngest_overdue, youngest_second
 from service.workers.patience import Patience
 from service.workers.process import Outcome, Worker
 from service.workers.protocol import Arguments, Result
@@ -340,7 +340,7 @@ class WorkerPool:
 
     def _promote(self) -> bool:
         """Give the oldest task that is overdue a place for large work, if there is one."""
-        run = self._oldest_overdue()
+        run = oldest_overdue(self._busy.values())
         if run is None or run.worker is None:
             return False
         run.large, run.overdue = True, False
@@ -349,30 +349,20 @@ class WorkerPool:
 
     def _end_an_overdue(self) -> None:
         """End the youngest task that is overdue, as others wait; it waits for its place."""
-        overdue = [run for run in self._busy.values() if run.overdue]
-        if overdue:
-            run = max(overdue, key=lambda one: one.begun)
+        run = youngest_overdue(self._busy.values())
+        if run is not None:
             self._end_worker(run, "its task is large and all places for such are taken")
             self._to_large(run, self.costs.of(run.client, run.shape))
 
     def _end_a_second(self) -> None:
         """End the youngest large task of a client that has several, as one waits who has none."""
-        large = [run for run in self._busy.values() if run.large]
-        holders = Counter(run.client for run in large)
-        if all(ticket.flow.client in holders for ticket in self._large):
-            return
-        several = [run for run in large if holders[run.client] > 1]
-        if several:
-            run = max(several, key=lambda one: one.begun)
+        run = youngest_second(self._busy.values(), self._large)
+        if run is not None:
             self._end_worker(run, "its client has another large task, and one waits who has none")
             ticket = run.ticket
             del self._runs[ticket]
             run.stop_timers()
             self._wait(run, replace(ticket.flow, large=True), self.costs.of(run.client, run.shape))
-
-    def _oldest_overdue(self) -> Run | None:
-        overdue = [run for run in self._busy.values() if run.overdue]
-        return min(overdue, key=lambda one: one.begun, default=None)
 
     # What dies.
 
