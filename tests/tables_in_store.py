@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 from service.jobs.plan import Plan, planned
 from service.jobs.service import JobService
@@ -10,9 +11,9 @@ from service.jobs.work import compute_chunk, packed
 from service.settings import Settings
 
 
-def jobs_in(folder: Path) -> JobService:
+def jobs_in(folder: Path, **settings: Any) -> JobService:
     """Return the table jobs of a folder, which no process computes."""
-    return JobService(Settings(data_dir=str(folder), job_workers=0))
+    return JobService(Settings(data_dir=str(folder), job_workers=0, **settings))
 
 
 def add_done(store: Store, table: object) -> str:

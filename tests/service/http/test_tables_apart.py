@@ -194,6 +194,27 @@ def test_what_was_left_of_a_deletion_is_erased_at_the_next_start(tmp_path: Path)
     store.close()
 
 
+def test_a_table_that_has_been_kept_long_enough_goes_with_its_file(
+    here: InProcess, jobs: JobService, stored: Stored, tmp_path: Path
+) -> None:
+    young = add_done(jobs.store, TABLE)
+    for one in (stored.job, young):
+        assert here.ask("GET", f"/v1/tables/{one}/result").status_code == 200
+    store = sqlite3.connect(stored.file, timeout=60)
+    older = "UPDATE jobs SET last_finished = last_finished - 86400 WHERE id = ?"
+    store.execute(older, (stored.job,))
+    store.commit()
+    store.close()
+    cleaning = jobs_in(tmp_path, keep_tables_days=0.9)
+    cleaning.start()
+    until(lambda: jobs.store.job(stored.job) is None, "the table is still there")
+    until(lambda: not stored.result.exists(), "its file is still there")
+    cleaning.close()
+    assert here.ask("GET", f"/v1/tables/{stored.job}").status_code == 404
+    assert here.ask("GET", f"/v1/tables/{young}").status_code == 200
+    assert jobs.path_of(young, "csv").exists()
+
+
 @pytest.mark.parametrize("blob", [None, b"", b"no rows", "cut", "text"])
 def test_rows_that_are_damaged_are_told_and_leave_no_file(
     here: InProcess, stored: Stored, blob: Any

@@ -346,24 +346,6 @@ def test_a_service_that_is_started_again_goes_on_with_its_jobs(tmp_path: Path) -
         assert ended(client, location)["verified"] == 400
 
 
-def test_a_table_that_has_been_kept_long_enough_goes_with_its_file(tmp_path: Path) -> None:
-    kept_s = 5.0
-    settings: dict[str, Any] = {"workers": 1, "job_workers": 1}
-    files = tmp_path / "data" / "results"
-    with running_service(tmp_path / "log", **settings) as service, service.client() as client:
-        location = client.post("/v1/tables", json=TABLE).headers["location"]
-        ended(client, location)
-        assert client.get(f"{location}/result").status_code == 200
-    assert len(list(files.iterdir())) == 1
-    time.sleep(kept_s)
-    settings["keep_tables_days"] = kept_s / 86_400
-    with running_service(tmp_path / "log", **settings) as service, service.client() as client:
-        deadline = time.monotonic() + 300
-        while client.get(location).status_code != 404 or list(files.iterdir()):
-            assert time.monotonic() < deadline
-            time.sleep(0.1)
-
-
 def test_the_largest_body_is_answered(tmp_path: Path) -> None:
     largest = Settings().max_table_bytes
     head = json.dumps({**TABLE, "axes": None, "chunk_rows": 10_000})[:-1] + ', "designs": ['
