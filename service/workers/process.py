@@ -21,7 +21,7 @@ from multiprocessing import forkserver
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from service.workers.solvers import warm_solvers
 from service.workers.watchdog import end_with_parent
@@ -80,7 +80,7 @@ class Worker(asyncio.Protocol):
     def __init__(
         self,
         memory_bytes: int,
-        told: Callable[["Worker", Outcome, Any], None],
+        told: Callable[["Worker", Outcome, object], None],
         lost: Callable[["Worker"], None],
     ) -> None:
         self._told = told
@@ -135,7 +135,7 @@ class Worker(asyncio.Protocol):
         self._transport = None
         self._lost(self)
 
-    def send(self, task: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+    def send(self, task: Callable[..., object], arguments: tuple[object, ...]) -> None:
         """Send a task; its outcome is told, or the worker is lost."""
         message = pickle.dumps((task, arguments))
         if self._transport is not None:
@@ -227,7 +227,7 @@ def _work(pipe: Connection, memory_bytes: int) -> None:
         return  # the pool has closed its end
 
 
-def _outcome(task: Callable[..., Any], arguments: tuple[Any, ...]) -> bytes:
+def _outcome(task: Callable[..., object], arguments: tuple[object, ...]) -> bytes:
     """Do a task; return the pickle of how it ended, what it gave, and the processor time so far."""
     outcome: Outcome
     try:
