@@ -6,8 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from benchmarks.measure import Figure, alternating_medians, ratio
-from design.model.actuators import Ideal
-from design.model.plants import Mode
+from design.model.actuators.ideal import Ideal
+from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from design.shapers.specified_insensitivity import BandOptions

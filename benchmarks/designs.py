@@ -9,14 +9,16 @@ import casadi as ca
 import numpy as np
 
 from benchmarks.measure import Figure, alternating_medians, ratio
-from design.analysis.residual import evenly_spaced_vectors
 from design.analysis.sensitivity import SensitivityRange, sensitivity
+from design.analysis.vectors import evenly_spaced_vectors
+from design.fields import Axis
 from design.formulations.unity_magnitude import ZVD_POLYNOMIALS
-from design.maps.field_map import Axis, MapCase, field_map
-from design.model.actuators import SecondOrder, SecondOrderSet
+from design.maps.field_map import field_map
+from design.maps.map_case import MapCase
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.commands import convolved, pulse
 from design.model.impulses import Impulses
-from design.model.plants import Pendulum
+from design.model.plants.pendulum import Pendulum
 from design.moves.maneuvers import maneuver
 from design.moves.playback import motion
 from design.pipeline import design

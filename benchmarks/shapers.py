@@ -12,8 +12,12 @@ from benchmarks.designs import ACTUATOR
 from benchmarks.measure import Figure, alternating_medians, ratio
 from design.formulations.formulation import ClosedForm
 from design.formulations.humps import humped
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder
-from design.model.plants import Mode, Modes
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
 from design.pipeline import design
 from design.shapers import numsi
 from design.shapers.ei import ToleranceOptions
@@ -59,7 +63,7 @@ def constructor(name: str, mode: Mode, actuator: Actuator) -> Callable[[], Float
     kind = SHAPERS[name]
 
     def run() -> FloatArray:
-        found = kind.formulate(mode, actuator, kind.options())
+        found = kind.formulate(kind.case((mode,), actuator))
         if not isinstance(found, ClosedForm):
             raise TypeError(f"{name} is no closed form here")
         return found.impulses.times_s
@@ -95,13 +99,12 @@ def closed_forms() -> Iterator[Figure]:
         limit="50 us each",
         met=took[slowest] <= LONGEST_CLOSED_FORM_S,
     )
-    cold = []
+    cold, um_ei = [], SHAPERS["um_ei"]
     for number in range(60):
         humped.cache_clear()
         mode = Mode(natural_frequency_rad_s=3.5, damping_ratio=0.2 * (number + 1) / 60)
-        run = functools.partial(
-            SHAPERS["um_ei"].formulate, mode, Ideal(), ToleranceOptions(tolerance=0.05)
-        )
+        case = um_ei.case((mode,), Ideal(), ToleranceOptions(tolerance=0.05))
+        run = functools.partial(um_ei.formulate, case)
         cold.append(processor_ms(run))
     yield Figure(
         what="`um_ei` of a damping ratio not solved before, z to .2, median",

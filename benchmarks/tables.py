@@ -11,8 +11,8 @@ from scipy.optimize import minimize
 
 from benchmarks.measure import Figure
 from design.formulations.unity_magnitude import ZVD_POLYNOMIALS
-from design.model.actuators import SecondOrder, SecondOrderSet
-from design.model.plants import Mode
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.plants.mode import Mode
 from design.shapers.registry import SHAPERS
 from design.tables.compute import compute_rows
 from design.tables.kernel import rows_of_problems, solved

@@ -1,31 +1,35 @@
-"""One design from request to proof.
-
-plant + actuator -> formulation -> seeds -> solver -> impulses -> certificate -> residual, warnings
-"""
+"""One design from request to proof: check, formulate, solve, certify, describe."""
 
 import math
-from dataclasses import dataclass, fields, replace
-from typing import Any
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
-from design.analysis.certificate import Certificate, certify, rounding_of
-from design.analysis.judge import DesignWarning, drive_warnings, judge, shortfall_of
-from design.analysis.residual import require_workable
-from design.analysis.sensitivity import insensitivity
-from design.claims import Promise, within, zeros
+from design.analysis.certificate import Certificate, rounding_of
+from design.analysis.insensitivity import insensitivity
+from design.analysis.judge import (
+    DesignWarning,
+    Judgement,
+    drive_warnings,
+    judge,
+    shortfall_of,
+)
+from design.analysis.workable import require_workable
+from design.claims import Promise, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.formulations.formulation import Convolution, Formulation
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Plant, Scheduled
-from design.shapers.kind import ShaperKind
+from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
+from design.ranges import options_over, promises_over, require_over, worst_over
+from design.shapers.kind import DesignCase, KindOf, Options, ShaperKind
 from design.solvers.budget import Budget
-from design.solving.solve import Solution, SolverReport, solutions
+from design.solvers.solution import Solution, SolverReport
+from design.solving.solve import solve
+from design.trace import TraceStep
 
 BAND_MARGIN = 1e-6
-"""Share by which a band is told narrower than found: its ends are within the tolerance [-]."""
-
-BAND_OPTIONS = ("half_width", "lower_ratio", "upper_ratio")
-"""Options that say which band a kind keeps."""
+"""Share by which a band is reported narrower than found: its ends are within the tolerance [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -65,11 +69,27 @@ class Design:
         return max(self.residuals)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Certified:
+    """A solution that keeps what is promised of it.
+
+    Attributes
+    ----------
+    solution
+        What a solver answered with.
+    judgement
+        Its certificate, and what it does with the actuator given.
+    """
+
+    solution: Solution
+    judgement: Judgement
+
+
 def design(
     plant: Plant,
     actuator: Actuator,
-    kind: ShaperKind,
-    options: Any = None,  # noqa: ANN401
+    kind: KindOf[Options],
+    options: Options | None = None,
     budget: Budget | None = None,
 ) -> Design:
     """Design a shaper and prove it.
@@ -104,12 +124,31 @@ def design(
 
     Examples
     --------
-    >>> from design.model.actuators import Ideal
-    >>> from design.model.plants import Pendulum
+    >>> from design.model.actuators.ideal import Ideal
+    >>> from design.model.plants.pendulum import Pendulum
     >>> from design.shapers.registry import SHAPERS
     >>> crane = Pendulum(cable_length_m=0.8)
     >>> design(crane, Ideal(), SHAPERS["umzvd"]).certificate.verified
     True
+    """
+    budget = Budget() if budget is None else budget
+    case = check(plant, actuator, kind, options)
+    formulation = kind.formulate(case)
+    solutions = solve(formulation, budget)
+    certified = certify(solutions, formulation, kind, plant, actuator, budget)
+    return describe(certified, plant, actuator)
+
+
+def check(
+    plant: Plant, actuator: Actuator, kind: KindOf[Options], options: Options | None
+) -> DesignCase[Options]:
+    """Return the case to formulate, if the kind serves it.
+
+    Raises
+    ------
+    InvalidInputError
+        If the kind does not serve the actuator, the drive's resonance is the plant's, or an option
+        does not go with the plant.
     """
     if actuator.kind not in kind.actuators:
         raise InvalidInputError(
@@ -120,40 +159,69 @@ def design(
     modes = plant.modes
     for mode in modes:
         require_workable(mode, actuator)
-    options = kind.options() if options is None else options
-    if isinstance(plant, Scheduled):
-        options = _over_range(plant, options)
-    formulation = _formulation(modes, actuator, kind, options)
-    promises = promises_of(formulation, kind, modes)
-    if isinstance(plant, Scheduled):
-        promises = (*promises, *_promise_over_range(plant, promises))
+    case = kind.case(modes, actuator, options)
+    return replace(case, options=options_over(plant, case.options))
+
+
+def certify(
+    solutions: Iterator[Solution],
+    formulation: Formulation,
+    kind: ShaperKind,
+    plant: Plant,
+    actuator: Actuator,
+    budget: Budget,
+) -> Certified:
+    """Return the first solution that keeps what is promised of it.
+
+    Parameters
+    ----------
+    solutions
+        Those of the formulation, the likeliest optimum first.
+    formulation
+        What they solve.
+    kind
+        The shaper's.
+    plant
+        What moves.
+    actuator
+        What drives it.
+    budget
+        That of the search, which notes what is rejected and why.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If there is no solution, or its times are too long for doubles to hold what it claims.
+    SolverFailedError
+        If there are solutions, and none keeps its promises.
+    """
+    modes = plant.modes
+    promises = promises_over(plant, promises_of(formulation, kind, modes))
     unverified: Certificate | None = None
     others = 0
     try:
-        for solution in solutions(formulation, budget):
-            impulses, designed_for = solution.impulses, formulation.designed_for
-            told = [_with_its_band(one, solution, modes, designed_for) for one in promises]
-            if None in told:
+        for solution in solutions:
+            kept = [
+                _with_its_band(one, solution, modes, formulation.designed_for) for one in promises
+            ]
+            if None in kept:
                 others += 1
+                _note(budget, solution, "it is above the tolerance between its own zeros")
                 continue
-            asked = tuple(promise for promise in told if promise is not None)
-            judged = judge(
-                impulses, modes, actuator, asked, name=kind.name, designed_for=designed_for
+            judgement = judge(
+                solution.impulses,
+                modes,
+                actuator,
+                tuple(promise for promise in kept if promise is not None),
+                name=kind.name,
+                designed_for=formulation.designed_for,
             )
-            certificate = judged.certificate
+            certificate = judgement.certificate
+            _note(budget, solution, shortfall_of(certificate))
             if certificate.verified:
-                return Design(
-                    impulses=impulses,
-                    residuals=judged.residuals,
-                    certificate=certificate,
-                    for_ideal=judged.for_ideal,
-                    solver=solution.solver,
-                    warnings=(*judged.warnings, *drive_warnings(impulses, modes, actuator)),
-                    worst_in_range=_worst_in_range(impulses, plant, actuator),
-                )
-            if isinstance(plant, Scheduled):
-                _require_over_range(kind, certificate)
-            _require_doubles_to_hold(impulses, modes, certificate)
+                return Certified(solution=solution, judgement=judgement)
+            require_over(plant, kind.name, certificate)
+            _require_doubles_to_hold(solution.impulses, modes, certificate)
             unverified = certificate
     except InfeasibleDesignError as error:
         if unverified is None and others:
@@ -166,6 +234,34 @@ def design(
         raise SolverFailedError(f"no solution of {kind.name} was found, and none was excluded")
     raise SolverFailedError(
         f"no solution of {kind.name} was verified; of the last one {shortfall_of(unverified)}"
+    )
+
+
+def describe(certified: Certified, plant: Plant, actuator: Actuator) -> Design:
+    """Return what is to be known of a certified solution."""
+    impulses, judgement = certified.solution.impulses, certified.judgement
+    return Design(
+        impulses=impulses,
+        residuals=judgement.residuals,
+        certificate=judgement.certificate,
+        for_ideal=judgement.for_ideal,
+        solver=certified.solution.solver,
+        warnings=(*judgement.warnings, *drive_warnings(impulses, plant.modes, actuator)),
+        worst_in_range=worst_over(plant, impulses, actuator),
+    )
+
+
+def _note(budget: Budget, solution: Solution, shortfall: str) -> None:
+    """Note that a solution was verified, or why it was rejected."""
+    budget.note(
+        TraceStep(
+            stage="certify",
+            method="certificate",
+            start=solution.solver.seed,
+            outcome="rejected" if shortfall else "verified",
+            duration_s=solution.impulses.duration_s,
+            detail=shortfall,
+        )
     )
 
 
@@ -184,72 +280,6 @@ def _require_doubles_to_hold(
         f"command lasts {phase / math.tau:.4g} of that mode's periods, and the rounding of "
         f"double precision makes {claim.value:.3g} of it (limit {claim.limit:g}). Modes nearer "
         "to each other, or a kind that claims fewer derivatives, can be proved"
-    )
-
-
-def _formulation(
-    modes: tuple[Mode, ...],
-    actuator: Actuator,
-    kind: ShaperKind,
-    options: Any,  # noqa: ANN401
-) -> Formulation:
-    if kind.formulate_jointly is not None:
-        return kind.formulate_jointly(modes, actuator, options)
-    if len(modes) > 1:
-        raise InvalidInputError(
-            "plant.modes",
-            f"{len(modes)} modes",
-            f"a list of one: {kind.name} serves a single mode; multi_zv, multi_umzv and convolved "
-            "serve several",
-        )
-    return kind.formulate(modes[0], actuator, options)
-
-
-def _over_range(plant: Scheduled, options: Any) -> Any:  # noqa: ANN401
-    """Return the options with the plant's range as the band, of a kind that takes one."""
-    if not hasattr(options, "half_width"):
-        return options
-    for option in fields(options):
-        given = getattr(options, option.name)
-        if option.name in BAND_OPTIONS and given != option.default:
-            raise InvalidInputError(
-                f"shaper.{option.name}",
-                given,
-                "left out for a scheduled plant, whose range of frequencies is the band",
-            )
-    try:
-        return replace(options, half_width=plant.band[1] - 1)
-    except InvalidInputError as error:
-        raise InvalidInputError(
-            "plant.to",
-            f"{error.value:g} of it",
-            f"such that the range's frequencies reach to either side of their middle {error.rule}",
-        ) from None
-
-
-def _promise_over_range(plant: Scheduled, promises: tuple[Promise, ...]) -> tuple[Promise, ...]:
-    """Promise a kind's tolerance over the range; one without a band promises no more there."""
-    limits = [promise.limit for promise in promises if promise.quantity == "band"]
-    return tuple(within(limit, plant.band) for limit in sorted(limits)[-1:])
-
-
-def _worst_in_range(impulses: Impulses, plant: Plant, actuator: Actuator) -> float | None:
-    if not isinstance(plant, Scheduled):
-        return None
-    asked = within(math.inf, plant.band)
-    return certify(impulses, plant.middle, actuator, (asked,)).claims[0].value
-
-
-def _require_over_range(kind: ShaperKind, certificate: Certificate) -> None:
-    """Raise InfeasibleDesignError if all that fails is the tolerance over the plant's range."""
-    *own, over_range = certificate.claims
-    if over_range.band is None or over_range.holds or not all(claim.holds for claim in own):
-        return
-    low, high = over_range.band
-    raise InfeasibleDesignError(
-        f"{kind.name} leaves {over_range.value:.4g} within the range of frequencies, {low:.4g} to "
-        f"{high:.4g} of its middle, more than its tolerance {over_range.limit:g}: narrow the "
-        "range, raise the tolerance, or take a kind with more humps"
     )
 
 

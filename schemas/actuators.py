@@ -4,13 +4,13 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from design.model.actuators import (
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.model import Model
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.second_order import (
     LARGEST_DAMPING_RATIO,
     SMALLEST_DAMPING_RATIO,
-    FirstOrder,
-    Ideal,
-    Model,
-    RateLimited,
     SecondOrder,
     SecondOrderSet,
 )

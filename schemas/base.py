@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from design.errors import InvalidInputError
-from design.model.plants import LARGEST_DAMPING_RATIO
+from design.model.plants.mode import LARGEST_DAMPING_RATIO
 from design.types import LARGEST
 
 

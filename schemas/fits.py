@@ -6,8 +6,9 @@ from typing import Annotated, Self
 from pydantic import Field
 
 from design.analysis.judge import DesignWarning
-from design.curve_fit import HIGHEST_DEGREE, Fit, FitRange, Form
-from design.curve_fit import Field as PlantField
+from design.curve_fit.fit_range import HIGHEST_DEGREE, FitRange, Form
+from design.curve_fit.fit_range import Field as PlantField
+from design.curve_fit.polynomials import Fit
 from design.errors import InvalidInputError
 from schemas.actuators import ActuatorIn
 from schemas.base import Wire

@@ -8,10 +8,12 @@ from pydantic import Field
 
 from design.analysis.judge import DesignWarning
 from design.errors import InvalidInputError
-from design.maps.field_map import Axis, Map, MapCase, Move, Quantity, Recipe
-from design.model.actuators import Actuator, Model
+from design.fields import Axis, space_evenly
+from design.maps.map_case import Map, MapCase, Move, Quantity, Recipe
+from design.model.actuators.model import Model
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Plant
+from design.model.plants.registry import Plant
 from design.types import FloatArray
 from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Wire, named
@@ -53,13 +55,7 @@ class AxisIn(Wire):
             raise InvalidInputError(
                 "from", None, "given together with to, or values in their place"
             )
-        if not self.to > self.from_:
-            raise InvalidInputError("to", self.to, f"greater than from, {self.from_!r}")
-        if self.spacing == "linear":
-            return np.linspace(self.from_, self.to, self.points)
-        if self.from_ <= 0:
-            raise InvalidInputError("from", self.from_, "> 0 for geometric spacing")
-        return np.geomspace(self.from_, self.to, self.points)
+        return space_evenly(self.from_, self.to, self.points, self.spacing)
 
 
 class MoveIn(Wire):

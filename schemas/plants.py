@@ -6,15 +6,11 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from design.errors import InvalidInputError
-from design.model.plants import (
-    MOST_MODES,
-    STANDARD_GRAVITY_M_S2,
-    Mode,
-    Modes,
-    Pendulum,
-    Scheduled,
-    SpringMass,
-)
+from design.model.plants.mode import Mode
+from design.model.plants.modes import MOST_MODES, Modes
+from design.model.plants.pendulum import STANDARD_GRAVITY_M_S2, Pendulum
+from design.model.plants.scheduled import Scheduled
+from design.model.plants.spring_mass import SpringMass
 from schemas.base import PlantDamping, Positive, Wire, named
 
 

@@ -4,15 +4,15 @@ from typing import Annotated, Self
 
 from pydantic import Field
 
+from design.analysis.insensitivity import Insensitivity
 from design.analysis.sensitivity import (
     MOST_POINTS,
     RATIO_BOUNDS,
     DampingRange,
-    Insensitivity,
     Sensitivity,
     SensitivityRange,
 )
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from schemas.actuators import ActuatorIn
 from schemas.base import PlantDamping, Wire, left_out_if_none
 from schemas.impulses import ImpulsesWire

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import Field, create_model
 
 from design.errors import InvalidInputError
-from design.sampling.sampled import SAMPLE_TOLERANCE
+from design.sampling.sampled_design import SAMPLE_TOLERANCE
 from design.shapers.kind import ShaperKind
 from design.shapers.registry import SHAPERS
 from schemas.base import Positive, Wire

@@ -9,17 +9,16 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, ValidationError
 
-from design.curve_fit import plants_at_ends
+from design.curve_fit.fit_range import plants_at_ends
 from design.errors import InvalidInputError
 from design.export.program import DEFAULT_TITLE
+from design.fields import Axis, Path, Spacing, space_evenly
 from design.tables.rows import Subject, TableHead
 from design.tables.specification import (
     COLUMNS,
     DEFAULT_COLUMNS,
     MOST_CHUNK_ROWS,
     MOST_ROWS,
-    Axis,
-    Path,
     TableSpecification,
     require_rows,
 )
@@ -68,7 +67,7 @@ class TableAxis(Wire):
     to: float | None = None
     points: Annotated[int | None, Field(ge=1, le=MOST_ROWS)] = None
     spacing: Annotated[
-        Literal["linear", "geometric", "chebyshev"],
+        Spacing,
         Field(description="chebyshev: points of the second kind, both ends among them."),
     ] = "linear"
     values: list[float] | None = None
@@ -93,21 +92,7 @@ class TableAxis(Wire):
             )
         if self.points > MOST_POINTS:
             raise InvalidInputError("points", self.points, f"at most {MOST_POINTS} on one axis")
-        if not self.to > self.from_:
-            raise InvalidInputError("to", self.to, f"greater than from, {self.from_!r}")
-        if self.spacing == "linear":
-            return np.linspace(self.from_, self.to, self.points)
-        if self.spacing == "chebyshev":
-            angles = np.pi * np.arange(self.points) / max(self.points - 1, 1)
-            middle, half = (self.from_ + self.to) / 2, (self.to - self.from_) / 2
-            values = middle - half * np.cos(angles)
-            values[0] = self.from_
-            if self.points > 1:
-                values[-1] = self.to
-            return values
-        if self.from_ <= 0:
-            raise InvalidInputError("from", self.from_, "> 0 for geometric spacing")
-        return np.geomspace(self.from_, self.to, self.points)
+        return space_evenly(self.from_, self.to, self.points, self.spacing)
 
 
 class Tolerances(Wire):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from design.curve_fit import Fit
+from design.curve_fit.polynomials import Fit
 from design.errors import InfeasibleDesignError
 from design.pipeline import design
 from design.tables.rows import STATUSES, Column, Rows, TableHead, subject_of

@@ -12,26 +12,18 @@ from typing import Any, Literal
 import numpy as np
 
 from design.errors import InvalidInputError
-from design.model.actuators import (
-    Actuator,
-    FirstOrder,
-    Ideal,
-    Model,
-    RateLimited,
-    SecondOrder,
-    SecondOrderSet,
-    Unlimited,
-)
-from design.model.plants import (
-    LARGEST_DAMPING_RATIO,
-    WIDEST_SPREAD,
-    Mode,
-    Modes,
-    Pendulum,
-    Plant,
-    Scheduled,
-    SpringMass,
-)
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.model import Model
+from design.model.actuators.rate_limited import RateLimited, Unlimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.modes import WIDEST_SPREAD, Modes
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
+from design.model.plants.spring_mass import SpringMass
 from design.shapers.kind import ShaperKind
 from design.shapers.registry import SHAPERS
 
@@ -94,7 +86,7 @@ def case(number: int) -> Case:
     """Return a case."""
     rng = np.random.default_rng([SEED, number])
     kind = SHAPERS[ROUND[number % len(ROUND)]]
-    plant = random_plant(rng, several=kind.formulate_jointly is not None)
+    plant = random_plant(rng, several=kind.serves_several)
     fastest = max(mode.natural_frequency_rad_s for mode in plant.modes)
     actuator = random_actuator(rng, fastest, kind.actuators)
     options, refused = random_options(rng, kind.options)

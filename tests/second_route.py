@@ -9,9 +9,13 @@ import math
 
 import numpy as np
 
-from design.model.actuators import Actuator, FirstOrder, Ideal, RateLimited, SecondOrder
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.types import ComplexArray, FloatArray
 
 

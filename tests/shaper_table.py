@@ -6,20 +6,19 @@ A new entry of `design.shapers.registry` needs a row here; a test fails until it
 from dataclasses import dataclass
 from typing import Any
 
-from design.model.actuators import (
-    Actuator,
-    FirstOrder,
-    Ideal,
-    RateLimited,
-    SecondOrder,
-    SecondOrderSet,
-)
-from design.model.plants import Mode, Pendulum, Plant
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
 from design.shapers.ei import ToleranceOptions
-from design.shapers.kind import NoOptions, PeakOptions, SettleOptions
 from design.shapers.negative import NegativeOptions
 from design.shapers.numei import HumpOptions
 from design.shapers.numsi import UnityBandOptions
+from design.shapers.options import NoOptions, PeakOptions, SettleOptions
 from design.shapers.positive import MzvOptions
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions

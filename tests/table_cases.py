@@ -4,8 +4,12 @@ from typing import Any
 
 import numpy as np
 
-from design.model.actuators import Actuator, FirstOrder, Ideal, Model, SecondOrder, SecondOrderSet
-from design.model.plants import Mode
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.model import Model
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.plants.mode import Mode
 from design.shapers.registry import SHAPERS
 from design.tables.specification import TableSpecification
 from design.types import FloatArray

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from design.analysis.peaks import largest_between
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.response.simulation import ringing_after
 from design.types import FloatArray
 

@@ -9,10 +9,10 @@ from numpy.polynomial import chebyshev
 
 from design.analysis.band import largest_in_band
 from design.claims import ZERO_LIMITS, Promise, Quantity
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.response.matrix_exponential import exponentials
 from design.response.simulation import ringing_after
 from design.types import ComplexArray, FloatArray

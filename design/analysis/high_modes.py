@@ -2,9 +2,9 @@
 
 from design.analysis.peaks import largest_between
 from design.analysis.residual import residual_curve
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 
 HIGH_MODES = (1.5, 10.0)
 """Ratios of frequency that count as high modes [-].

@@ -13,10 +13,11 @@ import numpy as np
 from design.analysis.certificate import Certificate, Claim, certify_modes
 from design.analysis.residual import residual_vibration
 from design.claims import Promise
-from design.model.actuators import SETTLED_SHARE, Actuator, unit_ramps_s
+from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
-from design.model.plants import Mode
+from design.model.lags import SETTLED_SHARE
+from design.model.plants.mode import Mode
 
 SLOW_ACTUATOR = 2.0
 """Corner frequency over the plant's below which the thesis advises against (eq. 3.41) [-]."""
@@ -118,7 +119,8 @@ def judge(
     Examples
     --------
     >>> import numpy as np
-    >>> from design.model.actuators import FirstOrder, Ideal
+    >>> from design.model.actuators.first_order import FirstOrder
+    >>> from design.model.actuators.ideal import Ideal
     >>> from design.claims import zeros
     >>> mode = Mode(natural_frequency_rad_s=3.5)
     >>> phases = np.pi * np.array([0, 1 / 3, 2 / 3])

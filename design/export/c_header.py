@@ -11,18 +11,18 @@ from string import Template
 
 import numpy as np
 
-from design.curve_fit import Fit
+from design.curve_fit.polynomials import Fit
 from design.export.kind import Export
 from design.export.program import (
     HASH_DIGITS,
     Listing,
     check_program,
+    comment,
     decimal,
+    dividing,
     listing,
     name_of,
     range_of,
-    remarks,
-    unit_of_frequency,
 )
 from design.tables.columns import names_of
 from design.tables.rows import Rows, TableHead
@@ -162,7 +162,7 @@ def write_c(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     upper = name.upper()
     rows = listing(head, runs)
     # A title or a reason must not end the comment.
-    top = "\n   ".join(line.replace("*/", "* /") for line in remarks(head, rows))
+    top = comment(head, rows, {"*/": "* /"})
     yield f"/* {top}\n   float rounds each number by up to 6e-8 of itself. */\n".encode()
     # By the specification too: a second file of the same names is an error, it does not vanish.
     guard = f"{upper}_{head.specification_sha256[:HASH_DIGITS].upper()}_H"
@@ -171,7 +171,7 @@ def write_c(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     yield f"{REAL}\n{_columns(head, upper)}\n".encode()
     yield from _table(name, rows)
     if head.fit is not None:
-        yield _evaluator(head, head.fit, name).encode()
+        yield _evaluator(head.fit, name).encode()
     yield SHAPER.substitute(NAME=name, UPPER=upper).encode()
     yield b"\n#endif\n"
 
@@ -210,8 +210,7 @@ def _literal(value: float) -> str:
     return "NAN" if np.isnan(value) else f"SHAPERSMITH_C({decimal(value)})"
 
 
-def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
-    in_phases = fit.value != "time_s"
+def _evaluator(fit: Fit, name: str) -> str:
     first, last = range_of(fit)
     text = EVALUATOR.substitute(
         NAME=name,
@@ -220,10 +219,10 @@ def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
         FIRST=decimal(first),
         LAST=decimal(last),
         FORMULA=fit.formula,
-        DIVIDED="value / natural_frequency_rad_s" if in_phases else "value",
-        UNUSED="" if in_phases else "\n    (void)natural_frequency_rad_s;",
+        DIVIDED=dividing(fit),
+        UNUSED="" if fit.in_phases else "\n    (void)natural_frequency_rad_s;",
     )
-    unit = unit_of_frequency(head, fit)
+    unit = fit.frequency_unit_rad_s
     if unit is not None:
         text += AT_FREQUENCY.substitute(NAME=name, UNIT=decimal(unit))
     upper = name.upper()

@@ -40,13 +40,13 @@ from design.export.klipper_shapers import (
     older_klipper_impulses,
     rounding_of_mzv,
 )
-from design.model.actuators import Ideal
+from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.shapers.ei import ToleranceOptions
 from design.shapers.positive import MzvOptions
-from design.tables.columns import names_of, require_times
+from design.tables.columns import require_times, varied_paths
 from design.tables.rows import Rows, Subject, TableHead, subject_of
 
 NAMES = {
@@ -106,7 +106,7 @@ def write_klipper(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
         If Klipper would refuse the line of a row, or play other impulses than those of the row.
     """
     subject = subject_of(head)
-    paths = [name.split(".") for name in names_of(head, "field")]
+    paths = varied_paths(head)
 
     def commands(rows: Rows, index: int) -> list[str]:
         where = f"row {rows.first + index}"

@@ -23,10 +23,12 @@ from typing import NamedTuple
 import numpy as np
 
 from design.analysis.residual import residual_vibration
-from design.model.actuators import Actuator, RateLimited
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.commands import convolved
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Plant
+from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
 from design.types import FloatArray
 
 PRESSES = 40

@@ -8,13 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.curve_fit import Fit
+from design.curve_fit.polynomials import Fit
 from design.errors import InvalidInputError
 from design.export.header import comment_lines
 from design.export.live import live_remarks
-from design.model.actuators import FirstOrder, SecondOrder
 from design.model.impulses import Impulses
-from design.tables.columns import amplitudes_of, names_of, require_times, times_of
+from design.tables.columns import amplitudes_of, require_times, times_of, varied_paths
 from design.tables.rows import STATUSES, WITH_DESIGN, Rows, TableHead, subject_of
 from design.types import FloatArray
 
@@ -142,12 +141,33 @@ def remarks(head: TableHead, rows: Listing) -> list[str]:
     return lines
 
 
+def comment(head: TableHead, rows: Listing, harmless: dict[str, str]) -> str:
+    """Return the lines of the comment at the top of a program, without the marks around it.
+
+    Parameters
+    ----------
+    head, rows
+        The table.
+    harmless
+        What stands in place of the marks that would end or open a comment of the language, by mark.
+    """
+    text = "\n   ".join(remarks(head, rows))
+    for mark, other in harmless.items():
+        text = text.replace(mark, other)
+    return text
+
+
+def dividing(fit: Fit) -> str:
+    """Return the expression, equal in C and Structured Text, that turns a value into a time."""
+    return "value / natural_frequency_rad_s" if fit.in_phases else "value"
+
+
 def _of_live_commands(head: TableHead, rows: Listing) -> list[str]:
     """Return what the delay line of the program does to a command that changes at any time."""
     designed = np.flatnonzero(np.isin(rows.status, WITH_DESIGN))
     if not designed.size:
         return []
-    subject, paths = subject_of(head), [name.split(".") for name in names_of(head, "field")]
+    subject, paths = subject_of(head), varied_paths(head)
     first = int(designed[0])
     plant, drive, _ = subject.at(paths, rows.numbers[first, : len(paths)].tolist())
     drives = [drive]
@@ -160,20 +180,6 @@ def _of_live_commands(head: TableHead, rows: Listing) -> list[str]:
         drives,
         positive=bool((rows.amplitudes[designed] > 0).all()),
     )
-
-
-def unit_of_frequency(head: TableHead, fit: Fit) -> float | None:
-    """Return what the plant's frequency is divided by to give x [rad/s]; None if x is not that."""
-    if fit.value == "time_s":
-        return 1.0
-    if fit.variable.meaning == "damping_ratio":
-        return None
-    actuator = subject_of(head).actuator
-    if isinstance(actuator, SecondOrder):
-        return actuator.accel.natural_frequency_rad_s
-    if isinstance(actuator, FirstOrder) and actuator.accel_time_constant_s > 0:
-        return 1 / actuator.accel_time_constant_s
-    return float(fit.variable.meaning.rpartition("/ ")[2])
 
 
 def range_of(fit: Fit) -> tuple[float, float]:

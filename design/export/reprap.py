@@ -34,7 +34,7 @@ from design.export.firmware import (
 )
 from design.export.kind import Export
 from design.model.impulses import Impulses
-from design.tables.columns import names_of, require_times
+from design.tables.columns import require_times, varied_paths
 from design.tables.rows import Rows, TableHead, subject_of
 
 MOST_IMPULSES = 5
@@ -73,7 +73,7 @@ def write_reprap(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
         If the firmware cannot take the impulses of a row, or rounds them too far.
     """
     subject = subject_of(head)
-    paths = [name.split(".") for name in names_of(head, "field")]
+    paths = varied_paths(head)
 
     def commands(rows: Rows, index: int) -> list[str]:
         where = f"row {rows.first + index}"

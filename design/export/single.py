@@ -4,7 +4,7 @@ import hashlib
 
 import numpy as np
 
-from design.curve_fit import Fit
+from design.curve_fit.polynomials import Fit
 from design.export.program import HASH_DIGITS
 from design.pipeline import Design
 from design.tables.rows import VERIFIED, VERIFIED_IDEAL, Column, Rows, Subject, TableHead

@@ -9,17 +9,17 @@ from string import Template
 
 import numpy as np
 
-from design.curve_fit import Fit
+from design.curve_fit.polynomials import Fit
 from design.export.kind import Export
 from design.export.program import (
     Listing,
     check_program,
+    comment,
     decimal,
+    dividing,
     listing,
     name_of,
     range_of,
-    remarks,
-    unit_of_frequency,
 )
 from design.tables.rows import WITH_DESIGN, Rows, TableHead
 from design.types import FloatArray
@@ -185,9 +185,7 @@ def write_st(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     name = name_of(head)
     rows = listing(head, runs)
     # A title must not end or open a comment.
-    top = "\n   ".join(
-        line.replace("*)", "* )").replace("(*", "( *") for line in remarks(head, rows)
-    )
+    top = comment(head, rows, {"*)": "* )", "(*": "( *"})
     yield f"(* {top} *)\n\n".encode()
     yield _table(head, name, rows).encode()
     if head.fit is not None:
@@ -229,7 +227,7 @@ def _lines(texts: list[str]) -> str:
 
 
 def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
-    unit = unit_of_frequency(head, fit)
+    unit = fit.frequency_unit_rad_s
     frequency = "    natural_frequency_rad_s : LREAL;"
     by_frequency = unit is not None
     first, last = range_of(fit)
@@ -246,7 +244,7 @@ def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
         PREPARED=f"x := natural_frequency_rad_s / {_literal(unit)};\n" if unit is not None else "",
         LASTCOEFFICIENT=fit.coefficients.size - 1,
         COEFFICIENTS=_listed(fit.coefficients),
-        DIVIDED="value" if fit.value == "time_s" else "value / natural_frequency_rad_s",
+        DIVIDED=dividing(fit),
     )
 
 

@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 from design.claims import Promise, within
 from design.formulations.equations import Seed
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.types import ComplexArray, FloatArray
 
 

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from design.claims import Promise
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.types import BoolArray, FloatArray
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 from design.claims import Promise, Quantity
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import Problem
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.types import ComplexArray
 

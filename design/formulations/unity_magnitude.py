@@ -12,9 +12,11 @@ import numpy as np
 from design.errors import InfeasibleDesignError
 from design.formulations.equations import Expressions, Problem, Seed
 from design.formulations.symbolic import alternating_steps, with_slopes, with_swing
-from design.model.actuators import Actuator, RateLimited, ramp_responses, unit_ramps_s
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.initial_state import FreeSwing
-from design.model.plants import Mode
+from design.model.lag_motions import ramp_responses
+from design.model.plants.mode import Mode
 from design.model.reference_ramps import ramp_factors
 from design.types import FloatArray
 

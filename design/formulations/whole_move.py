@@ -16,9 +16,10 @@ from design.formulations.unity_magnitude import (
     swing_parameters,
     switched_order,
 )
-from design.model.actuators import Actuator, RateLimited
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.initial_state import FreeSwing
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.types import FloatArray
 
 TRAIN_PERIODS = (1.0, 0.6, 1.4)

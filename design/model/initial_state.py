@@ -5,7 +5,9 @@ import math
 from dataclasses import dataclass, replace
 
 from design.errors import InvalidInputError
-from design.model.plants import Mode, Pendulum, Plant
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
 from design.types import LARGEST
 
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.model.actuators import Actuator, RateLimited
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.types import BoolArray, ComplexArray, FloatArray
 

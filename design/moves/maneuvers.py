@@ -11,22 +11,20 @@ from design.analysis.judge import DesignWarning, drive_warnings, judge, shortfal
 from design.claims import ZERO_LIMITS, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.formulations.unity_magnitude import PERIOD_RAD
-from design.model.actuators import (
-    Actuator,
-    FirstOrder,
-    RateLimited,
-    SecondOrder,
-    Unlimited,
-    require_speed,
-)
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.rate_limited import RateLimited, Unlimited
+from design.model.actuators.registry import Actuator, require_speed
+from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing, InitialSwing, free_swing
-from design.model.plants import Mode, Plant
+from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
 from design.moves.rest_to_rest import Parts, faster_as_one, over_distance, over_pulse, with_swing
 from design.pipeline import design
 from design.response.closed_form import travel
-from design.shapers.kind import PeakOptions, SettleOptions, ShaperKind
-from design.solving.solve import solutions
+from design.shapers.kind import ShaperKind
+from design.shapers.options import PeakOptions, SettleOptions
+from design.solving.solve import solve
 from design.types import LARGEST, SMALLEST, require_scale
 
 LONGEST_PERIODS = 500.0
@@ -155,8 +153,8 @@ def maneuver(
 
     Examples
     --------
-    >>> from design.model.actuators import Ideal
-    >>> from design.model.plants import Pendulum
+    >>> from design.model.actuators.ideal import Ideal
+    >>> from design.model.plants.pendulum import Pendulum
     >>> from design.shapers.registry import SHAPERS
     >>> crane = Pendulum(cable_length_m=0.8)
     >>> move = maneuver(crane, Ideal(), SHAPERS["umzvd"], speed_m_s=0.2, distance_m=-0.42)
@@ -326,7 +324,7 @@ def _require_provable(name: str, value: float, travel_s: float, mode: Mode) -> N
 
 def _parts(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any) -> Parts:  # noqa: ANN401
     start = design(plant, actuator, kind, options).impulses
-    formulation = kind.formulate(plant.mode, actuator, options)
+    formulation = kind.formulate(kind.case(plant.modes, actuator, options))
     peak = options.max_velocity_ratio if isinstance(options, PeakOptions) else 1.0
     if not set(np.cumsum(start.amplitudes[:-1]).tolist()) <= {0.0, peak} or formulation.claims:
         raise InvalidInputError(
@@ -355,9 +353,10 @@ def _parts(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any) -> 
 def _with_stop(parts: Parts, plant: Plant, kind: ShaperKind, options: Any) -> Parts:  # noqa: ANN401
     """Return the parts with a stop that leaves nothing, begun at rest at full speed."""
     turned = swapped(parts.actuator)
-    if parts.peak == 1 or kind.formulate_stop is None:
+    if parts.peak == 1:
         return replace(parts, stop=_negative(design(plant, turned, kind, options).impulses))
-    for found in solutions(kind.formulate_stop(parts.mode, turned, options)):
+    stop = replace(kind.case((parts.mode,), turned, options), is_stop=True)
+    for found in solve(kind.formulate(stop)):
         # By itself it is no start: above twice the speed its second step would increase |command|.
         tried = replace(parts, stop=_negative(found.impulses))
         if tried.verified(tried.whole(tried.rest_pulse_s)):

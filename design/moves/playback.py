@@ -4,10 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.analysis.residual import RESONANCE, residual_vibration, unshaped_deflection_s
-from design.model.actuators import Actuator, require_speed
+from design.analysis.residual import residual_vibration
+from design.analysis.unshaped import unshaped_deflection_s
+from design.analysis.workable import RESONANCE
+from design.model.actuators.registry import Actuator, require_speed
 from design.model.impulses import Impulses
-from design.model.plants import Pendulum, Plant
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
 from design.response.closed_form import history
 from design.response.simulation import simulated_history
 from design.types import FloatArray, require_scale

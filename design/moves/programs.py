@@ -9,10 +9,10 @@ from design.analysis.judge import DesignWarning, judge
 from design.analysis.residual import residual_vibration
 from design.claims import zeros
 from design.errors import InvalidInputError
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.sampling.sample_grid import ON_SAMPLE, split
 from design.types import SMALLEST, FloatArray, require_between
 

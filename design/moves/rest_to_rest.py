@@ -18,10 +18,11 @@ from design.formulations.unity_magnitude import (
     switched_order,
 )
 from design.formulations.whole_move import WholeMove, whole_move_problem
-from design.model.actuators import Actuator, RateLimited, unit_ramps_s
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.response.closed_form import travel
 from design.solvers import ipopt, newton
 from design.solvers.continuation import Path, followed

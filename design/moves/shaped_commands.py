@@ -13,10 +13,10 @@ import numpy as np
 from design.analysis.certificate import TOLERANCE_MARGIN, Claim
 from design.analysis.judge import DesignWarning, judge
 from design.claims import Promise
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.model.commands import convolved
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.pipeline import Design
 
 

@@ -10,7 +10,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, LogNorm, Normalize
 from matplotlib.figure import Figure
 
-from design.maps.field_map import Axis, Map, MapCase, Quantity, Recipe
+from design.fields import Axis, name_in_words, unit_of
+from design.maps.map_case import Map, MapCase, Quantity, Recipe
 from design.pictures.curve_sheet import Curve, curve_sheet
 from design.pictures.style import INK, SMALL_PT, house_style
 from design.types import FloatArray
@@ -268,13 +269,9 @@ def _draw_scale(
     drawn.outline.set_edgecolor(INK)
 
 
-UNITS = ("rad_s", "m_s2", "m_s", "s", "m")
-
-
 def axis_label(axis: Axis) -> str:
     """Name a field in words, its unit in brackets."""
-    name = axis.path[-1]
-    unit = next((unit for unit in UNITS if name.endswith(f"_{unit}")), "")
-    words = " ".join([*axis.path[1:-1], name.removesuffix(f"_{unit}").replace("_", " ")])
+    words = " ".join([*axis.path[1:-1], name_in_words(axis.path[-1])])
     words = "pulse duration" if words == "pulse" else words
-    return f"{words} [{unit.replace('_', '/').replace('s2', 's²') or '-'}]"
+    unit = unit_of(axis.path[-1])
+    return f"{words} [{'-' if unit == '1' else unit.replace('^2', '²')}]"

@@ -2,7 +2,8 @@
 
 from matplotlib.axes import Axes
 
-from design.analysis.sensitivity import Insensitivity, Sensitivity
+from design.analysis.insensitivity import Insensitivity
+from design.analysis.sensitivity import Sensitivity
 from design.pictures.style import (
     BRIGHT,
     DEEP,

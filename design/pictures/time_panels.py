@@ -4,11 +4,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from design.analysis.residual import unshaped_deflection_s
+from design.analysis.unshaped import unshaped_deflection_s
 from design.claims import ZERO_LIMITS
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.pictures.style import BRIGHT, DEEP, GREY, INK, PALE, SMALL_PT, legend_above, name_panel
 from design.response.closed_form import history
 from design.types import FloatArray

@@ -4,11 +4,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from design.analysis.residual import terms_of_residual
+from design.analysis.vectors import terms_of_residual
 from design.claims import ZERO_LIMITS
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.model.reference_ramps import reference
 from design.pictures.style import (
     BRIGHT,
@@ -46,7 +46,7 @@ def vibration_vectors(impulses: Impulses, mode: Mode, actuator: Actuator) -> Com
 
     Examples
     --------
-    >>> from design.model.actuators import Ideal
+    >>> from design.model.actuators.ideal import Ideal
     >>> half_period = Impulses(times_s=np.array([0.0, np.pi]), amplitudes=np.array([0.5, 0.5]))
     >>> vectors = vibration_vectors(half_period, Mode(natural_frequency_rad_s=1.0), Ideal())
     >>> bool(abs(vectors.sum()) < 1e-15)

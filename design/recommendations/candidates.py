@@ -12,13 +12,14 @@ from design.analysis.judge import DesignWarning
 from design.errors import DesignError
 from design.formulations.equations import Problem
 from design.formulations.formulation import ClosedForm, Convolution
-from design.model.actuators import Actuator
-from design.model.plants import Modes, Plant
+from design.model.actuators.registry import Actuator
+from design.model.plants.modes import Modes
+from design.model.plants.registry import Plant
 from design.pipeline import Design, design
 from design.recommendations.choices import Choice
 from design.recommendations.requirements import Question
-from design.sampling.sampled import SAMPLE_TOLERANCE, sampled_design
-from design.sampling.unity_grid import cuts_ramps
+from design.sampling.left import cuts_ramps
+from design.sampling.sampled_design import SAMPLE_TOLERANCE, sampled_design
 from design.shapers.several_modes import FREQUENCIES_A_RADIAN, PROOF_WORK, impulses_of
 from design.solvers.budget import Budget
 
@@ -208,11 +209,7 @@ def effort(choice: Choice, question: Question) -> float:
     modes, actuator = question.designed_for, question.actuator
     kind = choice.kind
     try:
-        options = kind.options(**choice.options)
-        if kind.formulate_jointly is not None:
-            found = kind.formulate_jointly(modes, actuator, options)
-        else:
-            found = kind.formulate(modes[0], actuator, options)
+        found = kind.formulate(kind.case(modes, actuator, kind.options(**choice.options)))
     except DesignError:
         return 0.0  # what is refused at once
     if isinstance(found, ClosedForm):
@@ -230,11 +227,11 @@ PROGRAMS_EFFORT = 20.0
 
 def _convolved_impulses(choice: Choice, question: Question) -> int:
     """Return how many impulses a convolved shaper has, 0 for another."""
-    formulate = choice.kind.formulate_jointly
-    if "base" not in choice.options or formulate is None:
+    kind = choice.kind
+    if "base" not in choice.options:
         return 0
-    options = choice.kind.options(**choice.options)
-    found = formulate(question.designed_for, question.actuator, options)
+    options = kind.options(**choice.options)
+    found = kind.formulate(kind.case(question.designed_for, question.actuator, options))
     return impulses_of(found.parts) if isinstance(found, Convolution) else 0
 
 

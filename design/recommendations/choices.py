@@ -50,7 +50,7 @@ def serves(kind: ShaperKind, question: Question) -> bool:
 
     Those for several serve one too, but are there what they are made of: `zv`, `umzv`, their bases.
     """
-    return (len(question.nominal) > 1) == (kind.formulate_jointly is not None)
+    return (len(question.nominal) > 1) == kind.serves_several
 
 
 def choices(kind: ShaperKind, question: Question) -> Iterator[Choice]:

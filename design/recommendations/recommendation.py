@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.analysis.high_modes import HIGH_MODES
-from design.model.actuators import Actuator
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Plant
+from design.model.plants.registry import Plant
 from design.recommendations.candidates import Refused, designed, effort
 from design.recommendations.choices import choices, serves
 from design.recommendations.judging import Candidate, judged, percent, ranges
@@ -77,8 +77,8 @@ def recommend(plant: Plant, actuator: Actuator, requirements: Requirements) -> R
 
     Examples
     --------
-    >>> from design.model.actuators import Ideal
-    >>> from design.model.plants import Pendulum
+    >>> from design.model.actuators.ideal import Ideal
+    >>> from design.model.plants.pendulum import Pendulum
     >>> crane = Pendulum(cable_length_m=0.8)
     >>> known_well = Requirements(half_width=0.02, sign="positive")
     >>> [one.name for one in recommend(crane, Ideal(), known_well).candidates[:3]]

@@ -4,10 +4,13 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from design.analysis.residual import require_workable
+from design.analysis.workable import require_workable
 from design.errors import InvalidInputError
-from design.model.actuators import Actuator, unit_ramps_s
-from design.model.plants import LARGEST_DAMPING_RATIO, Mode, Modes, Plant, Scheduled
+from design.model.actuators.registry import Actuator, unit_ramps_s
+from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.modes import Modes
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
 from design.types import LARGEST, require_between, require_scale
 
 Sign = Literal["any", "positive", "unity"]

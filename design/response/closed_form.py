@@ -1,8 +1,8 @@
 """Exact response of actuator and mode to a command, in closed form.
 
 Between two changes of the reference every lag moves freely and the mode rings;
-`design.model.actuators.free_motions` and one complex exponential say how, for any damping. Nothing
-is stepped through time.
+`design.model.lag_motions.free_motions` and one complex exponential say how, for any damping.
+Nothing is stepped through time.
 """
 
 import math
@@ -11,9 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.errors import InvalidInputError
-from design.model.actuators import Actuator, Lag, Model, free_motions, ramp_responses
+from design.model.actuators.model import Model
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.lag_motions import free_motions, ramp_responses
+from design.model.lags import Lag
+from design.model.plants.mode import Mode
 from design.model.reference_ramps import Reference, ramp_factors, reference
 from design.types import ComplexArray, FloatArray
 
@@ -139,7 +142,7 @@ def travel(impulses: Impulses, actuator: Actuator) -> float:
 
     Examples
     --------
-    >>> from design.model.actuators import FirstOrder
+    >>> from design.model.actuators.first_order import FirstOrder
     >>> drive = FirstOrder(accel_time_constant_s=0.3, decel_time_constant_s=0.1)
     >>> move = Impulses(times_s=np.array([0.0, 2.0]), amplitudes=np.array([1.0, -1.0]))
     >>> round(travel(move, drive), 12)

@@ -14,9 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.model.actuators import Actuator, Lag, RateLimited
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.lags import Lag
+from design.model.plants.mode import Mode
 from design.model.reference_ramps import Reference, reference
 from design.response.closed_form import History
 from design.response.matrix_exponential import exponentials

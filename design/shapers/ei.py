@@ -7,27 +7,24 @@ nominal one. The equations and their solution are those of `design.formulations.
 import functools
 from dataclasses import dataclass
 
-from design.claims import Promise, within
+from design.claims import ZERO_LIMITS, Promise, within
 from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.humps import Humps, humped
-from design.model.actuators import Actuator, Ideal
+from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.model.plants import Mode
-from design.shapers.kind import (
+from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DesignCase, KindOf, ShaperKind
+from design.shapers.options import (
     LARGEST_TOLERANCE,
     SMALLEST_TOLERANCE,
-    ShaperKind,
+    ShaperOptions,
     tolerance_field,
 )
-from design.shapers.positive import EVERY_ACTUATOR, served
+from design.shapers.positive import served
 from design.types import require_between
-
-ZERO = 1e-9
-"""What counts as no residual: as in the certificate, which formulations do not import [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ToleranceOptions:
+class ToleranceOptions(ShaperOptions):
     """Parameters of the extra-insensitive shapers.
 
     Attributes
@@ -42,16 +39,15 @@ class ToleranceOptions:
         require_between("tolerance", self.tolerance, SMALLEST_TOLERANCE, LARGEST_TOLERANCE)
 
 
-def extra_insensitive(
-    mode: Mode, actuator: Actuator, options: ToleranceOptions, *, seed: str
-) -> Formulation:
+def extra_insensitive(case: DesignCase[ToleranceOptions], *, seed: str) -> Formulation:
     """Formulate one of the shapers of this module, by the name of its undamped form."""
+    mode, options = case.mode, case.options
     found = humped(seed, mode.damping_ratio, options.tolerance)
     return ClosedForm(
         impulses=Impulses(
             times_s=found.phases_rad / mode.natural_frequency_rad_s, amplitudes=found.amplitudes
         ),
-        designed_for=Ideal() if found.unity else served(actuator),
+        designed_for=Ideal() if found.unity else served(case.actuator),
         claims=_promises(found, options.tolerance),
         method="newton" if mode.damping_ratio > 0 or found.unity else "closed_form",
     )
@@ -59,7 +55,7 @@ def extra_insensitive(
 
 def _promises(found: Humps, tolerance: float) -> tuple[Promise, ...]:
     """Return what the curve keeps: a hump or a zero at the nominal frequency, and all humps."""
-    nominal = tolerance if 1.0 in found.peaks else ZERO
+    nominal = tolerance if 1.0 in found.peaks else ZERO_LIMITS["residual"]
     band = (float(found.zeros[0]), float(found.zeros[-1]))
     return (
         Promise(quantity="residual", limit=nominal),
@@ -68,14 +64,14 @@ def _promises(found: Humps, tolerance: float) -> tuple[Promise, ...]:
 
 
 def _kind(name: str, summary: str, source: str) -> ShaperKind:
-    return ShaperKind(
+    return KindOf(
         name=name,
         summary=summary,
         source=source,
         claims=("residual", "band"),
         options=ToleranceOptions,
-        actuators=EVERY_ACTUATOR,
-        formulate=functools.partial(extra_insensitive, seed=name),
+        actuators=EVERY_ACTUATOR_BY_ITS_LAG,
+        formulation=functools.partial(extra_insensitive, seed=name),
     )
 
 

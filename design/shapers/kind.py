@@ -1,122 +1,50 @@
 """What a shaper says of itself: its entry in the registry."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import partial
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
 
-from design.claims import Promise, Quantity
+from design.claims import Quantity
 from design.errors import InvalidInputError
 from design.formulations.formulation import Formulation
-from design.model.actuators import Actuator
-from design.model.plants import LARGEST_DAMPING_RATIO, Mode
-from design.types import require_between
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.shapers.options import ShaperOptions
 
-__all__ = [
-    "LARGEST_TOLERANCE",
-    "SMALLEST_TOLERANCE",
-    "DampingBound",
-    "NoOptions",
-    "PeakOptions",
-    "Promise",
-    "Quantity",
-    "SettleOptions",
-    "ShaperKind",
-    "for_one_of",
-    "tolerance_field",
-]
+Options = TypeVar("Options", bound=ShaperOptions)
 
-SHORTEST_HORIZON_PERIODS = 0.1
-LONGEST_HORIZON_PERIODS = 100.0
-"""Bounds of how long a shaper is searched, in undamped periods [-]."""
+EVERY_ACTUATOR = ("ideal", "first_order", "second_order", "rate_limited")
+"""Kinds of actuators, the one that asks most of a shaper last: the catalogue's example has it."""
 
-SMALLEST_PEAK = 0.01
-LARGEST_PEAK = 100.0
-"""Bounds of the peak command over the cruise speed: beyond them one of the two is nothing [-]."""
-
-
-SMALLEST_TOLERANCE, LARGEST_TOLERANCE = 1e-3, 0.5
-"""Bounds of a tolerance: below, zeros do as well; above, hardly any shaper is needed [-]."""
-
-USUAL_TOLERANCE = 0.05
-"""Tolerance of the literature [-]."""
-
-
-def tolerance_field(description: str) -> float:
-    """Return the field of a tolerance between `SMALLEST_TOLERANCE` and `LARGEST_TOLERANCE`."""
-    return field(
-        default=USUAL_TOLERANCE,
-        metadata={
-            "description": description,
-            "ge": SMALLEST_TOLERANCE,
-            "le": LARGEST_TOLERANCE,
-        },
-    )
+EVERY_ACTUATOR_BY_ITS_LAG = ("ideal", "rate_limited", "first_order", "second_order")
+"""The same for shapers that only use the acceleration set, of which a lag asks most."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SettleOptions:
-    """Parameters of the shapers whose steps may have to settle.
+class DesignCase(Generic[Options]):
+    """What a shaper is formulated for.
 
     Attributes
     ----------
-    settle
-        Whether the actuator must reach 80 % of each step before the next.
-    max_duration_periods
-        Longest shaper searched, in undamped periods of the plant [-].
+    modes
+        Those of the plant, in which nothing is to be left.
+    actuator
+        What drives it.
+    options
+        Parameters of the kind.
+    is_stop
+        Whether the negative of a stop is asked, the sets of the actuator being swapped for it.
     """
 
-    settle: bool = field(
-        default=False,
-        metadata={
-            "description": "Let the actuator reach 80 % of each step before the next switch."
-        },
-    )
-    max_duration_periods: float = field(
-        default=3.0,
-        metadata={
-            "description": "Longest shaper searched, in undamped periods of the plant.",
-            "ge": SHORTEST_HORIZON_PERIODS,
-            "le": LONGEST_HORIZON_PERIODS,
-        },
-    )
+    modes: tuple[Mode, ...]
+    actuator: Actuator
+    options: Options
+    is_stop: bool = False
 
-    def __post_init__(self) -> None:
-        require_between(
-            "max_duration_periods",
-            self.max_duration_periods,
-            SHORTEST_HORIZON_PERIODS,
-            LONGEST_HORIZON_PERIODS,
-        )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PeakOptions(SettleOptions):
-    """Parameters of the shapers whose first pulse may be higher than the cruise speed.
-
-    Attributes
-    ----------
-    max_velocity_ratio
-        Height of that pulse over the cruise speed [-].
-    """
-
-    max_velocity_ratio: float = field(
-        default=1.0,
-        metadata={
-            "description": "Peak of the command, over its cruise speed.",
-            "ge": SMALLEST_PEAK,
-            "le": LARGEST_PEAK,
-        },
-    )
-
-    def __post_init__(self) -> None:
-        SettleOptions.__post_init__(self)
-        require_between("max_velocity_ratio", self.max_velocity_ratio, SMALLEST_PEAK, LARGEST_PEAK)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NoOptions:
-    """A shaper without parameters."""
+    @property
+    def mode(self) -> Mode:
+        """The only mode, of kinds that serve one."""
+        return self.modes[0]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,11 +63,27 @@ class DampingBound:
     beyond: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CompiledRows:
+    """How the compiled kernel of tables solves a kind whose equations are as many as its unknowns.
+
+    Attributes
+    ----------
+    for_ideal
+        Whether the shaper knows no actuator: its rows are solved for an ideal one.
+    closed_form_undamped
+        Whether it is a closed form for an undamped plant behind superposed steps.
+    """
+
+    for_ideal: bool = False
+    closed_form_undamped: bool = False
+
+
 EVERY_PLANT = DampingBound(most=LARGEST_DAMPING_RATIO, beyond="there is no such plant")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ShaperKind:
+class KindOf(Generic[Options]):
     """One kind of shaper, which worker processes are sent: no function of it is made in another.
 
     Attributes
@@ -156,43 +100,74 @@ class ShaperKind:
         Record of its parameters; field metadata hold description and bounds.
     actuators
         Names of the actuator kinds that it serves.
-    formulate
-        From mode, actuator and options to a closed form or a problem.
-    formulate_stop
-        The same for the negative of a stop, given the actuator with its sets in each other's place;
-        None where that is a start.
-    formulate_jointly
-        The same for several modes; None for shapers of one mode.
+    formulation
+        From a case to a closed form or a problem.
+    most_modes
+        Modes of a plant that it serves, at most.
     damping
-        Up to which damping ratio of the plant it is: each of the three refuses what is beyond.
+        Up to which damping ratio of the plant it is: `formulate` refuses what is beyond.
+    compiled_rows
+        How tables solve it without the pipeline; None of kinds whose rows are designs.
+    has_branches
+        Whether its undamped closed form has branches, that maps can show.
     """
 
     name: str
     summary: str
     source: str
     claims: tuple[Quantity, ...]
-    options: type[Any]
+    options: type[Options]
     actuators: tuple[str, ...]
-    formulate: Callable[[Mode, Actuator, Any], Formulation]
-    formulate_stop: Callable[[Mode, Actuator, Any], Formulation] | None = None
-    formulate_jointly: Callable[[tuple[Mode, ...], Actuator, Any], Formulation] | None = None
+    formulation: Callable[[DesignCase[Options]], Formulation]
+    most_modes: int = 1
     damping: DampingBound = EVERY_PLANT
+    compiled_rows: CompiledRows | None = None
+    has_branches: bool = False
 
-    def __post_init__(self) -> None:
-        """Put the bound of damping ahead of everything that formulates."""
-        if self.damping is EVERY_PLANT:
-            return
-        for name in ("formulate", "formulate_stop"):
-            own = getattr(self, name)
-            if own is not None:
-                bounded = partial(_bounded, self.name, self.damping, own)
-                object.__setattr__(self, name, bounded)
+    @property
+    def serves_several(self) -> bool:
+        """Whether it serves plants of several modes."""
+        return self.most_modes > 1
+
+    def case(
+        self, modes: tuple[Mode, ...], actuator: Actuator, options: Options | None = None
+    ) -> DesignCase[Options]:
+        """Return a case of this kind, its options the usual ones if not given."""
+        return DesignCase(
+            modes=modes, actuator=actuator, options=self.options() if options is None else options
+        )
+
+    def formulate(self, case: DesignCase[Options]) -> Formulation:
+        """Return the closed form, or the problem, of a case.
+
+        Raises
+        ------
+        InvalidInputError
+            If the plant has more modes, or more damping, than the kind serves, or an option does
+            not go with the rest.
+        InfeasibleDesignError
+            If there is no such shaper.
+        """
+        if len(case.modes) > self.most_modes:
+            raise InvalidInputError(
+                "plant.modes",
+                f"{len(case.modes)} modes",
+                f"a list of one: {self.name} serves a single mode; multi_zv, multi_umzv and "
+                "convolved serve several",
+            )
+        if self.damping is not EVERY_PLANT:
+            self.require_damping(case.modes)
+        return self.formulation(case)
 
     def require_damping(self, modes: tuple[Mode, ...]) -> None:
         """Raise InvalidInputError for the first of several modes that is damped too much."""
         for number, mode in enumerate(modes):
             field_name = "plant" if len(modes) == 1 else f"plant.modes.{number}"
             require_damping(self.name, self.damping, mode, field_name)
+
+
+ShaperKind = KindOf[Any]
+"""A kind of shaper, whatever its parameters are."""
 
 
 def require_damping(
@@ -205,31 +180,3 @@ def require_damping(
             mode.damping_ratio,
             f"at most {damping.most:g} for {name}: beyond it {damping.beyond}",
         )
-
-
-def _bounded(
-    name: str,
-    damping: DampingBound,
-    formulate: Callable[[Mode, Actuator, Any], Formulation],
-    mode: Mode,
-    actuator: Actuator,
-    options: Any,  # noqa: ANN401
-) -> Formulation:
-    require_damping(name, damping, mode)
-    return formulate(mode, actuator, options)
-
-
-def for_one_of(
-    formulate_jointly: Callable[[tuple[Mode, ...], Actuator, Any], Formulation],
-) -> Callable[[Mode, Actuator, Any], Formulation]:
-    """Return how a shaper of several modes is formulated for a plant that has one."""
-    return partial(_for_one, formulate_jointly)
-
-
-def _for_one(
-    formulate_jointly: Callable[[tuple[Mode, ...], Actuator, Any], Formulation],
-    mode: Mode,
-    actuator: Actuator,
-    options: Any,  # noqa: ANN401
-) -> Formulation:
-    return formulate_jointly((mode,), actuator, options)

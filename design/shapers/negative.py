@@ -20,10 +20,9 @@ from design.formulations.unity_magnitude import (
     decel_over_accel,
     unity_magnitude_problem,
 )
-from design.model.actuators import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode
-from design.shapers.kind import DampingBound, ShaperKind
+from design.shapers.kind import DampingBound, DesignCase, KindOf
+from design.shapers.options import ShaperOptions
 from design.types import FloatArray
 
 SOURCE = (
@@ -39,7 +38,7 @@ HALVINGS = 60
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class NegativeOptions:
+class NegativeOptions(ShaperOptions):
     """Parameters of the shapers of given negative amplitude.
 
     Attributes
@@ -65,7 +64,7 @@ class NegativeOptions:
             )
 
 
-def sna_zv(mode: Mode, actuator: Actuator, options: NegativeOptions) -> Formulation:
+def sna_zv(case: DesignCase[NegativeOptions]) -> Formulation:
     """Formulate three impulses of which the second is given and none is above 1.
 
     The first and third swing alike at the end: undamped the fastest of all their shares, damped by
@@ -73,6 +72,7 @@ def sna_zv(mode: Mode, actuator: Actuator, options: NegativeOptions) -> Formulat
     and the third as large as the second. A switched actuator gets the amplitudes of a superposed
     one, and times of its own.
     """
+    mode, actuator, options = case.mode, case.actuator, case.options
     b, z = options.negative_amplitude, mode.damping_ratio
     ratio = decel_over_accel(mode, actuator)
     turn = _isosceles(b, z, ratio)
@@ -122,7 +122,7 @@ def _isosceles(b: float, damping_ratio: float, ratio: complex) -> float:
     return high
 
 
-def sna_zvd(mode: Mode, actuator: Actuator, options: NegativeOptions) -> Formulation:
+def sna_zvd(case: DesignCase[NegativeOptions]) -> Formulation:
     """Formulate five impulses of which the second and fourth are given, flat in frequency.
 
     Undamped and behind an actuator that follows its command it is its own mirror image: amplitudes
@@ -136,6 +136,7 @@ def sna_zvd(mode: Mode, actuator: Actuator, options: NegativeOptions) -> Formula
     would leave 0 to 1, the first is 1 or the last b. Behind an asymmetric actuator the amplitudes
     are the same. In each case the four times solve the four equations.
     """
+    mode, actuator, options = case.mode, case.actuator, case.options
     b, z = options.negative_amplitude, mode.damping_ratio
     x, y = _mirrored(b)
     damped = math.sqrt(1 - z * z)
@@ -185,7 +186,7 @@ def _decaying(b: float, decay: float) -> FloatArray:
     return np.array([first, -b, 1 + 2 * b - first - last, -b, last])
 
 
-SNA_ZV = ShaperKind(
+SNA_ZV = KindOf(
     name="sna_zv",
     summary="Three impulses, the negative one of given amplitude, zero vibration, behind an "
     "asymmetric actuator.",
@@ -193,11 +194,11 @@ SNA_ZV = ShaperKind(
     claims=("residual",),
     options=NegativeOptions,
     actuators=("ideal", "first_order", "second_order"),
-    formulate=sna_zv,
+    formulation=sna_zv,
     damping=DampingBound(most=0.97, beyond=LAST_PULSE_VANISHES),
 )
 
-SNA_ZVD = ShaperKind(
+SNA_ZVD = KindOf(
     name="sna_zvd",
     summary="Five impulses, the negative ones of given amplitude, zero vibration and slope, behind "
     "an asymmetric actuator.",
@@ -205,6 +206,6 @@ SNA_ZVD = ShaperKind(
     claims=("residual", "slope"),
     options=NegativeOptions,
     actuators=("ideal", "first_order", "second_order"),
-    formulate=sna_zvd,
+    formulation=sna_zvd,
     damping=DampingBound(most=0.9, beyond=LAST_PULSE_VANISHES),
 )

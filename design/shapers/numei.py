@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.claims import Promise, within
+from design.claims import ZERO_LIMITS, Promise, within
 from design.errors import InfeasibleDesignError
 from design.formulations.alternating import AlternatingBand
 from design.formulations.equations import Expressions, Problem, Ratios, Seed
@@ -29,14 +29,14 @@ from design.formulations.unity_magnitude import (
     switched_order,
     with_equal_sets,
 )
-from design.model.actuators import Actuator, RateLimited
-from design.model.plants import Mode
-from design.shapers.ei import ZERO
-from design.shapers.kind import (
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
+from design.shapers.kind import EVERY_ACTUATOR, DesignCase, KindOf, ShaperKind
+from design.shapers.options import (
     LARGEST_TOLERANCE,
     SMALLEST_TOLERANCE,
     SettleOptions,
-    ShaperKind,
     tolerance_field,
 )
 from design.types import FloatArray, require_between
@@ -135,12 +135,13 @@ class AlternatingHumps:
         )
 
 
-def numei(mode: Mode, actuator: Actuator, options: HumpOptions, *, humps: int) -> Formulation:
+def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
     """Formulate the minimum-time shaper whose curve has one hump of the tolerance, or two.
 
     Zeros and peaks are at frequencies that are unknown as well, but for the middle one, which is at
     the nominal frequency.
     """
+    mode, actuator, options = case.mode, case.actuator, case.options
     model = AlternatingHumps(
         humps=humps,
         switched_order=switched_order(actuator),
@@ -158,6 +159,7 @@ def numei(mode: Mode, actuator: Actuator, options: HumpOptions, *, humps: int) -
     equal = with_equal_sets(parameters)
     equal[0], equal[-1] = damping_ratio, tolerance
     lowest, highest = RATIO_BOUNDS
+    nominal = options.tolerance if humps == 1 else ZERO_LIMITS["residual"]
     below = np.arange(2 * humps) < humps
     return Problem(
         model=model,
@@ -169,7 +171,7 @@ def numei(mode: Mode, actuator: Actuator, options: HumpOptions, *, humps: int) -
         seeds=_seeds(mode, actuator, name, near, equal),
         designed_for=actuator,
         claims=(
-            Promise(quantity="residual", limit=options.tolerance if humps == 1 else ZERO),
+            Promise(quantity="residual", limit=nominal),
             within(options.tolerance, band=None),
         ),
         ratios=Ratios(
@@ -222,14 +224,14 @@ def _seeds(
 
 
 def _kind(name: str, summary: str, humps: int) -> ShaperKind:
-    return ShaperKind(
+    return KindOf(
         name=name,
         summary=summary,
         source=SOURCE,
         claims=("residual", "band"),
         options=HumpOptions,
-        actuators=("ideal", "first_order", "second_order", "rate_limited"),
-        formulate=functools.partial(numei, humps=humps),
+        actuators=EVERY_ACTUATOR,
+        formulation=functools.partial(numei, humps=humps),
     )
 
 

@@ -2,7 +2,8 @@
 
 import cmath
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -19,13 +20,14 @@ from design.formulations.unity_magnitude import (
     settling_gaps_rad,
     switched_order,
 )
-from design.model.actuators import Actuator, RateLimited
-from design.model.plants import Mode
-from design.shapers.kind import (
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
+from design.shapers.kind import EVERY_ACTUATOR, DesignCase, KindOf
+from design.shapers.options import (
     LARGEST_TOLERANCE,
     SMALLEST_TOLERANCE,
     SettleOptions,
-    ShaperKind,
     tolerance_field,
 )
 from design.types import require_between
@@ -107,6 +109,8 @@ class UnityBandOptions(SettleOptions):
         },
     )
 
+    BAND_FIELDS: ClassVar[tuple[str, ...]] = ("half_width",)
+
     def __post_init__(self) -> None:
         SettleOptions.__post_init__(self)
         require_between("tolerance", self.tolerance, SMALLEST_TOLERANCE, LARGEST_TOLERANCE)
@@ -114,14 +118,19 @@ class UnityBandOptions(SettleOptions):
         if self.impulses is not None and self.impulses not in COUNTS:
             raise InvalidInputError("impulses", self.impulses, "3, 5, 7 or 9, or left out")
 
+    def with_band(self, half_width: float) -> Self:
+        """Return the same with a band of a half width around 1."""
+        return replace(self, half_width=half_width)
 
-def numsi(mode: Mode, actuator: Actuator, options: UnityBandOptions) -> Formulation:
+
+def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
     """Formulate the minimum-time shaper whose residual is within a tolerance over a band.
 
     ``|V(r)| <= tolerance`` for every ratio ``r`` of true and nominal frequency within the half
     width of 1, by the actuator's own gains at each pole; in the superposed model or the switched.
     No proof is known that a shorter one does not exist: the problem is not convex.
     """
+    mode, actuator, options = case.mode, case.actuator, case.options
     counts = COUNTS if options.impulses is None else (options.impulses,)
     horizon = options.max_duration_periods * PERIOD_RAD
     problems = []
@@ -187,7 +196,7 @@ def _seeds(
     return tuple(seeds)
 
 
-NUM_SI = ShaperKind(
+NUM_SI = KindOf(
     name="num_si",
     summary="Minimum-time unity magnitude, residual within a tolerance over a band of frequencies, "
     "asymmetric actuator.",
@@ -196,6 +205,6 @@ NUM_SI = ShaperKind(
     "Flexible Automation (1996), for the actuators of Kim, master thesis (2011), chapter 3",
     claims=("band",),
     options=UnityBandOptions,
-    actuators=("ideal", "first_order", "second_order", "rate_limited"),
-    formulate=numsi,
+    actuators=EVERY_ACTUATOR,
+    formulation=numsi,
 )

@@ -14,41 +14,32 @@ from design.formulations.unity_magnitude import (
     undamped_times_rad,
     unity_magnitude_problem,
 )
-from design.model.actuators import Actuator, RateLimited
+from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses
-from design.model.plants import Mode
-from design.shapers.kind import PeakOptions, SettleOptions, ShaperKind
+from design.shapers.kind import EVERY_ACTUATOR, CompiledRows, DesignCase, KindOf
+from design.shapers.options import PeakOptions, SettleOptions
 
 SOURCE = "Kim, master thesis (2011), chapter 3"
 
 
-def numzv(mode: Mode, actuator: Actuator, options: PeakOptions) -> Formulation:
+def numzv(case: DesignCase[PeakOptions]) -> Formulation:
     """Formulate the three-impulse shaper that knows both sets of the actuator.
 
     Undamped, superposed steps: the closed vector diagram, `undamped_times_rad`. Damped or
     switched: its equations at the plant's pole, solved. Its first pulse is as high as
-    ``max_velocity_ratio`` v says, amplitudes v, -v, 1 (Kim 2011, appendix B: UMZVc2).
+    ``max_velocity_ratio`` v says, amplitudes v, -v, 1 (Kim 2011, appendix B: UMZVc2); the negative
+    of a stop has 1, -v, v.
     """
+    mode, actuator, options = case.mode, case.actuator, case.options
     peak = options.max_velocity_ratio
-    return _three_impulses(mode, actuator, options, None if peak == 1 else (peak, -peak, 1.0))
-
-
-def numzv_stop(mode: Mode, actuator: Actuator, options: PeakOptions) -> Formulation:
-    """Formulate the negative of the stop, amplitudes 1, -v, v, for the actuator swapped."""
-    peak = options.max_velocity_ratio
-    return _three_impulses(mode, actuator, options, None if peak == 1 else (1.0, -peak, peak))
-
-
-def _three_impulses(
-    mode: Mode, actuator: Actuator, options: SettleOptions, heights: tuple[float, ...] | None
-) -> Formulation:
-    if heights is not None and isinstance(actuator, RateLimited):
+    heights = (1.0, -peak, peak) if case.is_stop else (peak, -peak, 1.0)
+    if peak != 1 and isinstance(actuator, RateLimited):
         raise InvalidInputError(
             "shaper.max_velocity_ratio",
-            abs(heights[1]),
+            peak,
             "1 behind a rate-limited actuator, whose ramps are taken to be those of one speed",
         )
-    amplitudes = None if heights is None else np.array(heights)
+    amplitudes = None if peak == 1 else np.array(heights)
     if mode.damping_ratio == 0 and actuator.model == "superposed":
         phases = undamped_times_rad(
             decel_over_accel(mode, actuator),
@@ -73,48 +64,51 @@ def _three_impulses(
     )
 
 
-def numzvd(mode: Mode, actuator: Actuator, options: SettleOptions) -> Formulation:
+def numzvd(case: DesignCase[SettleOptions]) -> Formulation:
     """Formulate the five-impulse minimum-time shaper, robust in frequency.
 
     V = 0 and dV/dw = 0, the actuator's own slope included, which the thesis leaves out.
     """
     return unity_magnitude_problem(
         ZERO_VIBRATION_DERIVATIVE,
-        mode,
-        actuator,
-        settle=options.settle,
-        max_duration_periods=options.max_duration_periods,
+        case.mode,
+        case.actuator,
+        settle=case.options.settle,
+        max_duration_periods=case.options.max_duration_periods,
     )
 
 
-UMZVC = ShaperKind(
+UMZVC = KindOf(
     name="umzvc",
     summary="Unity magnitude, zero vibration, behind a first-order asymmetric actuator.",
     source=f"{SOURCE}, section 2 and appendix B",
     claims=("residual",),
     options=PeakOptions,
     actuators=("first_order",),
-    formulate=numzv,  # the same vector diagram; with G = 1/(1 + tau p) it is the published one
-    formulate_stop=numzv_stop,
+    compiled_rows=CompiledRows(closed_form_undamped=True),
+    has_branches=True,
+    formulation=numzv,  # the same vector diagram; with G = 1/(1 + tau p) it is the published one
 )
 
-NUMZV = ShaperKind(
+NUMZV = KindOf(
     name="numzv",
     summary="Unity magnitude, zero vibration, behind a second-order asymmetric actuator.",
     source=f"{SOURCE}, eqs. 3.34-3.41",
     claims=("residual",),
     options=PeakOptions,
-    actuators=("ideal", "first_order", "second_order", "rate_limited"),
-    formulate=numzv,
-    formulate_stop=numzv_stop,
+    actuators=EVERY_ACTUATOR,
+    formulation=numzv,
+    compiled_rows=CompiledRows(closed_form_undamped=True),
+    has_branches=True,
 )
 
-NUMZVD = ShaperKind(
+NUMZVD = KindOf(
     name="numzvd",
     summary="Minimum-time unity magnitude, zero vibration and slope, asymmetric actuator.",
     source=f"{SOURCE}, eqs. 3.44-3.46, slope exact",
     claims=("residual", "slope"),
     options=SettleOptions,
-    actuators=("ideal", "first_order", "second_order", "rate_limited"),
-    formulate=numzvd,
+    actuators=EVERY_ACTUATOR,
+    formulation=numzvd,
+    compiled_rows=CompiledRows(),
 )

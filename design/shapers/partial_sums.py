@@ -18,12 +18,11 @@ from design.formulations.unity_magnitude import (
     undamped_times_rad,
     unity_magnitude_problem,
 )
-from design.model.actuators import Actuator, Ideal
+from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.model.plants import Mode
-from design.shapers.kind import DampingBound, NoOptions, ShaperKind
+from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DampingBound, DesignCase, KindOf
 from design.shapers.negative import LONGEST_PERIODS, SOURCE
-from design.shapers.positive import EVERY_ACTUATOR
+from design.shapers.options import NoOptions
 
 PARTIAL_SUMS = np.array([1.0, -2.0, 2.0])
 """Impulses of PS-ZV: the command is at 1, -1 and 1 [-]."""
@@ -35,12 +34,13 @@ UNDAMPED_PARTIAL_SUMS_RAD = PERIOD_RAD * np.array([0.0, 0.152406, 0.277396, 0.63
 """Times of PS-ZVD, undamped, to six digits: the only solution of 7,000 starts within a period."""
 
 
-def ps_zv(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+def ps_zv(case: DesignCase[NoOptions]) -> Formulation:
     """Formulate the three impulses 1, -2, 2, whose sums are 1 in magnitude.
 
     The second step takes the command from 1 to -1: which set of an asymmetric actuator drives which
     part of it no model of steps can say. So the actuator is taken to follow its command.
     """
+    mode = case.mode
     if mode.damping_ratio == 0:
         phases = undamped_times_rad(1.0, np.zeros(2), 2 * math.pi, PARTIAL_SUMS)
         times = phases / mode.natural_frequency_rad_s
@@ -57,11 +57,12 @@ def ps_zv(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  #
     )
 
 
-def ps_zvd(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+def ps_zvd(case: DesignCase[NoOptions]) -> Formulation:
     """Formulate the five impulses 1, -2, 2, -2, 2, whose residual is flat in frequency.
 
     For an actuator that follows its command, for the reason of `ps_zv`.
     """
+    mode = case.mode
     gaps = np.diff(UNDAMPED_PARTIAL_SUMS_RAD) / math.sqrt(1 - mode.damping_ratio**2)
     return unity_magnitude_problem(
         ZERO_VIBRATION_DERIVATIVE,
@@ -74,26 +75,26 @@ def ps_zvd(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  
     )
 
 
-PS_ZV = ShaperKind(
+PS_ZV = KindOf(
     name="ps_zv",
     summary="Impulses 1, -2, 2 (partial sums of magnitude 1), zero vibration, for an actuator that "
     "follows its command.",
     source=SOURCE,
     claims=("residual",),
     options=NoOptions,
-    actuators=EVERY_ACTUATOR,
-    formulate=ps_zv,
+    actuators=EVERY_ACTUATOR_BY_ITS_LAG,
+    formulation=ps_zv,
     damping=DampingBound(most=0.97, beyond=LAST_PULSE_VANISHES),
 )
 
-PS_ZVD = ShaperKind(
+PS_ZVD = KindOf(
     name="ps_zvd",
     summary="Impulses 1, -2, 2, -2, 2 (partial sums of magnitude 1), zero vibration and slope, for "
     "an actuator that follows its command.",
     source=SOURCE,
     claims=("residual", "slope"),
     options=NoOptions,
-    actuators=EVERY_ACTUATOR,
-    formulate=ps_zvd,
+    actuators=EVERY_ACTUATOR_BY_ITS_LAG,
+    formulation=ps_zvd,
     damping=DampingBound(most=0.88, beyond=LAST_PULSE_VANISHES),
 )

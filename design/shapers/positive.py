@@ -15,13 +15,21 @@ import numpy as np
 from design.claims import Quantity
 from design.errors import InvalidInputError
 from design.formulations.formulation import ClosedForm, Formulation
-from design.model.actuators import Actuator, Ideal, RateLimited
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.impulses import ROUNDING, Impulses
-from design.model.plants import LARGEST_DAMPING_RATIO, Mode
-from design.shapers.kind import DampingBound, NoOptions, ShaperKind, require_damping
+from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.shapers.kind import (
+    EVERY_ACTUATOR_BY_ITS_LAG,
+    DampingBound,
+    DesignCase,
+    KindOf,
+    ShaperKind,
+    require_damping,
+)
+from design.shapers.options import NoOptions, ShaperOptions
 from design.types import require_between
-
-EVERY_ACTUATOR = ("ideal", "rate_limited", "first_order", "second_order")
 
 DERIVATIVES: tuple[Quantity, ...] = (
     "residual",
@@ -95,24 +103,19 @@ DAMPING_STEP = 0.01
 """To which bounds of damping are rounded down [-]."""
 
 
-def _zero_vibration(
-    order: int,
-    mode: Mode,
-    actuator: Actuator,
-    options: NoOptions,  # noqa: ARG001
-) -> Formulation:
-    return evenly(mode, actuator, BINOMIALS[order], math.pi)
+def _zero_vibration(order: int, case: DesignCase[NoOptions]) -> Formulation:
+    return evenly(case.mode, case.actuator, BINOMIALS[order], math.pi)
 
 
 def _zv_kind(name: str, order: int, summary: str, source: str) -> ShaperKind:
-    return ShaperKind(
+    return KindOf(
         name=name,
         summary=summary,
         source=source,
         claims=DERIVATIVES[: order + 1],
         options=NoOptions,
-        actuators=EVERY_ACTUATOR,
-        formulate=partial(_zero_vibration, order),
+        actuators=EVERY_ACTUATOR_BY_ITS_LAG,
+        formulation=partial(_zero_vibration, order),
         damping=damping_bound(BINOMIALS[order], math.pi),
     )
 
@@ -139,7 +142,7 @@ ZVDDD = _zv_kind(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MzvOptions:
+class MzvOptions(ShaperOptions):
     """Parameters of an MZV shaper.
 
     Attributes
@@ -197,13 +200,14 @@ class MzvOptions:
         return MZV_DURATION if self.t is None else self.t
 
 
-def mzv(mode: Mode, actuator: Actuator, options: MzvOptions) -> Formulation:
+def mzv(case: DesignCase[MzvOptions]) -> Formulation:
     """Formulate a shaper faster than ZVD: impulses closer than half a period.
 
     With x the turn from one impulse to the next, ``V`` is a polynomial in x. Its n - 1 roots lie on
     the unit circle, evenly from the nominal phase ``p = 2 pi t / (n - 1)`` to ``2 pi - p``: so the
     zeros go on at equal distances in frequency, the first of them at the nominal one.
     """
+    mode, options = case.mode, case.options
     phase = 2 * math.pi * options.duration_periods / (options.n - 1)
     weights = mzv_weights(options.n, phase)
     if min(weights) < -ROUNDING * sum(weights):
@@ -214,7 +218,7 @@ def mzv(mode: Mode, actuator: Actuator, options: MzvOptions) -> Formulation:
         )
     if _last_is_rounding(weights, phase, mode.damping_ratio):
         require_damping("mzv", damping_bound(weights, phase), mode)
-    return evenly(mode, actuator, weights, phase)
+    return evenly(mode, case.actuator, weights, phase)
 
 
 @lru_cache(maxsize=256)
@@ -232,7 +236,7 @@ def mzv_weights(n: int, phase: float) -> tuple[float, ...]:
     return tuple(coefficient.real for coefficient in polynomial)
 
 
-MZV = ShaperKind(
+MZV = KindOf(
     name="mzv",
     summary="Evenly spaced positive impulses, zero vibration; three in 3/4 of a period unless told "
     "otherwise.",
@@ -240,6 +244,6 @@ MZV = ShaperKind(
     "exp(-2 pi t z / ((n - 1) sqrt(1 - z^2)))",
     claims=("residual",),
     options=MzvOptions,
-    actuators=EVERY_ACTUATOR,
-    formulate=mzv,
+    actuators=EVERY_ACTUATOR_BY_ITS_LAG,
+    formulation=mzv,
 )

@@ -9,20 +9,17 @@ import numpy as np
 from design.errors import InvalidInputError
 from design.formulations.equations import Problem
 from design.formulations.formulation import ClosedForm, Convolution, Formulation, JointProblem
-from design.model.actuators import Actuator, Ideal
-from design.model.plants import Mode
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
+from design.model.plants.modes import MOST_MODES
 from design.shapers.ei import EI, THREE_HUMP_EI, TWO_HUMP_EI, ToleranceOptions
-from design.shapers.kind import (
-    LARGEST_TOLERANCE,
-    SMALLEST_TOLERANCE,
-    NoOptions,
-    ShaperKind,
-    for_one_of,
-)
-from design.shapers.positive import EVERY_ACTUATOR, MZV, ZV, ZVD, ZVDD, ZVDDD, served
+from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DesignCase, KindOf, ShaperKind
+from design.shapers.options import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, NoOptions, ShaperOptions
+from design.shapers.positive import MZV, ZV, ZVD, ZVDD, ZVDDD, served
 from design.shapers.umzv import UMZV, UMZVD
 
-BASES = {
+BASES: dict[str, ShaperKind] = {
     kind.name: kind
     for kind in (ZV, ZVD, ZVDD, ZVDDD, MZV, EI, TWO_HUMP_EI, THREE_HUMP_EI, UMZV, UMZVD)
 }
@@ -75,18 +72,18 @@ def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> Joi
     )
 
 
-def multi_zv(modes: tuple[Mode, ...], actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+def multi_zv(case: DesignCase[NoOptions]) -> Formulation:
     """Formulate positive impulses that leave nothing in any mode."""
-    return joint(modes, actuator, positive=True)
+    return joint(case.modes, case.actuator, positive=True)
 
 
-def multi_umzv(modes: tuple[Mode, ...], actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+def multi_umzv(case: DesignCase[NoOptions]) -> Formulation:
     """Formulate steps between 0 and 1 that leave nothing in any mode."""
-    return joint(modes, actuator, positive=False)
+    return joint(case.modes, case.actuator, positive=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ConvolvedOptions:
+class ConvolvedOptions(ShaperOptions):
     """Which shapers are convolved.
 
     Attributes
@@ -162,16 +159,15 @@ def _require_provable(
         )
 
 
-def convolved(
-    modes: tuple[Mode, ...], actuator: Actuator, options: ConvolvedOptions
-) -> Convolution:
+def convolved(case: DesignCase[ConvolvedOptions]) -> Convolution:
     """Formulate a shaper for each mode, each shaping the steps of the one before."""
+    modes, actuator, options = case.modes, case.actuator, case.options
     base = BASES[options.base]
     base.require_damping(modes)
     own = base.options()
     if options.tolerance is not None:
         own = ToleranceOptions(tolerance=options.tolerance)
-    parts = tuple(base.formulate(mode, actuator, own) for mode in modes)
+    parts = tuple(base.formulate(base.case((mode,), actuator, own)) for mode in modes)
     _require_provable(base, parts, modes, actuator)
     return Convolution(parts=parts, zeros_of_parts=base.claims, designed_for=parts[0].designed_for)
 
@@ -181,31 +177,31 @@ BANG_BANG = (
     "Control, and Dynamics 19 (1996); bound: a dual function of time"
 )
 
-MULTI_ZV = ShaperKind(
+MULTI_ZV = KindOf(
     name="multi_zv",
     summary="Positive impulses, zero vibration in each of up to six modes, in minimum time.",
     source='W. Singhose, E. Crain, W. Seering, "Convolved and simultaneous two-mode input '
     'shapers", IEE Proc. Control Theory Appl. 144 (1997); bound: a dual function of time',
     claims=("residual",),
     options=NoOptions,
-    actuators=EVERY_ACTUATOR,
-    formulate=for_one_of(multi_zv),
-    formulate_jointly=multi_zv,
+    actuators=EVERY_ACTUATOR_BY_ITS_LAG,
+    formulation=multi_zv,
+    most_modes=MOST_MODES,
 )
 
-MULTI_UMZV = ShaperKind(
+MULTI_UMZV = KindOf(
     name="multi_umzv",
     summary="Unity magnitude, zero vibration in each of up to six modes, in minimum time, for an "
     "actuator that follows its command.",
     source=BANG_BANG,
     claims=("residual",),
     options=NoOptions,
-    actuators=EVERY_ACTUATOR,
-    formulate=for_one_of(multi_umzv),
-    formulate_jointly=multi_umzv,
+    actuators=EVERY_ACTUATOR_BY_ITS_LAG,
+    formulation=multi_umzv,
+    most_modes=MOST_MODES,
 )
 
-CONVOLVED = ShaperKind(
+CONVOLVED = KindOf(
     name="convolved",
     summary="A shaper for each of up to six modes, convolved; of unity magnitude only where the "
     "command stays between 0 and 1.",
@@ -213,7 +209,7 @@ CONVOLVED = ShaperKind(
     'shapers", IEE Proc. Control Theory Appl. 144 (1997)',
     claims=("residual",),
     options=ConvolvedOptions,
-    actuators=EVERY_ACTUATOR,
-    formulate=for_one_of(convolved),
-    formulate_jointly=convolved,
+    actuators=EVERY_ACTUATOR_BY_ITS_LAG,
+    formulation=convolved,
+    most_modes=MOST_MODES,
 )

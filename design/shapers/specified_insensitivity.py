@@ -1,14 +1,13 @@
 """Specified insensitivity: a band and a tolerance in, the fastest shaper that keeps them out."""
 
 import math
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Literal, Self
 
 from design.errors import InvalidInputError
 from design.formulations.bands import BandProblem
-from design.model.actuators import Actuator
-from design.model.plants import Mode
-from design.shapers.kind import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS, ShaperKind
+from design.shapers.kind import DesignCase, KindOf
+from design.shapers.options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS, ShaperOptions
 from design.types import require_between
 
 USUAL_HALF_WIDTH = 0.15
@@ -28,7 +27,7 @@ LARGEST_LEVEL = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BandOptions:
+class BandOptions(ShaperOptions):
     """Band, tolerance and limits.
 
     Attributes
@@ -114,6 +113,8 @@ class BandOptions:
         },
     )
 
+    BAND_FIELDS: ClassVar[tuple[str, ...]] = ("half_width", "lower_ratio", "upper_ratio")
+
     def __post_init__(self) -> None:
         if not SMALLEST_TOLERANCE <= self.tolerance < 1:
             raise InvalidInputError(
@@ -136,6 +137,10 @@ class BandOptions:
                         f"{usual:g} for positive amplitudes, whose command rises from 0 to 1",
                     )
         self._require_band()
+
+    def with_band(self, half_width: float) -> Self:
+        """Return the same with a band of a half width around 1."""
+        return replace(self, half_width=half_width)
 
     def _require_band(self) -> None:
         if self.half_width is not None:
@@ -170,7 +175,7 @@ class BandOptions:
         return 1 - half, 1 + half
 
 
-def specified_insensitivity(mode: Mode, actuator: Actuator, options: BandOptions) -> BandProblem:
+def specified_insensitivity(case: DesignCase[BandOptions]) -> BandProblem:
     """Formulate the minimum-time shaper whose residual stays within a tolerance over a band.
 
     Positive amplitudes use the acceleration set alone, whose G is then a common factor: the shaper
@@ -183,6 +188,7 @@ def specified_insensitivity(mode: Mode, actuator: Actuator, options: BandOptions
     InvalidInputError
         For negative amplitudes behind an actuator whose two sets differ.
     """
+    mode, actuator, options = case.mode, case.actuator, case.options
     if options.amplitudes == "negative" and actuator.accel_lag != actuator.decel_lag:
         raise InvalidInputError(
             "shaper.amplitudes",
@@ -202,7 +208,7 @@ def specified_insensitivity(mode: Mode, actuator: Actuator, options: BandOptions
     )
 
 
-SI = ShaperKind(
+SI = KindOf(
     name="si",
     summary="Minimum time, residual within a tolerance over a band: positive, or within limits.",
     source="W. Singhose, W. Seering, N. Singer, Input shaping for vibration reduction with "
@@ -210,5 +216,5 @@ SI = ShaperKind(
     claims=("band",),
     options=BandOptions,
     actuators=("ideal", "first_order", "second_order"),
-    formulate=specified_insensitivity,
+    formulation=specified_insensitivity,
 )

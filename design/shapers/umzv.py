@@ -11,10 +11,10 @@ from design.formulations.unity_magnitude import (
     damped_periods,
     unity_magnitude_problem,
 )
-from design.model.actuators import Actuator, Ideal
+from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.model.plants import Mode
-from design.shapers.kind import DampingBound, NoOptions, ShaperKind
+from design.shapers.kind import EVERY_ACTUATOR, CompiledRows, DampingBound, DesignCase, KindOf
+from design.shapers.options import NoOptions
 
 SOURCE = (
     'W. Singhose, W. Seering, N. Singer, "Time-optimal negative input shapers", '
@@ -24,15 +24,14 @@ SOURCE = (
 LONGEST_PERIODS = 1.5
 """Both shapers take less than one damped period [-]."""
 
-EVERY_ACTUATOR = ("ideal", "first_order", "second_order", "rate_limited")
 
-
-def umzv(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+def umzv(case: DesignCase[NoOptions]) -> Formulation:
     """Formulate the unity-magnitude zero-vibration shaper of one mode.
 
     Undamped: steps +1, -1, +1 at 0, T/6, T/3. Damped: the same two equations, solved.
     The actuator is not known to it; what it leaves behind one is told beside the design.
     """
+    mode = case.mode
     if mode.damping_ratio == 0:
         times = mode.period_s * np.array([0.0, 1 / 6, 1 / 3])
         return ClosedForm(
@@ -47,8 +46,9 @@ def umzv(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # 
     )
 
 
-def umzvd(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  # noqa: ARG001
+def umzvd(case: DesignCase[NoOptions]) -> Formulation:
     """Formulate the unity-magnitude shaper with zero slope: `umzv`, robust in frequency."""
+    mode = case.mode
     return unity_magnitude_problem(
         ZERO_VIBRATION_DERIVATIVE,
         mode,
@@ -58,24 +58,26 @@ def umzvd(mode: Mode, actuator: Actuator, options: NoOptions) -> Formulation:  #
     )
 
 
-UMZV = ShaperKind(
+UMZV = KindOf(
     name="umzv",
     summary="Unity magnitude, zero vibration, for an actuator that follows its command.",
     source=SOURCE,
     claims=("residual",),
     options=NoOptions,
     actuators=EVERY_ACTUATOR,
-    formulate=umzv,
+    formulation=umzv,
+    compiled_rows=CompiledRows(for_ideal=True, closed_form_undamped=True),
     damping=DampingBound(most=0.97, beyond=LAST_PULSE_VANISHES),
 )
 
-UMZVD = ShaperKind(
+UMZVD = KindOf(
     name="umzvd",
     summary="Unity magnitude, zero vibration and slope, for an actuator that follows its command.",
     source=SOURCE,
     claims=("residual", "slope"),
     options=NoOptions,
     actuators=EVERY_ACTUATOR,
-    formulate=umzvd,
+    formulation=umzvd,
+    compiled_rows=CompiledRows(for_ideal=True),
     damping=DampingBound(most=0.9, beyond=LAST_PULSE_VANISHES),
 )

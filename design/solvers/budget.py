@@ -7,6 +7,8 @@ weight of their size. Constants are measured; to be off by a half does no harm.
 
 from dataclasses import dataclass
 
+from design.trace import TraceStep
+
 MOST_WORK = 4_000_000
 """What the search for one design may take [units]."""
 
@@ -21,10 +23,13 @@ class Budget:
         Work that it may do in all [units].
     done
         Work that it has done [units].
+    trace
+        Steps of the search, in order, of one that is watched; None of others.
     """
 
     most: float = MOST_WORK
     done: float = 0.0
+    trace: list[TraceStep] | None = None
 
     def spend(self, work: float) -> None:
         """Count some work, done or about to be."""
@@ -37,7 +42,12 @@ class Budget:
 
     def part(self, most: float) -> "Budget":
         """Return a budget of a part of what is left; what that does is to be spent here too."""
-        return Budget(most=min(most, max(self.most - self.done, 0.0)))
+        return Budget(most=min(most, max(self.most - self.done, 0.0)), trace=self.trace)
+
+    def note(self, step: TraceStep) -> None:
+        """Keep a step of a search that is watched."""
+        if self.trace is not None:
+            self.trace.append(step)
 
     @property
     def in_words(self) -> str:

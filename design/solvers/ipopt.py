@@ -73,6 +73,7 @@ class _Program:
             status=STATUS.get(stats["return_status"], Status.FAILED),
             unknowns=self._solver.outputs["x"].copy(),
             iterations=int(stats["iter_count"]),
+            misses=tuple(stats["iterations"]["inf_pr"]) if "iterations" in stats else (),
         )
 
 

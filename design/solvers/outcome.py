@@ -27,8 +27,11 @@ class Outcome:
         Where, shape (n,); an answer only if the status says so.
     iterations
         Iterations taken.
+    misses
+        By how much the equations were off, iteration by iteration, where the solver reports it.
     """
 
     status: Status
     unknowns: FloatArray
     iterations: int
+    misses: tuple[float, ...] = ()

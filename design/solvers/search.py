@@ -12,6 +12,8 @@ from design.solvers import ipopt, newton
 from design.solvers.budget import Budget
 from design.solvers.continuation import followed
 from design.solvers.outcome import Status
+from design.solvers.solution import Solution, SolverReport, of_gaps
+from design.trace import TraceStep
 from design.types import FloatArray
 
 BRANCH_STARTS = 1024
@@ -32,7 +34,7 @@ SAME_ROOT_RAD = 1e-6
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Candidate:
-    """An ordered solution by the solver's word, not yet verified.
+    """An ordered solution as reported by the solver, not yet certified.
 
     Attributes
     ----------
@@ -58,6 +60,23 @@ class Candidate:
     starts: int
 
 
+def solve(problem: Problem, budget: Budget) -> Iterator[Solution]:
+    """Yield ordered solutions, the likeliest minimum first; raises as `candidates` does."""
+    w = problem.natural_frequency_rad_s
+    for found in candidates(problem, budget):
+        yield Solution(
+            impulses=of_gaps(found.gaps_rad, w, found.problem.amplitudes),
+            solver=SolverReport(
+                name="ipopt",
+                status="solve_succeeded",
+                iterations=found.iterations,
+                seed=found.seed,
+                starts=found.starts,
+            ),
+            ratios=found.ratios,
+        )
+
+
 def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Candidate]:
     """Yield ordered solutions, the likeliest minimum first.
 
@@ -79,7 +98,9 @@ def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Candi
     for seed in problem.seeds:
         tried += 1
         sharpened = _sharpened(problem, seed, budget)
-        if sharpened is not None and problem.allows(sharpened):
+        allowed = sharpened is not None and bool(problem.allows(sharpened))
+        budget.note(_seed_step(problem, seed, sharpened, allowed=allowed))
+        if sharpened is not None and allowed:
             yield from _solved(problem, sharpened, seed.name, tried, budget)
     searched = problem
     spread: newton.Roots | None = None
@@ -91,6 +112,17 @@ def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Candi
             break
         searched, spread = within, found
         tried += len(found.unknowns)
+        budget.note(
+            TraceStep(
+                stage="seed",
+                method="newton",
+                start="branch_search",
+                outcome="searched",
+                duration_s=horizon_rad / problem.natural_frequency_rad_s,
+                detail=f"{found.converged.sum()} of {len(found.unknowns)} starts, spread over "
+                "that duration, lead to roots",
+            )
+        )
         for unknowns in _ordered_fastest_first(within, found):
             if budget.spent:
                 break
@@ -179,7 +211,20 @@ def _solved(
     if outcome.status is Status.TIME_LIMIT:
         raise TimeLimitError(f"ipopt ran past its time from seed {seed!r}")
     gaps, ratios = problem.split(outcome.unknowns)
-    if outcome.status is Status.SOLVE_SUCCEEDED and gaps.sum() <= problem.horizon_rad:
+    in_time = bool(gaps.sum() <= problem.horizon_rad)
+    budget.note(
+        TraceStep(
+            stage="solve",
+            method="ipopt",
+            start=seed,
+            outcome=outcome.status if in_time else "rejected",
+            iterations=outcome.iterations,
+            duration_s=_duration_s(problem, gaps),
+            misses=outcome.misses,
+            detail="" if in_time else "longer than max_duration_periods",
+        )
+    )
+    if outcome.status is Status.SOLVE_SUCCEEDED and in_time:
         yield Candidate(
             problem=problem,
             gaps_rad=gaps,
@@ -188,6 +233,34 @@ def _solved(
             iterations=outcome.iterations,
             starts=tried,
         )
+
+
+def _seed_step(
+    problem: Problem, seed: Seed, sharpened: FloatArray | None, *, allowed: bool
+) -> TraceStep:
+    """Return what became of a seed before the solver itself starts there."""
+    gaps = seed.gaps_rad if sharpened is None else problem.split(sharpened)[0]
+    if allowed:
+        outcome, detail = "sharpened", ""
+    elif sharpened is None:
+        outcome, detail = "lost", "the path from what the seed solves ends on the way"
+    else:
+        outcome, detail = "rejected", "out of order, or longer than max_duration_periods"
+    return TraceStep(
+        stage="seed",
+        method="newton",
+        start=seed.name,
+        outcome=outcome,
+        duration_s=_duration_s(problem, gaps),
+        detail=detail,
+    )
+
+
+def _duration_s(problem: Problem, gaps_rad: FloatArray) -> float | None:
+    """Return what gaps add up to; None where they ran away [s]."""
+    with np.errstate(all="ignore"):
+        duration = float(gaps_rad.sum()) / problem.natural_frequency_rad_s
+    return duration if math.isfinite(duration) else None
 
 
 def _ordered_fastest_first(problem: Problem, ends: newton.Roots) -> Iterator[FloatArray]:

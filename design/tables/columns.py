@@ -3,6 +3,7 @@
 import numpy as np
 
 from design.errors import InvalidInputError
+from design.fields import Path
 from design.tables.rows import Rows, TableHead
 from design.types import FloatArray
 
@@ -10,6 +11,11 @@ from design.types import FloatArray
 def names_of(head: TableHead, kind: str) -> list[str]:
     """Return the names of the columns of one kind, in order."""
     return [column.name for column in head.columns if column.kind == kind]
+
+
+def varied_paths(head: TableHead) -> list[Path]:
+    """Return the paths of the varied fields, in the order of their columns."""
+    return [tuple(name.split(".")) for name in names_of(head, "field")]
 
 
 def times_of(head: TableHead, rows: Rows) -> FloatArray:

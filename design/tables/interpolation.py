@@ -15,11 +15,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from design.analysis.residual import residuals_of_many
+from design.analysis.residuals_of_many import residuals_of_many
 from design.errors import InvalidInputError
-from design.maps.field_map import varied
-from design.model.actuators import Actuator
-from design.model.plants import Mode, Pendulum, Plant, SpringMass
+from design.fields import vary
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
+from design.model.plants.spring_mass import SpringMass
 from design.tables.columns import amplitudes_of, names_of, times_of
 from design.tables.rows import Rows, TableHead, subject_of
 from design.types import BoolArray, FloatArray
@@ -264,7 +267,7 @@ def _residuals(made: Interpolant, points: FloatArray) -> FloatArray:
     for number, values in enumerate(drives.tolist()):
         actuator = made.actuator
         for index, value in zip(drive, values, strict=True):
-            actuator = varied(actuator, made.names[index].split(".")[1:], value)
+            actuator = vary(actuator, made.names[index].split(".")[1:], value)
         here = np.flatnonzero((of.ravel() == number) & known)
         residuals[here] = residuals_of_many(times[here], made.amplitudes, poles[here], actuator)
     return residuals

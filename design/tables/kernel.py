@@ -20,7 +20,7 @@ from design.formulations.unity_magnitude import (
     ZV_POLYNOMIALS,
     ZVD_POLYNOMIALS,
 )
-from design.model.actuators import SETTLED_SHARE
+from design.model.lags import SETTLED_SHARE
 from design.solvers.search import HORIZONS_PERIODS, unit_starts
 from design.tables.compiled import compiled
 from design.tables.elementary import angle
@@ -50,7 +50,7 @@ ZVD = np.array(ZVD_POLYNOMIALS)
 
 @compiled
 def _settled(first: float, second: float, band: float, decay: float) -> float:
-    """Return `design.model.actuators.Lag.settling_time_s` in units of the plant's frequency."""
+    """Return `design.model.lags.Lag.settling_time_s` in units of the plant's frequency."""
     if second == 0.0:
         return first * decay
     frequency = 1.0 / math.sqrt(second)

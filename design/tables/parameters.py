@@ -8,16 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from design.analysis.residual import RESONANCE, SLOWEST
-from design.model.actuators import (
-    LARGEST_DAMPING_RATIO as LARGEST_LAG_DAMPING,
-)
-from design.model.actuators import (
-    SMALLEST_DAMPING_RATIO as SMALLEST_LAG_DAMPING,
-)
-from design.model.actuators import FirstOrder, Ideal, SecondOrder
-from design.model.plants import Mode, Pendulum
-from design.shapers.kind import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
+from design.analysis.workable import RESONANCE, SLOWEST
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.second_order import LARGEST_DAMPING_RATIO as LARGEST_LAG_DAMPING
+from design.model.actuators.second_order import SMALLEST_DAMPING_RATIO as SMALLEST_LAG_DAMPING
+from design.model.actuators.second_order import SecondOrder
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
+from design.shapers.options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
 from design.shapers.umzv import LONGEST_PERIODS
 from design.tables.specification import TableSpecification
 from design.types import LARGEST, SMALLEST, BoolArray, FloatArray

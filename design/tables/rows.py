@@ -7,11 +7,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from design.curve_fit import Fit
+from design.curve_fit.polynomials import Fit
 from design.errors import InvalidInputError
-from design.maps.field_map import varied
-from design.model.actuators import Actuator
-from design.model.plants import Plant
+from design.fields import vary
+from design.model.actuators.registry import Actuator
+from design.model.plants.registry import Plant
 from design.shapers.kind import ShaperKind
 from design.types import BoolArray, FloatArray
 
@@ -108,7 +108,7 @@ class Subject:
             "shaper": self.options,
         }
         for (part, *rest), value in zip(paths, values, strict=True):
-            parts[part] = varied(parts[part], rest, value)
+            parts[part] = vary(parts[part], rest, value)
         return parts["plant"], parts["actuator"], parts["shaper"]
 
 

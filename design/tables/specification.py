@@ -7,11 +7,16 @@ from typing import Any
 import numpy as np
 
 from design.errors import InvalidInputError
+from design.fields import Axis, Path, unit_of, vary
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
-from design.maps.field_map import varied
-from design.model.actuators import Actuator, FirstOrder, Ideal
-from design.model.plants import Mode, Modes, Plant, Scheduled
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
 from design.shapers.kind import ShaperKind
 from design.shapers.several_modes import BASES, ConvolvedOptions
 from design.tables.rows import Column, Subject
@@ -33,37 +38,6 @@ MOST_CHUNKS = 1_000_000
 
 MOST_CHUNK_ROWS = 1_000_000
 """Rows of one chunk, which a worker holds in memory."""
-
-UNITS = {
-    "_rad_s": "rad/s",
-    "_m_s2": "m/s^2",
-    "_n_m": "N/m",
-    "_kg": "kg",
-    "_m_s": "m/s",
-    "_rad": "rad",
-    "_hz": "Hz",
-    "_s": "s",
-    "_m": "m",
-}
-"""Units by the end of a field's name; the longer ends first."""
-
-Path = tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Axis:
-    """One field and the values that it takes.
-
-    Attributes
-    ----------
-    path
-        ``plant``, ``actuator`` or ``shaper``, then names of fields.
-    values
-        Shape (m,), each in the field's own unit.
-    """
-
-    path: Path
-    values: FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -143,7 +117,7 @@ class TableSpecification:
     def _check_shaper(self) -> None:
         """Check that all rows have as many impulses, and note how many where the kind says."""
         several = isinstance(self.plant, Modes)
-        if several and self.kind.formulate_jointly is None:
+        if several and not self.kind.serves_several:
             raise InvalidInputError(
                 "design.plant.kind", "modes", f"a plant of one mode for {self.kind.name}"
             )
@@ -221,7 +195,7 @@ class TableSpecification:
             raise InvalidInputError(
                 "field", "/".join(path), "a number of plant, actuator or shaper"
             )
-        return {part: varied(parts[part], rest, value)}
+        return {part: vary(parts[part], rest, value)}
 
     @property
     def shared_amplitudes(self) -> tuple[float, ...]:
@@ -233,8 +207,7 @@ class TableSpecification:
             if path[0] == "shaper":
                 values = self.axes[number].values if self.listed is None else self.listed[:, number]
                 options += [
-                    varied(self.options, path[1:], float(end))
-                    for end in (values.min(), values.max())
+                    vary(self.options, path[1:], float(end)) for end in (values.min(), values.max())
                 ]
         found = {shared_amplitudes(self.kind, one) for one in options}
         return found.pop() if len(found) == 1 else ()
@@ -305,7 +278,7 @@ def amplitudes_of(kind: ShaperKind, options: Any, damping_ratio: float = 0.0) ->
     if actuator.kind not in kind.actuators:
         actuator = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1)
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=damping_ratio)
-    formulation = kind.formulate(mode, actuator, kind.options() if options is None else options)
+    formulation = kind.formulate(kind.case((mode,), actuator, options))
     if isinstance(formulation, JointProblem | Convolution):
         raise InvalidInputError(
             "design.shaper.kind",
@@ -394,8 +367,3 @@ def columns_of(specification: TableSpecification) -> tuple[Column, ...]:
         Column(name="status", unit="", kind="status"),
         Column(name="reason", unit="", kind="reason"),
     )
-
-
-def unit_of(name: str) -> str:
-    """Return the unit that the end of a field's name tells, ``1`` where it tells none."""
-    return next((unit for end, unit in UNITS.items() if name.endswith(end)), "1")

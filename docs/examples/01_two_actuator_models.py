@@ -7,8 +7,8 @@ import sys
 from dataclasses import replace
 
 from design.analysis.residual import residual_vibration
-from design.model.actuators import SecondOrder, SecondOrderSet
-from design.model.plants import Pendulum
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 

@@ -16,11 +16,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from design.analysis.residual import residual_vibration
-from design.model.actuators import Ideal
-from design.model.plants import Mode, Pendulum
+from design.model.actuators.ideal import Ideal
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
 from design.response.closed_form import history
-from design.sampling.sampled import carried, nearest, sample
+from design.sampling.sample_grid import carried, nearest
+from design.sampling.sampled import sample
 from design.shapers.registry import SHAPERS
 
 SAMPLE_S = 0.02

@@ -14,10 +14,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from design.analysis.sensitivity import SensitivityRange, sensitivity
-from design.maps.field_map import Axis, MapCase, Move, Quantity, Recipe, field_map
-from design.model.actuators import SecondOrder, SecondOrderSet
+from design.fields import Axis
+from design.maps.field_map import field_map
+from design.maps.map_case import MapCase, Move, Quantity, Recipe
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Pendulum
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
 from design.moves.maneuvers import maneuver, mirrored_stop
 from design.moves.playback import motion
 from design.pictures.curve_sheet import Curve, curve_sheet

@@ -15,10 +15,10 @@ mpl.use("Agg")
 
 import matplotlib.pyplot as plt
 
-from design.analysis.sensitivity import insensitivity
-from design.model.actuators import SecondOrder, SecondOrderSet
+from design.analysis.insensitivity import insensitivity
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Pendulum
+from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
 from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import SHAPERS

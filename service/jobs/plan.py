@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from pydantic import ValidationError
 
-from design.curve_fit import fit
+from design.curve_fit.fit import fit
 from design.errors import DesignError
 from design.export.program import DEFAULT_TITLE
 from design.tables.compute import counted
@@ -13,7 +13,6 @@ from design.tables.rows import TableHead
 from design.tables.specification import TableSpecification, columns_of
 from schemas.tables import TableJob, TableRequest, TableSize, sha256_of
 from service.jobs.records import Job, NewJob
-from service.operations import version
 from service.problems import (
     Problem,
     problem_of_design,
@@ -21,6 +20,7 @@ from service.problems import (
     problem_of_validation,
 )
 from service.strict_json import RepeatedNameError, require_names_once
+from service.version import version
 
 STATUS_BYTES = 1
 FLOAT_BYTES = 8

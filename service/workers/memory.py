@@ -7,7 +7,7 @@ YOUNG = 10_000
 within a few requests, and hardly any in a circle."""
 
 
-def settled() -> None:
+def settle() -> None:
     """Let all that has been built stay, never looked at again, and look at what is new seldom."""
     gc.freeze()
     _, middle, old = gc.get_threshold()

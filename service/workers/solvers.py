@@ -3,11 +3,13 @@
 import functools
 import warnings
 
-from design.model.actuators import FirstOrder, Ideal, SecondOrder, SecondOrderSet
-from design.model.plants import Mode
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
-from service.workers.memory import settled
+from service.workers.memory import settle
 
 
 @functools.cache
@@ -25,4 +27,4 @@ def warm_solvers() -> None:
         for kind in SHAPERS.values():
             if actuator.kind in kind.actuators:
                 design(mode, actuator, kind)
-    settled()
+    settle()

@@ -8,15 +8,20 @@ from dataclasses import replace
 import numpy as np
 
 from design.analysis.certificate import Claim, certify
-from design.analysis.residual import residual_curve, residual_vectors, residual_vibration
-from design.analysis.sensitivity import insensitivity
+from design.analysis.insensitivity import insensitivity
+from design.analysis.residual import residual_curve, residual_vibration
+from design.analysis.vectors import residual_vectors
 from design.claims import Promise
 from design.errors import DesignError, InfeasibleDesignError, InvalidInputError
-from design.model.actuators import Actuator, Ideal, RateLimited
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Modes, Scheduled
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
+from design.model.plants.scheduled import Scheduled
 from design.pipeline import Design, design
-from design.sampling.sampled import sampled_design
+from design.sampling.sampled_design import sampled_design
 from design.shapers.registry import SHAPERS
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions
@@ -129,10 +134,8 @@ def _designed_for(case: Case) -> Actuator:
     modes, options = case.plant.modes, case.options
     if isinstance(case.plant, Scheduled) and hasattr(options, "half_width"):
         options = type(options)()
-    if case.kind.formulate_jointly is not None:
-        found = case.kind.formulate_jointly(modes, case.actuator, options).designed_for
-    else:
-        found = case.kind.formulate(modes[0], case.actuator, options).designed_for
+    asked = case.kind.case(modes, case.actuator, options)
+    found: Actuator = case.kind.formulate(asked).designed_for
     assert found in {case.actuator, Ideal()}
     return found
 

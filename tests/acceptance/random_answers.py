@@ -11,6 +11,7 @@ runs the first of them.
 """
 
 import argparse
+import dataclasses
 import json
 import math
 import sys
@@ -22,9 +23,13 @@ from typing import Any
 import numpy as np
 
 from design.claims import ZERO_LIMITS
-from design.model.actuators import Actuator, Ideal, RateLimited
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Pendulum, Plant
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
 from design.shapers.registry import SHAPERS
 from service.dispatch import respond
 from service.problems import INFEASIBLE, INVALID, Problem
@@ -117,8 +122,8 @@ def random_subject(
 def random_shaper(rng: np.random.Generator, name: str) -> JSON:
     """Draw a kind's parameters."""
     options, _ = random_options(rng, SHAPERS[name].options)
-    fields = getattr(options, "__dataclass_fields__", {})
-    return {"kind": name, **{field: getattr(options, field) for field in fields}}
+    fields = () if options is None else dataclasses.fields(options)
+    return {"kind": name, **{field.name: getattr(options, field.name) for field in fields}}
 
 
 def full_speed(rng: np.random.Generator, actuator: Actuator) -> float:
@@ -277,7 +282,7 @@ def random_simulation(
     rng: np.random.Generator,
 ) -> tuple[str, JSON, Callable[[JSON], Iterator[str]]]:
     """Draw a simulation of any command, shaped or not."""
-    singles = [name for name, kind in SHAPERS.items() if kind.formulate_jointly is None]
+    singles = [name for name, kind in SHAPERS.items() if not kind.serves_several]
     name = singles[int(rng.integers(len(singles)))]
     shaped = bool(rng.random() < 0.75)
     served = SHAPERS[name].actuators if shaped else EVERY_DRIVE

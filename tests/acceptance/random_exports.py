@@ -29,7 +29,7 @@ from design.errors import DesignError, InvalidInputError
 from design.export.klipper import NAMES, READ_AS_ZERO
 from design.export.registry import EXPORTS
 from design.export.single import single_table
-from design.model.actuators import Ideal
+from design.model.actuators.ideal import Ideal
 from design.pipeline import Design, design
 from design.shapers.ei import ToleranceOptions
 from design.shapers.registry import SHAPERS

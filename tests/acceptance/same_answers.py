@@ -23,8 +23,8 @@ import numpy as np
 
 from design.export.registry import EXPORTS
 from design.shapers.registry import SHAPERS
+from service.catalogue import shaper_catalogue
 from service.dispatch import answer
-from service.operations import shaper_catalogue
 from service.problems import Problem
 from tests.acceptance.random_answers import (
     random_move,
@@ -83,7 +83,7 @@ def random_sensitivity(rng: np.random.Generator) -> JSON:
 
 def random_fit(rng: np.random.Generator) -> JSON:
     """Draw curve coefficients over the damping ratio."""
-    names = sorted(name for name, kind in SHAPERS.items() if kind.formulate_jointly is None)
+    names = sorted(name for name, kind in SHAPERS.items() if not kind.serves_several)
     name = names[int(rng.integers(len(names)))]
     _, _, told = random_subject(rng, SHAPERS[name].actuators)
     end = float(rng.uniform(0.01, 0.2))
@@ -93,7 +93,7 @@ def random_fit(rng: np.random.Generator) -> JSON:
 
 def random_map(rng: np.random.Generator) -> JSON:
     """Draw a map of few cells."""
-    names = sorted(name for name, kind in SHAPERS.items() if kind.formulate_jointly is None)
+    names = sorted(name for name, kind in SHAPERS.items() if not kind.serves_several)
     name = names[int(rng.integers(len(names)))]
     _, _, told = random_subject(rng, SHAPERS[name].actuators)
     request: JSON = {**told, "shaper": {"kind": name}}

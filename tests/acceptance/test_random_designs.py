@@ -7,8 +7,11 @@ import pytest
 from numpy.typing import NDArray
 
 from design.errors import InfeasibleDesignError
-from design.model.actuators import Actuator, FirstOrder, Model, SecondOrder, SecondOrderSet
-from design.model.plants import Mode
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.model import Model
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.plants.mode import Mode
 from design.pipeline import Design, design
 from design.shapers.registry import SHAPERS
 

@@ -5,7 +5,7 @@ import pytest
 
 from design.analysis.residual import residual_curve
 from design.errors import InfeasibleDesignError
-from design.model.actuators import Model
+from design.model.actuators.model import Model
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from tests.acceptance.test_random_designs import random_case

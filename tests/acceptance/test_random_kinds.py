@@ -5,9 +5,10 @@ from dataclasses import replace
 import pytest
 
 from design.errors import DesignError
-from design.model.actuators import Ideal
+from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Modes
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from design.shapers.specified_insensitivity import BandOptions

@@ -5,7 +5,7 @@ import pytest
 
 from design.analysis.certificate import certify
 from design.claims import ZERO_LIMITS, zeros
-from design.model.actuators import Model
+from design.model.actuators.model import Model
 from design.model.impulses import Impulses
 from design.tables.compute import counted_rows
 from design.tables.rows import VERIFIED

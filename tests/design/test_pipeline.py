@@ -12,11 +12,16 @@ from design.analysis.residual import residual_vibration
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.unity_magnitude import ZERO_VIBRATION, unity_magnitude_problem
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Pendulum
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
-from design.shapers.kind import SettleOptions, ShaperKind
+from design.shapers.kind import DesignCase, ShaperKind
+from design.shapers.options import SettleOptions
 from design.shapers.registry import SHAPERS
 from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, THESIS
 
@@ -25,9 +30,9 @@ NUMZV, NUMZVD, UMZV, UMZVC, UMZVD = (
 )
 
 
-def pretending(formulate: Callable[[Mode, Actuator, Any], Formulation]) -> ShaperKind:
+def pretending(formulate: Callable[[DesignCase[Any]], Formulation]) -> ShaperKind:
     """Return a kind that claims zero residual and slope whatever it formulates."""
-    return dataclasses.replace(NUMZVD, name="pretender", formulate=formulate)
+    return dataclasses.replace(NUMZVD, name="pretender", formulation=formulate)
 
 
 def test_a_closed_form_says_that_no_solver_ran() -> None:
@@ -180,8 +185,8 @@ def test_a_wrong_closed_form_does_not_leave_as_a_design() -> None:
 def test_solutions_that_miss_a_claim_do_not_leave_as_designs() -> None:
     # Three impulses, whose slope is not zero, under a name that claims it is.
     kind = pretending(
-        lambda mode, actuator, _: unity_magnitude_problem(
-            ZERO_VIBRATION, mode, actuator, settle=False, max_duration_periods=3.0
+        lambda case: unity_magnitude_problem(
+            ZERO_VIBRATION, case.mode, case.actuator, settle=False, max_duration_periods=3.0
         )
     )
     with pytest.raises(

@@ -8,23 +8,21 @@ import numpy as np
 import pytest
 
 from design.analysis.certificate import certify
-from design.analysis.residual import residual_vectors, residual_vibration, vectors_of_many
+from design.analysis.residual import residual_vibration
+from design.analysis.residuals_of_many import vectors_of_many
 from design.analysis.sensitivity import SensitivityRange, sensitivity
+from design.analysis.vectors import residual_vectors
 from design.claims import zeros
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.model.actuators import (
-    Actuator,
-    FirstOrder,
-    Ideal,
-    Model,
-    RateLimited,
-    SecondOrder,
-    SecondOrderSet,
-    Unlimited,
-)
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.model import Model
+from design.model.actuators.rate_limited import RateLimited, Unlimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.commands import pulse, step
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.model.reference_ramps import reference
 from design.moves.maneuvers import maneuver
 from design.pipeline import design

@@ -7,8 +7,12 @@ import pytest
 
 from design.analysis.sensitivity import DampingRange, SensitivityRange, sensitivity, worst_of
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.model.actuators import Actuator, Ideal
-from design.model.plants import Mode, Pendulum, Scheduled, SpringMass
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.scheduled import Scheduled
+from design.model.plants.spring_mass import SpringMass
 from design.pipeline import Design, design
 from design.shapers.ei import ToleranceOptions
 from design.shapers.registry import SHAPERS

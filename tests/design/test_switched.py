@@ -10,19 +10,17 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from design.analysis.certificate import certify
-from design.analysis.residual import residual_curve, residual_vectors, residual_vibration
+from design.analysis.residual import residual_curve, residual_vibration
 from design.analysis.sensitivity import SensitivityRange, sensitivity
+from design.analysis.vectors import residual_vectors
 from design.claims import zeros
-from design.model.actuators import (
-    Actuator,
-    FirstOrder,
-    Lag,
-    SecondOrder,
-    SecondOrderSet,
-    free_motions,
-)
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.lag_motions import free_motions
+from design.model.lags import Lag
+from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.response.closed_form import history
 from design.response.simulation import ringing_after, simulated_history

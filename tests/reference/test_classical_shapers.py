@@ -11,13 +11,16 @@ import numpy as np
 import pytest
 
 from design.analysis.certificate import certify
+from design.analysis.insensitivity import insensitivity
 from design.analysis.residual import residual_curve, residual_vibration
-from design.analysis.sensitivity import insensitivity
 from design.claims import Promise
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.moves.maneuvers import maneuver
 from design.pipeline import design
 from design.shapers.ei import ToleranceOptions
@@ -129,7 +132,8 @@ def test_mzv_that_decays_by_half_a_period_leaves_two_percent_and_a_half() -> Non
     wrong = shaper("mzv").amplitudes * decay ** np.arange(3)
     planted = Impulses(times_s=made.times_s, amplitudes=wrong / wrong.sum())
     assert residual_vibration(planted, hertz(z), Ideal()) == pytest.approx(0.025, abs=5e-4)
-    promised = SHAPERS["mzv"].formulate(hertz(z), IDEAL, MzvOptions()).designed_for
+    mzv = SHAPERS["mzv"]
+    promised = mzv.formulate(mzv.case((hertz(z),), IDEAL)).designed_for
     assert not certify(
         planted, hertz(z), promised, (Promise(quantity="residual", limit=1e-9),)
     ).verified

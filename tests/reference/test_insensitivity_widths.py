@@ -8,10 +8,10 @@ import math
 import numpy as np
 import pytest
 
-from design.analysis.sensitivity import insensitivity
-from design.model.actuators import Ideal
+from design.analysis.insensitivity import insensitivity
+from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from tests.shaper_table import IDEAL

@@ -5,11 +5,11 @@ import math
 import pytest
 
 from design.errors import InfeasibleDesignError
-from design.model.actuators import FirstOrder
-from design.model.plants import Mode
+from design.model.actuators.first_order import FirstOrder
+from design.model.plants.mode import Mode
 from design.moves.maneuvers import maneuver
 from design.pipeline import design
-from design.shapers.kind import PeakOptions
+from design.shapers.options import PeakOptions
 from design.shapers.registry import SHAPERS
 from tests.second_route import claims_by_formula
 

@@ -10,11 +10,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from design.analysis.insensitivity import insensitivity
 from design.analysis.residual import residual_vibration
-from design.analysis.sensitivity import insensitivity
-from design.model.actuators import Actuator, SecondOrder
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray

@@ -7,7 +7,7 @@ Control 119 (1997), and its polynomials, checked against designs.
 import numpy as np
 import pytest
 
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray

@@ -24,6 +24,7 @@ from design.solvers.convex_band.grid import (
 )
 from design.solvers.convex_band.optimality import Point, solved
 from design.solvers.convex_band.peaks import followed, optimum, peaks
+from design.trace import TraceStep
 from design.types import FloatArray
 
 CLOSE_DURATION = 1e-6
@@ -70,7 +71,7 @@ EASED = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BandOptimum:
-    """An optimum by the solver's word, not yet verified.
+    """An optimum as reported by the solver, not yet certified.
 
     Attributes
     ----------
@@ -119,7 +120,7 @@ def candidates(problem: BandProblem, budget: Budget) -> Iterator[BandOptimum | O
         programs += 1 + refine * len(REFINED_PITCHES)
         least, best = _nearest(problem, duration, budget, refine=refine, follow=refine)
         if best is not None:
-            told = _told(problem, *best, programs)
+            told = _told(problem, *best, programs, budget)
             met = met or isinstance(told, BandOptimum)
             yield told
         if least > tolerance:
@@ -140,7 +141,7 @@ def candidates(problem: BandProblem, budget: Budget) -> Iterator[BandOptimum | O
         programs += 1 + len(REFINED_PITCHES)
         _, best = _nearest(problem, duration * (1 + share), budget, refine=True, follow=True)
         if best is not None:
-            told = _told(problem, *best, programs)
+            told = _told(problem, *best, programs, budget)
             met = met or isinstance(told, BandOptimum)
             yield told
     if not met:
@@ -171,6 +172,16 @@ def _nearest(
     else:
         grid = even_grid(problem, duration_rad)
         found = least_on_grid(problem, grid, budget)
+    budget.note(
+        TraceStep(
+            stage="bound",
+            method="clarabel",
+            start="refined_grid" if refine else "even_grid",
+            outcome="too_short" if found.largest > tolerance else "may_be_possible",
+            duration_s=duration_rad / problem.natural_frequency_rad_s,
+            detail=f"least residual over the band: {found.largest:.4g}",
+        )
+    )
     start = structure(problem, grid, found)
     if start is None:
         return found.largest, None
@@ -183,11 +194,21 @@ def _nearest(
 
 
 def _told(
-    problem: BandProblem, point: Point, tolerance: float, programs: int
+    problem: BandProblem, point: Point, tolerance: float, programs: int, budget: Budget
 ) -> BandOptimum | Obstacle:
-    if tolerance > problem.tolerance:
-        return _obstacle(problem, point)
-    return _candidate(point, programs)
+    beyond = tolerance > problem.tolerance
+    budget.note(
+        TraceStep(
+            stage="solve",
+            method="newton",
+            start="cone_program",
+            outcome="too_short" if beyond else "solve_succeeded",
+            iterations=point.steps,
+            duration_s=float(point.lags[-1]) / problem.natural_frequency_rad_s,
+            detail=f"{point.amplitudes.size} impulses",
+        )
+    )
+    return _obstacle(problem, point) if beyond else _candidate(point, programs)
 
 
 def _candidate(point: Point, programs: int) -> BandOptimum:

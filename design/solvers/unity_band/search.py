@@ -3,14 +3,14 @@
 import math
 import threading
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from design.errors import InfeasibleDesignError
 from design.formulations.bands import BandSearch, UnityBandProblem
 from design.formulations.equations import Seed
 from design.solvers.budget import Budget
+from design.solvers.solution import Solution, SolverReport, of_gaps
 from design.solvers.unity_band.descent import Descent, Run
-from design.types import FloatArray
+from design.trace import TraceStep
 
 COMPARED = 2
 """Seeds of one number of impulses of whose designs the shorter is taken."""
@@ -21,32 +21,7 @@ FAR_MISS = 1.2
 _one_at_a_time = threading.Lock()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BandCandidate:
-    """A design over a band by the solver's word, not yet verified.
-
-    Attributes
-    ----------
-    problem
-        What it solves.
-    gaps_rad
-        Gaps between its impulses, shape (n - 1,) [rad].
-    seed
-        Name of the start that led to it.
-    iterations
-        Steps from there.
-    starts
-        Starts tried so far, of fewer impulses too.
-    """
-
-    problem: UnityBandProblem
-    gaps_rad: FloatArray
-    seed: str
-    iterations: int
-    starts: int
-
-
-def band_candidates(search: BandSearch, budget: Budget | None = None) -> Iterator[BandCandidate]:
+def solve(search: BandSearch, budget: Budget) -> Iterator[Solution]:
     """Yield designs over a band, of the fewest impulses first.
 
     Of every number of impulses two seeds are compared; where one ends far above the tolerance, the
@@ -59,7 +34,7 @@ def band_candidates(search: BandSearch, budget: Budget | None = None) -> Iterato
     TimeLimitError
         If the solver ran past its time.
     """
-    runs = _Runs(search, Budget() if budget is None else budget)
+    runs = _Runs(search, budget)
     later = []
     for problem in search.problems:
         tried, found = 0, []
@@ -71,7 +46,7 @@ def band_candidates(search: BandSearch, budget: Budget | None = None) -> Iterato
             found += runs.candidate(problem, seed, run)
             if run.highest > FAR_MISS or (found and tried >= COMPARED):
                 break
-        yield from sorted(found, key=lambda one: float(one.gaps_rad.sum()))
+        yield from sorted(found, key=lambda one: one.impulses.duration_s)
         later += [(problem, seed) for seed in problem.seeds[tried:]]
     for problem, seed in later:
         if runs.budget.spent:
@@ -95,21 +70,41 @@ class _Runs:
             descent = Descent(problem, self.search.half_width, self.search.tolerance, self.budget)
             run = descent.run(seed.gaps_rad)
         self.nearest = min(self.nearest, run.highest)
+        duration = float(run.gaps_rad.sum())
+        in_time = duration <= self.search.horizon_rad
+        self.budget.note(
+            TraceStep(
+                stage="solve",
+                method="ipopt",
+                start=seed.name,
+                outcome=("solve_succeeded" if in_time else "rejected")
+                if run.converged
+                else "failed",
+                iterations=run.steps,
+                duration_s=duration / self.search.natural_frequency_rad_s,
+                detail=f"{problem.amplitudes.size} impulses, {run.highest:.4g} of the tolerance"
+                f"{'' if in_time else ', longer than max_duration_periods'}",
+            )
+        )
         return run
 
-    def candidate(self, problem: UnityBandProblem, seed: Seed, run: Run) -> list[BandCandidate]:
+    def candidate(self, problem: UnityBandProblem, seed: Seed, run: Run) -> list[Solution]:
         """Return the end of a run, if it is a candidate."""
         duration = float(run.gaps_rad.sum())
         if run.converged and duration > self.search.horizon_rad:
             self.late = min(self.late, duration)
         elif run.converged:
+            w = self.search.natural_frequency_rad_s
             return [
-                BandCandidate(
-                    problem=problem,
-                    gaps_rad=run.gaps_rad,
-                    seed=seed.name,
-                    iterations=run.steps,
-                    starts=self.starts,
+                Solution(
+                    impulses=of_gaps(run.gaps_rad, w, problem.amplitudes),
+                    solver=SolverReport(
+                        name="ipopt",
+                        status="solve_succeeded",
+                        iterations=run.steps,
+                        seed=seed.name,
+                        starts=self.starts,
+                    ),
                 )
             ]
         return []

@@ -8,9 +8,10 @@ import pytest
 
 from design.analysis.band import largest_in_band
 from design.analysis.high_modes import high_mode_gain
-from design.model.actuators import Actuator, SecondOrder, SecondOrderSet
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from tests.second_route import claims_by_formula

@@ -6,11 +6,15 @@ import numpy as np
 import pytest
 
 from design.analysis.certificate import METHOD, Certificate, Claim, certify
-from design.analysis.residual import residual_vectors
+from design.analysis.vectors import residual_vectors
 from design.claims import ZERO_LIMITS, Quantity, zeros
-from design.model.actuators import Actuator, FirstOrder, Model, SecondOrder, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.model import Model
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Plant
+from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray

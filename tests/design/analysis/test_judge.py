@@ -9,19 +9,18 @@ import pytest
 from design.analysis.certificate import TOLERANCE_MARGIN
 from design.analysis.judge import judge, sum_warnings
 from design.claims import zeros
-from design.model.actuators import (
-    Actuator,
-    FirstOrder,
-    Ideal,
-    RateLimited,
-    SecondOrder,
-    SecondOrderSet,
-)
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Modes, Pendulum
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
+from design.model.plants.pendulum import Pendulum
 from design.moves.maneuvers import maneuver
 from design.pipeline import design
-from design.sampling.sampled import sampled_design
+from design.sampling.sampled_design import sampled_design
 from design.shapers.registry import SHAPERS
 from tests.second_route import residual_by_integration
 
@@ -61,7 +60,7 @@ def test_the_claims_of_a_design_are_of_the_actuator_given_or_a_warning_has_the_f
     kind: str, drive: str
 ) -> None:
     actuator = DRIVES[drive]
-    plant = TWO_MODES if SHAPERS[kind].formulate_jointly else CRANE
+    plant = TWO_MODES if SHAPERS[kind].serves_several else CRANE
     found = design(plant, actuator, SHAPERS[kind])
     ignored = [one for one in found.warnings if one.code == "actuator_ignored"]
     assert len(ignored) == found.for_ideal

@@ -7,15 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from design.analysis.residual import (
-    evenly_spaced_vectors,
-    residual_curve,
-    residual_vectors,
-    residual_vibration,
-)
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.analysis.residual import residual_curve, residual_vibration
+from design.analysis.vectors import evenly_spaced_vectors, residual_vectors
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.response.simulation import ringing_after
 from tests.second_route import claims_by_formula, residual_by_integration
 from tests.shaper_table import CRANE, FIRST_ORDER, IDEAL, THESIS

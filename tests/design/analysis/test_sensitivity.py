@@ -5,19 +5,21 @@ import math
 import numpy as np
 import pytest
 
-from design.analysis.residual import residual_curve, residual_vibration
-from design.analysis.sensitivity import (
+from design.analysis.insensitivity import (
     WIDEST_RATIOS,
     Insensitivity,
-    SensitivityRange,
     common_interval,
     insensitivity,
-    sensitivity,
 )
+from design.analysis.residual import residual_curve, residual_vibration
+from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.errors import InvalidInputError
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray

@@ -11,8 +11,8 @@ import pytest
 from design.errors import InvalidInputError
 from design.export.klipper import KLIPPER
 from design.export.reprap import REPRAP
-from design.model.actuators import Ideal
-from design.model.plants import Mode
+from design.model.actuators.ideal import Ideal
+from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from design.tables.rows import Rows, TableHead

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from design.analysis.certificate import certify_modes
+from design.analysis.insensitivity import insensitivity
 from design.analysis.residual import residual_vibration
-from design.analysis.sensitivity import insensitivity
 from design.claims import Promise
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.export.klipper import KLIPPER, NAMES, READ_AS_ZERO
@@ -17,8 +17,8 @@ from design.export.klipper_shapers import (
     klipper_impulses,
     older_klipper_impulses,
 )
-from design.model.actuators import Ideal
-from design.model.plants import Mode
+from design.model.actuators.ideal import Ideal
+from design.model.plants.mode import Mode
 from design.pipeline import Design, design
 from design.shapers.registry import SHAPERS
 from design.tables.rows import TableHead, subject_of

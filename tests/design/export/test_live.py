@@ -7,8 +7,10 @@ import pytest
 
 from design.export.live import early_releases
 from design.export.registry import EXPORTS
-from design.model.actuators import Actuator, Ideal, SecondOrder, SecondOrderSet
-from design.model.plants import Pendulum
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from tests.designed_tables import CRANE, designed_table

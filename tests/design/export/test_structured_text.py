@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from design.curve_fit import Fit, FitRange, fit
+from design.curve_fit.fit import fit
+from design.curve_fit.fit_range import FitRange
+from design.curve_fit.polynomials import Fit
 from design.errors import InvalidInputError
 from design.export.structured_text import STRUCTURED_TEXT
 from design.shapers.registry import SHAPERS

@@ -19,8 +19,10 @@ from design.formulations.unity_magnitude import (
     undamped_times_rad,
     unity_magnitude_problem,
 )
-from design.model.actuators import FirstOrder, Ideal, SecondOrder
-from design.model.plants import Mode
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.second_order import SecondOrder
+from design.model.plants.mode import Mode
 from design.types import FloatArray
 from tests.second_route import gain_and_slope
 from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, THESIS

@@ -9,12 +9,17 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 
-from design.analysis.residual import residual_vibration, residuals_of_cases
+from design.analysis.residual import residual_vibration
+from design.analysis.residuals_of_many import residuals_of_cases
 from design.errors import InvalidInputError
-from design.maps.field_map import Axis, Map, MapCase, Move, Quantity, Recipe, field_map, varied
-from design.model.actuators import Actuator, Ideal, SecondOrder, SecondOrderSet
+from design.fields import Axis
+from design.maps.field_map import field_map
+from design.maps.map_case import Map, MapCase, Move, Quantity, Recipe
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Pendulum
+from design.model.plants.pendulum import Pendulum
 from design.moves.maneuvers import maneuver
 from design.moves.playback import motion
 from design.pictures.design_sheet import figure_bytes
@@ -78,28 +83,6 @@ def test_a_cell_without_a_shaper_is_not_a_number() -> None:
     found = residuals(case("numzv", max_duration_periods=0.335), CORNER, LENGTH)
     assert np.isnan(found).any()
     assert not np.isnan(found).all()
-
-
-def test_a_number_is_replaced_by_its_path_and_no_other() -> None:
-    changed = varied(THESIS, ("decel", "damping_ratio"), 0.9)
-    assert changed == replace(THESIS, decel=replace(THESIS.decel, damping_ratio=0.9))
-
-
-@pytest.mark.parametrize(
-    ("path", "message"),
-    [
-        (("mass_kg",), r"^field must be one of cable_length_m, damping_ratio, gravity_m_s2, got"),
-        (("cable_length_m", "x"), r"^field must be one of none, got"),
-    ],
-)
-def test_a_field_that_is_not_there_is_refused(path: tuple[str, ...], message: str) -> None:
-    with pytest.raises(InvalidInputError, match=message):
-        varied(CRANE, path, 1.0)
-
-
-def test_words_are_no_numbers() -> None:
-    with pytest.raises(InvalidInputError, match=r"^field must be the name of a number"):
-        varied(THESIS, ("model",), 1.0)
 
 
 PULSES = Axis(path=("move", "pulse_s"), values=np.linspace(0.2, 3.0, 15))

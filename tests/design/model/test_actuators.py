@@ -9,7 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from design.errors import InvalidInputError
-from design.model.actuators import FirstOrder, Ideal, Lag, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.second_order import SecondOrderSet
+from design.model.lags import Lag
 from tests.shaper_table import FIRST_ORDER, THESIS
 
 SETS = st.builds(

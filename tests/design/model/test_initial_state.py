@@ -11,12 +11,17 @@ from design.analysis.certificate import certify
 from design.analysis.residual import residual_vibration
 from design.claims import zeros
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.model.actuators import Actuator, Model, RateLimited
+from design.model.actuators.model import Model
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.commands import step
 from design.model.initial_state import AngleSwing, DeflectionSwing, InitialSwing, free_swing
-from design.model.plants import Mode, Pendulum, Plant
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
 from design.moves.maneuvers import Maneuver, maneuver
-from design.shapers.kind import PeakOptions, ShaperKind
+from design.shapers.kind import ShaperKind
+from design.shapers.options import PeakOptions
 from design.shapers.registry import SHAPERS
 from tests.design.moves.test_maneuvers import any_actuator, levels
 from tests.second_route import integrate

@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from design.errors import InvalidInputError
-from design.model.plants import Mode, Pendulum
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
 
 FREQUENCIES = st.floats(1e-2, 1e3)
 DAMPING_RATIOS = st.floats(0.0, 0.99)

@@ -10,14 +10,20 @@ from design.analysis.certificate import certify
 from design.analysis.residual import residual_vibration
 from design.claims import zeros
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.model.actuators import Actuator, FirstOrder, Ideal, Model, SecondOrder, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.model import Model
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
 from design.model.initial_state import AngleSwing
-from design.model.plants import Mode, Plant
+from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
 from design.moves.maneuvers import Maneuver, maneuver, mirrored_stop, swapped
 from design.pipeline import design
 from design.response.closed_form import travel
-from design.shapers.kind import PeakOptions, SettleOptions, ShaperKind
+from design.shapers.kind import ShaperKind
+from design.shapers.options import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS
 from tests.second_route import integrate, residual_by_integration
 from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, THESIS

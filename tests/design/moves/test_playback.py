@@ -7,18 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from design.maps.field_map import Axis, MapCase, field_map
-from design.model.actuators import (
-    Actuator,
-    FirstOrder,
-    Ideal,
-    RateLimited,
-    SecondOrder,
-    SecondOrderSet,
-)
+from design.fields import Axis
+from design.maps.field_map import field_map
+from design.maps.map_case import MapCase
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.commands import pulse, step
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.moves.playback import motion
 from design.response.simulation import simulated_history
 from tests.design.test_switched import random_case

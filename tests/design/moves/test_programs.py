@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from design.errors import InvalidInputError
-from design.model.actuators import Actuator, FirstOrder, Ideal
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
 from design.model.commands import pulse
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.moves.maneuvers import maneuver
 from design.moves.programs import Program, program
 from design.shapers.registry import SHAPERS

@@ -5,10 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.commands import listed, pulse, step
 from design.model.impulses import Impulses
-from design.model.plants import Pendulum
+from design.model.plants.pendulum import Pendulum
 from design.moves.shaped_commands import shaped_command
 from design.pipeline import design
 from design.shapers.registry import SHAPERS

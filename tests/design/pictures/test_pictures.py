@@ -20,16 +20,14 @@ from matplotlib.text import Text
 
 from design.analysis.residual import residual_vibration
 from design.analysis.sensitivity import Sensitivity, SensitivityRange, sensitivity
-from design.model.actuators import (
-    Actuator,
-    FirstOrder,
-    Ideal,
-    RateLimited,
-    SecondOrder,
-    SecondOrderSet,
-)
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Pendulum
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
 from design.pictures.design_sheet import design_sheet, figure_bytes
 from design.pictures.sensitivity_panel import draw_sensitivity
 from design.pictures.time_panels import draw_payload

@@ -8,8 +8,14 @@ import numpy as np
 import pytest
 
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.model.actuators import Actuator, RateLimited, SecondOrder, SecondOrderSet
-from design.model.plants import Mode, Modes, Pendulum, Plant, Scheduled
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
 from design.recommendations import candidates, recommendation
 from design.recommendations.judging import Candidate
 from design.recommendations.recommendation import Recommendation, recommend
@@ -90,7 +96,7 @@ def test_every_kind_of_the_registry_is_told_of() -> None:
     found = asked()
     told = {one.designed.choice.kind.name for one in everything(found).values()}
     told |= {one.choice.kind.name for one in found.refused}
-    assert told == {name for name, kind in SHAPERS.items() if kind.formulate_jointly is None}
+    assert told == {name for name, kind in SHAPERS.items() if not kind.serves_several}
 
 
 def test_a_new_kind_shows_up_by_itself(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,23 +8,24 @@ import numpy as np
 import pytest
 
 from design.analysis.certificate import certify
-from design.analysis.residual import residual_vectors, residual_vibration, vectors_of_many
+from design.analysis.residual import residual_vibration
+from design.analysis.residuals_of_many import vectors_of_many
+from design.analysis.vectors import residual_vectors
 from design.claims import Quantity, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Plant
+from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
 from design.pipeline import design
-from design.sampling.sampled import (
-    Sampled,
-    carried,
-    exact_positive,
-    nearest,
-    sample,
-    sampled_design,
-    split,
-    unity_on_grid,
-)
+from design.sampling.exact_positive import exact_positive
+from design.sampling.sample_grid import carried, nearest, split
+from design.sampling.sampled import Sampled, sample
+from design.sampling.sampled_design import sampled_design
+from design.sampling.unity_grid import unity_on_grid
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
 from tests.second_route import claims_by_formula, largest_in_band_by_formula

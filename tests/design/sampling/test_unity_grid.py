@@ -10,12 +10,18 @@ import pytest
 from design.analysis.residual import residual_vibration
 from design.claims import Quantity
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Plant
+from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
 from design.pipeline import design
-from design.sampling.sampled import Sampled, more_impulses_on_grid, sample, sampled_design, split
-from design.sampling.unity_grid import is_unity
+from design.sampling.more_impulses import is_unity, more_impulses_on_grid
+from design.sampling.sample_grid import split
+from design.sampling.sampled import Sampled, sample
+from design.sampling.sampled_design import sampled_design
 from design.shapers.registry import SHAPERS
 from tests.second_route import claims_by_formula, residual_by_integration
 from tests.shaper_table import CRANE, FIRST_ORDER, IDEAL, THESIS

@@ -9,8 +9,13 @@ import pytest
 
 from design.analysis.sensitivity import DampingRange, SensitivityRange, sensitivity
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.model.actuators import Actuator, FirstOrder, Ideal
-from design.model.plants import LARGEST_DAMPING_RATIO, Mode, Modes, Pendulum, Scheduled
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.modes import Modes
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.scheduled import Scheduled
 from design.pipeline import design
 from design.shapers.ei import ToleranceOptions
 from design.shapers.positive import MzvOptions

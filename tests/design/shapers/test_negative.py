@@ -7,11 +7,14 @@ import numpy as np
 import pytest
 from scipy.optimize import fsolve
 
-from design.analysis.sensitivity import insensitivity
+from design.analysis.insensitivity import insensitivity
 from design.errors import InfeasibleDesignError
-from design.model.actuators import Actuator, FirstOrder, Model, SecondOrder
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.model import Model
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.shapers.negative import NegativeOptions
 from design.shapers.registry import SHAPERS

@@ -9,21 +9,29 @@ import pytest
 from scipy.optimize import fsolve
 
 from design.analysis.certificate import certify
-from design.analysis.sensitivity import insensitivity
+from design.analysis.insensitivity import insensitivity
 from design.claims import Promise
-from design.curve_fit import FitRange, fit
+from design.curve_fit.fit import fit
+from design.curve_fit.fit_range import FitRange
 from design.errors import InfeasibleDesignError, InvalidInputError
+from design.fields import Axis
 from design.formulations.equations import Problem
-from design.model.actuators import Actuator, FirstOrder, Model, SecondOrder, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.model import Model
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Pendulum, Plant, Scheduled
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
 from design.moves.maneuvers import maneuver
 from design.pipeline import Design, design
 from design.shapers.numei import HumpOptions
 from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import SHAPERS
 from design.tables.compute import compute_rows
-from design.tables.specification import Axis, TableSpecification
+from design.tables.specification import TableSpecification
 from design.types import FloatArray
 from tests.acceptance.test_random_designs import random_case
 from tests.second_route import (
@@ -303,7 +311,7 @@ def test_a_root_with_another_curve_is_none_of_these_shapers() -> None:
 def test_where_the_ideal_actuator_has_none_the_search_goes_on() -> None:
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=0.5)
     options = HumpOptions(tolerance=0.5)
-    problem = SHAPERS["num_ei"].formulate(mode, IDEAL, options)
+    problem = SHAPERS["num_ei"].formulate(SHAPERS["num_ei"].case((mode,), IDEAL, options))
     assert isinstance(problem, Problem)
     assert [seed.name for seed in problem.seeds] == ["um_ei_undamped", "um_ei_undamped_followed"]
     with pytest.raises(InfeasibleDesignError, match=r"in 1026 starts"):

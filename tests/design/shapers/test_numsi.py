@@ -7,12 +7,13 @@ import pytest
 from scipy.optimize import minimize
 
 from design.analysis.certificate import certify
-from design.analysis.sensitivity import insensitivity
+from design.analysis.insensitivity import insensitivity
 from design.claims import Promise
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.model.actuators import Actuator, SecondOrder, SecondOrderSet
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Plant
+from design.model.plants.registry import Plant
 from design.pipeline import Design, design
 from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import SHAPERS

@@ -10,8 +10,11 @@ from scipy.optimize import linprog
 from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.analysis.shortest import excluded_rad
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.model.actuators import Actuator, Ideal, SecondOrder
-from design.model.plants import Mode, Modes
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
 from design.pipeline import Design, design
 from design.shapers.registry import SHAPERS
 from design.shapers.several_modes import BASES, ConvolvedOptions

@@ -1,5 +1,6 @@
 """Every kind of shaper: closed forms, limits, and its claims by another route."""
 
+import dataclasses
 import math
 import pickle
 from itertools import product
@@ -11,11 +12,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from design.claims import ZERO_LIMITS
-from design.model.actuators import Actuator, FirstOrder, Ideal, SecondOrder, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Plant
+from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
 from design.pipeline import design
-from design.shapers.kind import PeakOptions, SettleOptions
+from design.shapers.options import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
 from tests.second_route import (
@@ -240,7 +245,7 @@ def test_every_entry_is_listed_under_its_own_name_with_words_for_the_catalogue()
 
 def test_every_option_has_a_description_and_a_default() -> None:
     for kind in SHAPERS.values():
-        for field in kind.options.__dataclass_fields__.values():
+        for field in dataclasses.fields(kind.options):
             assert field.metadata["description"].endswith("."), field.name
             assert kind.options() == kind.options()
 

@@ -11,8 +11,9 @@ import pytest
 
 from design.analysis.exclusion import excludes
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.model.actuators import FirstOrder, Ideal
-from design.model.plants import Mode
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.plants.mode import Mode
 from design.pipeline import Design, design
 from design.shapers.registry import SHAPERS
 from design.shapers.specified_insensitivity import BandOptions

@@ -6,10 +6,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from design.curve_fit import FitRange, fit
+from design.curve_fit.fit import fit
+from design.curve_fit.fit_range import FitRange
 from design.errors import InfeasibleDesignError
-from design.model.actuators import Actuator, RateLimited, SecondOrder
-from design.model.plants import Mode, Modes, Plant
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
+from design.model.plants.registry import Plant
 from design.pipeline import design
 from design.recommendations.recommendation import recommend
 from design.recommendations.requirements import Requirements
@@ -19,7 +24,7 @@ from design.shapers.registry import SHAPERS
 from design.shapers.specified_insensitivity import BandOptions
 from design.solvers import newton
 from design.solvers.budget import MOST_WORK, Budget
-from design.solving.solve import solutions
+from design.solving.solve import solve
 from tests.shaper_table import IDEAL, THESIS
 
 OVERSHOOT = 1_000_000
@@ -87,7 +92,7 @@ NO_SEED_SERVES: list[tuple[str, Plant, Actuator, Any]] = [
 """Ramps that outlast the gaps of the seeds: all is left to the search over branches."""
 
 EASY: list[tuple[str, Plant, Actuator, Any]] = [
-    (kind, TWO if SHAPERS[kind].formulate_jointly else MODE, actuator, None)
+    (kind, TWO if SHAPERS[kind].serves_several else MODE, actuator, None)
     for kind in SHAPERS
     for actuator in (IDEAL, THESIS, SWITCHED, LIMITED)
     if actuator.kind in SHAPERS[kind].actuators
@@ -110,7 +115,8 @@ def test_a_budget_of_any_size_ends_in_a_design_or_a_refusal(
 
 
 def test_a_search_of_branches_begins_no_more_starts_than_its_budget_allows() -> None:
-    problem: Any = SHAPERS["numzvd"].formulate(MODE, SWITCHED, SHAPERS["numzvd"].options())
+    numzvd = SHAPERS["numzvd"]
+    problem: Any = numzvd.formulate(numzvd.case((MODE,), SWITCHED))
     starts = np.tile(problem.seeds[0].gaps_rad, (1000, 1))
     some = newton.roots(problem.model, starts, problem.parameters, budget=Budget(most=2000.0))
     assert 0 < len(some.unknowns) < 1000
@@ -121,15 +127,15 @@ def test_a_search_of_branches_begins_no_more_starts_than_its_budget_allows() -> 
 
 
 def test_a_cut_search_tells_what_it_searched_and_what_it_did_not() -> None:
-    problem: Any = SHAPERS["numzvd"].formulate(
-        MODE, SWITCHED, SHAPERS["numzvd"].options(max_duration_periods=20.0)
-    )
+    numzvd = SHAPERS["numzvd"]
+    options = numzvd.options(max_duration_periods=20.0)
+    problem: Any = numzvd.formulate(numzvd.case((MODE,), SWITCHED, options))
     message = (
         r"^no ordered solution with duration <= 3 periods in \d+ starts; nearest miss: .*; "
         r"durations up to 20 periods were not searched to the end: its budget of 0\.02 million"
     )
     with pytest.raises(InfeasibleDesignError, match=message):
-        for _ in solutions(problem, Budget(most=20_000.0)):
+        for _ in solve(problem, Budget(most=20_000.0)):
             pass
 
 
@@ -176,7 +182,7 @@ def test_what_a_recommendation_has_no_budget_for_is_said(monkeypatch: pytest.Mon
 
 def test_a_fit_ends_with_its_budget(monkeypatch: pytest.MonkeyPatch) -> None:
     wanted = FitRange(over="damping_ratio", start=0.0, stop=0.2, max_residual=1e-16)
-    monkeypatch.setattr("design.curve_fit.DESIGN_WORK", MOST_WORK / 30)
+    monkeypatch.setattr("design.curve_fit.exact_curve.DESIGN_WORK", MOST_WORK / 30)
     with pytest.raises(
         InfeasibleDesignError, match=r"no degree up to \d leaves .*; its budget of 4"
     ):

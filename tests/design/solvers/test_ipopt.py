@@ -8,7 +8,7 @@ import pytest
 
 from design.formulations.equations import Expressions, Model, Problem
 from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE, unity_magnitude_problem
-from design.model.actuators import Ideal
+from design.model.actuators.ideal import Ideal
 from design.solvers import ipopt
 from design.solvers.buffered import Buffered
 from design.solvers.outcome import Status

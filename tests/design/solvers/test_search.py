@@ -14,8 +14,10 @@ from design.formulations.unity_magnitude import (
     UnityMagnitude,
     unity_magnitude_problem,
 )
-from design.model.actuators import Actuator, FirstOrder, SecondOrder, SecondOrderSet
-from design.model.plants import Mode
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.plants.mode import Mode
 from design.solvers import ipopt
 from design.solvers.outcome import Outcome, Status
 from design.solvers.search import BRANCH_STARTS, candidates, spread_starts

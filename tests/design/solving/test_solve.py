@@ -6,14 +6,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from design.model.actuators import Ideal
+from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.model.plants import Mode, Modes
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
 from design.pipeline import design
 from design.shapers.negative import NegativeOptions
 from design.shapers.positive import MzvOptions
 from design.shapers.registry import SHAPERS
-from design.solving.solve import merged
+from design.solving.distinct_steps import distinct_steps
 
 SMALLEST = 1e-12
 """Share of all steps' sizes that no step has to be below where no mode is damped [-]."""
@@ -71,7 +72,7 @@ def test_steps_that_are_rounding_are_left_out_and_those_at_one_time_joined() -> 
         times_s=np.array([0.0, 1.0, 2.0, 2.0 + 1e-13, 3.0]),
         amplitudes=np.array([1e-17, 0.5, 0.25, 0.25, -3e-16]),
     )
-    found = merged(given)
+    found = distinct_steps(given)
     assert np.abs(found.times_s - [0, 1]).max() < 1e-12
     assert np.abs(found.amplitudes - 0.5).max() < 1e-12
 
@@ -92,4 +93,4 @@ def test_many_small_steps_that_are_together_more_than_rounding_stay() -> None:
     small = np.full(1000, 1e-16)
     amplitudes = np.concatenate(([0.5], small, [0.5 - small.sum()]))
     given = Impulses(times_s=np.linspace(0.0, 1.0, amplitudes.size), amplitudes=amplitudes)
-    assert merged(given).times_s.size >= amplitudes.size - 10
+    assert distinct_steps(given).times_s.size >= amplitudes.size - 10

@@ -8,19 +8,17 @@ import numpy as np
 import pytest
 
 from design.analysis.certificate import certify
-from design.analysis.residual import residual_vibration, residuals_of_many
+from design.analysis.residual import residual_vibration
+from design.analysis.residuals_of_many import residuals_of_many
 from design.claims import zeros
 from design.errors import InvalidInputError
-from design.model.actuators import (
-    Actuator,
-    FirstOrder,
-    Ideal,
-    RateLimited,
-    SecondOrder,
-    SecondOrderSet,
-)
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.moves.playback import motion
 from design.response.closed_form import travel
 from service.dispatch import respond

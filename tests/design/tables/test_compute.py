@@ -14,10 +14,13 @@ import pytest
 
 from design.claims import ZERO_LIMITS
 from design.errors import DesignError
-from design.model.actuators import Actuator, FirstOrder, Model
-from design.model.plants import Plant
+from design.fields import Axis
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.model import Model
+from design.model.actuators.registry import Actuator
+from design.model.plants.registry import Plant
 from design.pipeline import Design, design
-from design.shapers.kind import PeakOptions, SettleOptions
+from design.shapers.options import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS
 from design.solvers.newton import roots
 from design.solvers.search import spread_starts
@@ -25,7 +28,7 @@ from design.tables import compute, kernel, starts
 from design.tables.compiled import compiled
 from design.tables.compute import compute_rows, counted_rows
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL
-from design.tables.specification import Axis, TableSpecification
+from design.tables.specification import TableSpecification
 from tests.shaper_table import CRANE, THESIS
 from tests.table_cases import random_table
 
@@ -35,6 +38,8 @@ ROOT = Path(__file__).parents[3]
 
 SAME = 1e-10
 """Times agree to this share of the duration: IPOPT's tolerance is 1e-12."""
+
+COMPILED = {name for name, kind in SHAPERS.items() if kind.compiled_rows is not None}
 
 
 def single_design(
@@ -80,8 +85,8 @@ def test_a_row_equals_the_single_design(order: int, model: Model) -> None:
 
 @pytest.mark.parametrize("damping", [0.0, 0.5])
 @pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("kind", sorted(compute.SQUARE))
-def test_a_row_of_any_square_shaper_equals_the_single_design(
+@pytest.mark.parametrize("kind", sorted(COMPILED))
+def test_a_row_of_any_compiled_shaper_equals_the_single_design(
     kind: str, model: Model, damping: float
 ) -> None:
     orders = (0, 1, 2) if "ideal" in SHAPERS[kind].actuators else (1,)
@@ -182,7 +187,7 @@ def test_every_column_is_that_of_the_single_design(kind: str) -> None:
     # The drive's sets are apart: what does not know them is proven for an ideal one only.
     assert one.status.tolist() == [VERIFIED if kind == "numzvd" else VERIFIED_IDEAL] * 2
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(compute, "_square", lambda _: False)
+        patch.setattr(compute, "_compiled", lambda _: None)
         rows, counts = counted_rows(table, 0, 2)
     assert counts.single == 2
     assert one.status.tolist() == rows.status.tolist()
@@ -211,7 +216,7 @@ def test_a_wrong_branch_is_found_by_the_guard(monkeypatch: pytest.MonkeyPatch) -
     table = crane_table(1)
     right = compute_rows(table, 0, 1)
     plant, actuator, options = table.at(table.field_values(0, 1)[0])
-    problem: Any = table.kind.formulate(plant.mode, actuator, options)
+    problem: Any = table.kind.formulate(table.kind.case(plant.modes, actuator, options))
     ends = roots(problem.model, spread_starts(problem), problem.parameters)
     usable = ends.unknowns[ends.converged & (ends.unknowns > 1e-2).all(axis=1)]
     slower = usable[usable.sum(axis=1) > 1.1 * right.results[0, 4] * plant.mode.pole_rad_s.imag][:1]

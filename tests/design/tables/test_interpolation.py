@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from design.errors import InvalidInputError
-from design.model.plants import Pendulum
+from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from design.tables.interpolation import Interpolant, interpolant

@@ -5,15 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from design.analysis.residual import require_workable
+from design.analysis.workable import require_workable
 from design.errors import InvalidInputError
+from design.fields import Axis
 from design.formulations.unity_magnitude import lag_parameters, settling_gaps_rad
-from design.model.actuators import Model
-from design.model.plants import Pendulum
-from design.shapers.kind import SettleOptions
+from design.model.actuators.model import Model
+from design.model.plants.pendulum import Pendulum
+from design.shapers.options import SettleOptions
 from design.tables.kernel import rows_of_problems
 from design.tables.parameters import row_parameters
-from design.tables.specification import Axis, TableSpecification
+from design.tables.specification import TableSpecification
 from tests.shaper_table import CRANE, THESIS
 from tests.table_cases import random_table
 

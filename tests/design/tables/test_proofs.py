@@ -6,9 +6,13 @@ import pytest
 from design.analysis.certificate import certify
 from design.claims import zeros
 from design.formulations.unity_magnitude import lag_parameters
-from design.model.actuators import Actuator, FirstOrder, Ideal, Model, SecondOrder, SecondOrderSet
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.model import Model
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
-from design.model.plants import Mode
+from design.model.plants.mode import Mode
 from design.tables.proofs import proven
 from tests.second_route import residual_by_integration
 

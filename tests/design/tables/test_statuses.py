@@ -9,14 +9,11 @@ from design.analysis.certificate import certify_modes
 from design.claims import Promise
 from design.export.program import name_of
 from design.export.registry import EXPORTS
-from design.model.actuators import (
-    Actuator,
-    FirstOrder,
-    Ideal,
-    RateLimited,
-    SecondOrder,
-    SecondOrderSet,
-)
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.pipeline import design
 from design.tables.compute import compute_rows
 from design.tables.rows import STATUSES, VERIFIED, VERIFIED_IDEAL

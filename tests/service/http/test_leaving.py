@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from service.workers.costs import SLICE_S
 from tests.conftest import CRANE, Running, running_service
 from tests.processes import HUNG_S, until, workers
 from tests.service.http.test_server import ENDLESS, at_work
@@ -34,7 +35,8 @@ def test_the_work_of_a_client_that_leaves_ends(tmp_path: Path, path: str, body: 
     with running_service(log, job_workers=0, workers=1, time_limit_s=HUNG_S) as service:
         before = workers(service)
         with asking(service, path, body):
-            victim = at_work(service, before)
+            # By then no part of a batch is split any more, whose worker ends for that reason.
+            victim = at_work(service, before, used_s=4 * SLICE_S)
         until(lambda: "its client has left" in log.read_text(), "its work goes on")
         until(lambda: victim not in workers(service), "its worker goes on")
         until(lambda: '"status": 499' in log.read_text(), "no line in the log")

@@ -44,15 +44,16 @@ WORKED_S = 0.2
 built [s]."""
 
 
-def at_work(service: Running, before: dict[int, float]) -> int:
+def at_work(
+    service: Running, before: dict[int, float], used_s: float = 4.5 / TICKS_A_SECOND
+) -> int:
     """Return a worker that has worked since, waiting for one; a ready worker that waits does not.
 
     Four ticks of the processor's clock are work: to be born takes fewer.
     """
-    ticks = 4.5 / TICKS_A_SECOND
     return until(
         lambda: next(
-            (pid for pid, used in workers(service).items() if used > before.get(pid, 0.0) + ticks),
+            (pid for pid, used in workers(service).items() if used > before.get(pid, 0.0) + used_s),
             0,
         ),
         "no worker is at work",

@@ -1,0 +1,142 @@
+"""The frequencies around the nominal one on which the residual is within a tolerance."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.analysis.edges import Excess, find_edge, step_outward
+from design.errors import InvalidInputError
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.impulses import Impulses
+from design.model.plants.mode import Mode
+
+EDGE_MARGIN = 1e-9
+"""Relative margin of the tolerance: a shaper designed to touch it at the nominal must not fail."""
+
+SCAN_STEP_PHASE = 2 * math.pi / 48
+"""How far the last impulse's phase may turn between two points of the search for an edge [rad]."""
+
+LONGEST_TURN_RAD = 1e6
+"""Longest command, as a turn of the plant's phase [rad]."""
+
+WIDEST_RATIOS = (1e-3, 100.0)
+"""How far an edge is looked for; none is told of an interval that reaches further [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Insensitivity:
+    """The interval of frequency ratios around 1 on which the residual is within a tolerance.
+
+    Attributes
+    ----------
+    tolerance
+        The tolerance [-].
+    lower_ratio, upper_ratio
+        Edges of the connected interval that contains 1 [-]; None where the residual is within the
+        tolerance as far as was searched.
+    searched_from_ratio, searched_to_ratio
+        Between them the residual is within the tolerance: the edges, or where the search for one
+        ended without [-].
+    """
+
+    tolerance: float
+    lower_ratio: float | None
+    upper_ratio: float | None
+    searched_from_ratio: float
+    searched_to_ratio: float
+
+    @property
+    def width(self) -> float | None:
+        """Upper less lower edge; None where there is not either [-]."""
+        if self.lower_ratio is None or self.upper_ratio is None:
+            return None
+        return self.upper_ratio - self.lower_ratio
+
+    @property
+    def half_width(self) -> float:
+        """Half width of the widest interval centred at 1 that is known to be within [-]."""
+        return min(1 - self.searched_from_ratio, self.searched_to_ratio - 1)
+
+
+def common_interval(intervals: Sequence[Insensitivity | None]) -> Insensitivity | None:
+    """Return the interval common to several modes at one tolerance; None where one has none."""
+    known = [interval for interval in intervals if interval is not None]
+    if len(known) < len(intervals):
+        return None
+    first = max(known, key=lambda interval: interval.searched_from_ratio)
+    last = min(known, key=lambda interval: interval.searched_to_ratio)
+    return Insensitivity(
+        tolerance=first.tolerance,
+        lower_ratio=first.lower_ratio,
+        upper_ratio=last.upper_ratio,
+        searched_from_ratio=first.searched_from_ratio,
+        searched_to_ratio=last.searched_to_ratio,
+    )
+
+
+def insensitivity(
+    impulses: Impulses, mode: Mode, actuator: Actuator, tolerance: float
+) -> Insensitivity | None:
+    """Return the connected interval around 1 on which the residual is within the tolerance.
+
+    Either edge is bracketed by a scan outward from 1, fine against the turn of the last impulse
+    and with its near-misses looked at again, and then root-found, unless it is proven that there is
+    none. The scan does not depend on any
+    plotted grid; it ends at `WIDEST_RATIOS`, or after `MOST_SCAN_POINTS`, and says where it ended
+    without an edge.
+
+    Returns
+    -------
+    Insensitivity or None
+        None where the residual at 1 is above the tolerance.
+    """
+    turn = mode.natural_frequency_rad_s * impulses.duration_s
+    if turn > LONGEST_TURN_RAD:
+        raise InvalidInputError(
+            "impulses.times_s",
+            f"{turn:.3g} rad of the plant's swing in all",
+            f"at most {LONGEST_TURN_RAD:g} rad, beyond which phases lose their digits",
+        )
+    if _never_above(impulses, actuator, tolerance):
+        return Insensitivity(
+            tolerance=tolerance,
+            lower_ratio=None,
+            upper_ratio=None,
+            searched_from_ratio=WIDEST_RATIOS[0],
+            searched_to_ratio=WIDEST_RATIOS[1],
+        )
+    excess = Excess(impulses, mode, actuator, tolerance * (1 + EDGE_MARGIN))
+    if excess.at(1.0) > 0:
+        return None
+    step = SCAN_STEP_PHASE / turn if turn > 0 else math.inf
+    # The first stretch on both sides at once: it nearly always holds both edges.
+    below, above = (step_outward(1.0, end, step) for end in WIDEST_RATIOS)
+    near = np.concatenate((below[::-1], [1.0], above))
+    values = excess.over(near)
+    middle = below.size
+    lower, lowest = find_edge(
+        excess, near[middle + 1 :: -1], values[middle + 1 :: -1], WIDEST_RATIOS[0], step
+    )
+    upper, highest = find_edge(
+        excess, near[middle - 1 :], values[middle - 1 :], WIDEST_RATIOS[1], step
+    )
+    return Insensitivity(
+        tolerance=tolerance,
+        lower_ratio=lower,
+        upper_ratio=upper,
+        searched_from_ratio=lowest,
+        searched_to_ratio=highest,
+    )
+
+
+def _never_above(impulses: Impulses, actuator: Actuator, tolerance: float) -> bool:
+    """Whether the residual is proven to be within the tolerance at every frequency.
+
+    Steps that all go through the same lag leave no more than the sum of their sizes.
+    """
+    alike = bool(impulses.accelerates.all()) or actuator.accel_lag == actuator.decel_lag
+    same_lag = alike and not isinstance(actuator, RateLimited)
+    return same_lag and float(np.abs(impulses.amplitudes).sum()) <= tolerance

@@ -1,0 +1,132 @@
+"""Residual vibration of many commands, or behind many actuators, at once."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from design.analysis.step_contributions import heights_by_set, pass_on_state
+from design.analysis.vectors import join_over_accel, join_sets, residual_vectors
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.model import Model
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator, unit_ramps_s
+from design.model.impulses import SAME_TIME, Impulses
+from design.model.reference_ramps import Reference, ramp_factors, reference
+from design.response.closed_form import lag_states, states_of
+from design.types import ComplexArray, FloatArray
+
+
+def residuals_of_many(
+    times_s: FloatArray, amplitudes: FloatArray, poles_rad_s: ComplexArray, actuator: Actuator
+) -> FloatArray:
+    """Return the residual vibration of many commands, each at a pole of its own, shape (m,) [-].
+
+    Its parameters are those of `vectors_of_many`.
+    """
+    return np.abs(vectors_of_many(times_s, amplitudes, poles_rad_s, actuator))
+
+
+def vectors_of_many(
+    times_s: FloatArray, amplitudes: FloatArray, poles_rad_s: ComplexArray, actuator: Actuator
+) -> ComplexArray:
+    """Return `residual_vectors` of many commands, each at a pole of its own.
+
+    Parameters
+    ----------
+    times_s
+        Times of the steps, shape (m, n) [s].
+    amplitudes
+        Their heights, the same for all, shape (n,) [-].
+    poles_rad_s
+        A pole for each command, shape (m,) [rad/s].
+    actuator
+        The actuator.
+
+    Returns
+    -------
+    ComplexArray
+        Vibration vector over that of the unshaped step, shape (m,) [-].
+    """
+    # The signs of the changes are the same for all, whatever their times.
+    changes = _apart(amplitudes, actuator)
+    gaps = np.diff(times_s)
+    # Times that a poor fit puts out of order are no command: judged as if ramps could overlap.
+    disordered = np.any(gaps < 0, axis=1)
+    if not isinstance(actuator, RateLimited):
+        # Steps that meet are one, of a sign of its own.
+        meeting = gaps <= SAME_TIME * (times_s[:, -1:] - times_s[:, :1])
+        whole = disordered | ~np.any(meeting, axis=1)
+    elif changes.changes.size == amplitudes.size:
+        whole = disordered | np.all(gaps >= changes.ramps_s[:-1], axis=1)
+    else:  # a reversal makes two changes of a step
+        whole = np.full(len(times_s), fill_value=False)
+    vectors = np.empty(len(times_s), dtype=np.complex128)
+    if whole.any():
+        those = replace(changes, times_s=times_s[whole])
+        vectors[whole] = _vectors_of_whole(those, poles_rad_s[whole], actuator)
+    for row in np.flatnonzero(~whole).tolist():
+        command = Impulses(times_s=times_s[row], amplitudes=amplitudes)
+        vectors[row] = residual_vectors(command, poles_rad_s[row : row + 1], actuator)[0]
+    return vectors
+
+
+def _apart(amplitudes: FloatArray, actuator: Actuator) -> Reference:
+    """Return what steps make where each comes long after the ramp of the one before."""
+    longest = float(np.abs(amplitudes).sum()) * sum(unit_ramps_s(actuator)) + 1.0
+    times = longest * np.arange(amplitudes.size)
+    return reference(Impulses(times_s=times, amplitudes=amplitudes), actuator)
+
+
+def _vectors_of_whole(
+    changes: Reference, poles_rad_s: ComplexArray, actuator: Actuator
+) -> ComplexArray:
+    """Return `vectors_of_many` where no ramp is cut; times of shape (m, n)."""
+    heights = heights_by_set(changes).astype(np.complex128)
+    swings = np.exp(poles_rad_s[:, None] * (changes.times_s[:, -1:] - changes.times_s))
+    limited = changes.ramps_s.any()
+    ramped = swings * ramp_factors(poles_rad_s[:, None], changes.ramps_s) if limited else swings
+    sums = ramped @ heights
+    if actuator.model == "switched":
+        lags = (actuator.accel_lag, actuator.decel_lag)
+        second = np.array([[lag.second_s2 for lag in lags]])
+        columns = pass_on_state(states_of(changes, actuator), changes, second)
+        passed = (swings[:, None, :] @ columns.astype(np.complex128))[:, 0]
+        sums = np.concatenate((passed[:, :2] + sums, passed[:, 2:]), axis=1)
+    return join_sets(sums, poles_rad_s, actuator)
+
+
+def residuals_of_cases(
+    impulses: Impulses,
+    poles_rad_s: ComplexArray,
+    first_s: FloatArray,
+    second_s2: FloatArray,
+    model: Model,
+) -> FloatArray:
+    """Return the residual vibration of one command for many plants and actuators.
+
+    Parameters
+    ----------
+    impulses
+        The command.
+    poles_rad_s
+        Poles of the plants, shape (m,) [rad/s].
+    first_s, second_s2
+        Coefficients of the actuators' lags, columns accel and decel, shape (m, 2) [s], [s^2].
+    model
+        Of all actuators, none of them rate-limited.
+
+    Returns
+    -------
+    FloatArray
+        Residual vibration, shape (m,) [-].
+    """
+    changes = reference(impulses, Ideal())
+    columns = heights_by_set(changes)
+    if model == "switched":
+        columns = pass_on_state(lag_states(changes, first_s, second_s2, model), changes, second_s2)
+        columns[..., :2] += heights_by_set(changes)
+    s = poles_rad_s[:, None]
+    swings = np.exp(s * (impulses.times_s[-1] - impulses.times_s))
+    sums = (swings[:, None, :] @ columns.astype(np.complex128))[:, 0]
+    below = 1 + s * (first_s + s * second_s2)
+    return np.abs(join_over_accel(sums, poles_rad_s, below[:, 0], below[:, 1]))

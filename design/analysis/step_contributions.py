@@ -1,0 +1,85 @@
+"""What each change of the reference adds to the vibration, apart from the plant."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.impulses import Impulses
+from design.model.reference_ramps import Reference, reference
+from design.response.closed_form import LagStates, states_of
+from design.types import FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepContributions:
+    """What each change of the reference adds to the vibration, apart from the plant.
+
+    ``V exp(s t_n) = sum (gain_i + s rate_i) G(s) exp(s (t_n - t_i))``, over both sets; the height
+    of a ramp counts ``(1 - exp(-s T)) / (s T)`` times.
+
+    Attributes
+    ----------
+    until_last_s
+        Time from each change to the command's last step, shape (n,) [s].
+    columns
+        Gains by the acceleration set, by the deceleration set, then, if there are any, their rates,
+        shape (n, 2) or (n, 4).
+    ramps_s
+        Durations of the ramps, shape (n,); None where all are steps [s].
+    heights
+        Gains that are a ramp's height and not in ``columns``, shape (n, 2); None for steps.
+    """
+
+    until_last_s: FloatArray
+    columns: FloatArray
+    ramps_s: FloatArray | None = None
+    heights: FloatArray | None = None
+
+
+def step_contributions(impulses: Impulses, actuator: Actuator) -> StepContributions:
+    """Return what each change of the reference adds to the vibration, in closed form.
+
+    A superposed step adds its height by its own set. Where one actuator is switched, its state is
+    taken from the old set and given to the new, and each would let it ring in its own way.
+    """
+    changes = reference(impulses, actuator)
+    until_last = impulses.times_s[-1] - changes.times_s
+    heights = heights_by_set(changes)
+    limited = isinstance(actuator, RateLimited)
+    if actuator.model == "superposed":
+        columns = np.zeros_like(heights) if limited else heights
+    else:
+        second = np.array([[lag.second_s2 for lag in (actuator.accel_lag, actuator.decel_lag)]])
+        columns = pass_on_state(states_of(changes, actuator), changes, second)[0]
+        if not limited:
+            columns[:, :2] += heights
+    if not limited:
+        return StepContributions(until_last, columns)
+    return StepContributions(until_last, columns, changes.ramps_s, heights)
+
+
+def heights_by_set(changes: Reference) -> FloatArray:
+    """Return the changes by set, shape (n, 2)."""
+    heights = np.zeros((changes.changes.size, 2))
+    heights[:, 0] = np.where(changes.accelerates, changes.changes, 0.0)
+    heights[:, 1] = changes.changes - heights[:, 0]
+    return heights
+
+
+def pass_on_state(states: LagStates, changes: Reference, second_s2: FloatArray) -> FloatArray:
+    """Return what a switched lag's state adds where its set changes: gains and rates.
+
+    Shape (m, n, 4).
+    """
+    error, rate = states.errors.sum(axis=-1), states.rates_s.sum(axis=-1)
+    forces = np.where(changes.accelerates, 0, 1)
+    columns = np.zeros((*error.shape, 4))
+    for which in (0, 1):
+        # To the new set less from the old; at rest there is nothing to pass on.
+        sign = (forces == which).astype(float)
+        sign[1:] -= forces[:-1] == which
+        columns[..., which] = -sign * error
+        columns[..., 2 + which] = sign * second_s2[:, which, None] * rate
+    return columns

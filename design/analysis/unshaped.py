@@ -1,0 +1,30 @@
+"""What one unshaped step leaves: the unit of every residual."""
+
+import numpy as np
+
+from design.model.actuators.registry import Actuator, unit_ramps_s
+from design.model.plants.mode import Mode
+from design.model.reference_ramps import ramp_factors
+
+
+def unshaped_gain(mode: Mode, actuator: Actuator) -> float:
+    """Return what an unshaped step leaves, over what one through an ideal actuator does [-]."""
+    rise_s, _ = unit_ramps_s(actuator)
+    ramp = abs(ramp_factors(np.array([mode.pole_rad_s]), np.array([rise_s]))[0])
+    return float(ramp / abs(actuator.accel_lag.denominator(mode.pole_rad_s)))
+
+
+def unshaped_deflection_s(mode: Mode, actuator: Actuator) -> float:
+    """Return the amplitude that an unshaped step leaves at the payload, over its speed [s].
+
+    Times a residual and the speed it is the amplitude of what remains, extrapolated back likewise.
+    A vector V rings as ``d = -Im(V exp(s t)) / Im(s)``: the damped frequency it is, not w.
+
+    Examples
+    --------
+    >>> from design.model.actuators.ideal import Ideal
+    >>> half_damped = Mode(natural_frequency_rad_s=2.0, damping_ratio=0.5)
+    >>> round(unshaped_deflection_s(half_damped, Ideal()), 5)
+    0.57735
+    """
+    return unshaped_gain(mode, actuator) / mode.pole_rad_s.imag

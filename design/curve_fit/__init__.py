@@ -1,0 +1,1 @@
+"""Impulse times as polynomials over a field of the plant."""

@@ -1,0 +1,169 @@
+"""The exact times of a shaper along a variable, and polynomials for them."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import Chebyshev, Polynomial
+from numpy.polynomial import polynomial as power
+
+from design.analysis.residuals_of_many import residuals_of_many
+from design.curve_fit.polynomials import Fit
+from design.curve_fit.variable import FitAxis
+from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
+from design.formulations.bands import BandProblem, BandSearch
+from design.formulations.equations import Problem
+from design.formulations.formulation import ClosedForm, Convolution, JointProblem
+from design.model.actuators.registry import Actuator
+from design.model.impulses import Impulses
+from design.pipeline import design
+from design.shapers.kind import ShaperKind
+from design.solvers.budget import Budget
+from design.solvers.newton import roots
+from design.types import FloatArray
+
+CHECKED_POINTS = 1001
+"""Points of the grid, ends included, on which a fit is judged."""
+
+SAME_AMPLITUDE = 1e-12
+"""Difference of two amplitudes that is rounding [-]."""
+
+STARTING_DEGREE = 8
+"""Of the fit that the exact curve is found from, by Newton's method."""
+
+DESIGN_WORK = 3_000.0
+"""Work of a design without a search: of its certificate [units]."""
+
+
+class ExactCurve:
+    """The exact times of a shaper along an axis, and polynomials for them."""
+
+    def __init__(
+        self,
+        axis: FitAxis,
+        actuator: Actuator,
+        kind: ShaperKind,
+        options: Any,  # noqa: ANN401
+    ) -> None:
+        self.axis = axis
+        self.actuator = actuator
+        self.kind = kind
+        self.options = kind.options() if options is None else options
+        self.checked = np.linspace(axis.variable.start, axis.variable.stop, CHECKED_POINTS)
+        modes = [axis.plant_at(float(x)).mode for x in self.checked]
+        self.poles_rad_s = np.array([mode.pole_rad_s for mode in modes])
+        self.frequencies_rad_s = np.array([mode.natural_frequency_rad_s for mode in modes])
+        self.formulations: list[Problem | ClosedForm] = []
+        for mode in modes:
+            form = kind.formulate(kind.case((mode,), actuator, self.options))
+            if isinstance(form, BandProblem | BandSearch | JointProblem | Convolution):
+                raise InvalidInputError(
+                    "over",
+                    axis.variable.meaning,
+                    f"left out for {kind.name}: its amplitudes and their number may change",
+                )
+            self.formulations.append(form)
+        self.amplitudes, last = (
+            form.impulses.amplitudes if isinstance(form, ClosedForm) else form.amplitudes
+            for form in (self.formulations[0], self.formulations[-1])
+        )
+        if np.abs(self.amplitudes - last).max() > SAME_AMPLITUDE:
+            raise InvalidInputError(
+                "over",
+                axis.variable.meaning,
+                f"a field on which the amplitudes of {kind.name} do not depend: a fit is of times; "
+                "a table holds both",
+            )
+        self.budget = Budget()
+        self.exact_times_s = self._exact_times_s()
+
+    def designed(self, x: float) -> Impulses:
+        """Design at one x, by the pipeline."""
+        self.budget.spend(DESIGN_WORK)
+        plant = self.axis.plant_at(x)
+        try:
+            return design(plant, self.actuator, self.kind, self.options, self.budget).impulses
+        except InfeasibleDesignError as error:
+            raise InfeasibleDesignError(
+                f"at {self.axis.variable.meaning} = {x:.6g}: {error}"
+            ) from None
+
+    def fitted(self, degree: int) -> Fit:
+        """Fit one degree and judge it."""
+        nodes = self.axis.nodes(degree)
+        values = np.array([
+            self.designed(x).times_s * self.axis.scale_at(x) for x in nodes.tolist()
+        ])
+        coefficients = self._power_basis(nodes, values, degree)
+        fitted = power.polyval(self.checked, coefficients.T).T
+        times = fitted / self.frequencies_rad_s[:, None] if self.axis.in_phases else fitted
+        residuals = residuals_of_many(
+            times,
+            self.amplitudes,
+            self.poles_rad_s,
+            self.actuator,
+        )
+        worst_residual = float(residuals.max())
+        if not math.isfinite(worst_residual):
+            raise SolverFailedError(
+                f"the fitted times of degree {degree} leave the range of numbers"
+            )
+        return Fit(
+            variable=self.axis.variable,
+            value=self.axis.value,
+            coefficients=coefficients,
+            degree=degree,
+            worst_timing_error_s=float(np.abs(times - self.exact_times_s).max()),
+            worst_residual=worst_residual,
+            checked_points=CHECKED_POINTS,
+            formula=f"t_i = {self.axis.formula(degree)}",
+            frequency_unit_rad_s=self.axis.frequency_unit_rad_s,
+        )
+
+    def _power_basis(self, nodes: FloatArray, values: FloatArray, degree: int) -> FloatArray:
+        """Coefficients of each column of values, shape (columns, degree + 1)."""
+        domain = [self.axis.variable.start, self.axis.variable.stop]
+        rows = [
+            Chebyshev.fit(nodes, column, degree, domain=domain).convert(kind=Polynomial).coef
+            for column in values.T
+        ]
+        return np.array([np.pad(row, (0, degree + 1 - row.size)) for row in rows])
+
+    def _exact_times_s(self) -> FloatArray:
+        """Return the times at every checked point, shape (points, n) [s].
+
+        By closed form where there is one; else by Newton's method from a fit, which is not the one
+        to be judged; by the pipeline where that leaves the bounds.
+        """
+        nodes = self.axis.nodes(STARTING_DEGREE).tolist()
+        frequencies = [self.axis.plant_at(x).mode.natural_frequency_rad_s for x in nodes]
+        gaps = np.array([np.diff(self.designed(x).times_s) for x in nodes])
+        phases = gaps * np.array(frequencies)[:, None]
+        curves = self._power_basis(np.array(nodes), phases, STARTING_DEGREE)
+        starts = power.polyval(self.checked, curves.T).T
+        times = np.zeros((CHECKED_POINTS, starts.shape[1] + 1))
+        solved = [
+            index for index, form in enumerate(self.formulations) if isinstance(form, Problem)
+        ]
+        for index, form in enumerate(self.formulations):
+            if isinstance(form, ClosedForm):
+                times[index] = form.impulses.times_s
+        if not solved:
+            return times
+        problems = [form for form in self.formulations if isinstance(form, Problem)]
+        ends = roots(
+            problems[0].model,
+            np.array([
+                form.start(gaps) for form, gaps in zip(problems, starts[solved], strict=True)
+            ]),
+            np.array([form.parameters for form in problems]),
+        )
+        for index, problem, unknowns, root in zip(
+            solved, problems, ends.unknowns, ends.converged, strict=True
+        ):
+            gaps, _ = problem.split(unknowns)
+            if root and (gaps >= problem.shortest_gaps_rad).all():
+                times[index, 1:] = np.cumsum(gaps) / problem.natural_frequency_rad_s
+            else:
+                times[index] = self.designed(float(self.checked[index])).times_s
+        return times

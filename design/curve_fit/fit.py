@@ -1,0 +1,68 @@
+"""Curve coefficients: impulse times as polynomials, so that a controller needs no solver.
+
+``t ~ 1/w`` is no polynomial in w, which is why the thesis's fit is off by a third of a second.
+The phases ``w t`` behind an actuator depend on the ratio of the plant's frequency to the
+actuator's alone, smoothly: a few coefficients do.
+"""
+
+import math
+from typing import Any
+
+from design.curve_fit.exact_curve import ExactCurve
+from design.curve_fit.fit_range import HIGHEST_DEGREE, FitRange
+from design.curve_fit.polynomials import Fit
+from design.curve_fit.variable import axis_of_fit
+from design.errors import InfeasibleDesignError
+from design.model.actuators.registry import Actuator
+from design.model.plants.registry import Plant
+from design.shapers.kind import ShaperKind
+
+
+def fit(
+    plant: Plant,
+    actuator: Actuator,
+    kind: ShaperKind,
+    wanted: FitRange,
+    options: Any = None,  # noqa: ANN401
+) -> Fit:
+    """Fit the impulse times of a shaper over a range of the plant.
+
+    Parameters
+    ----------
+    plant
+        The plant; its own value of the fitted field does not matter.
+    actuator, kind, options
+        As for `design.pipeline.design`.
+    wanted
+        Field, range and quality.
+
+    Returns
+    -------
+    Fit
+        By interpolation at Chebyshev nodes in a dimensionless variable, or by the thesis's least
+        squares; judged on a grid of its own by the residual that the fitted times leave.
+
+    Raises
+    ------
+    InvalidInputError
+        If the plant has no such field, or the range leaves its bounds.
+    InfeasibleDesignError
+        If some point of the range has no such shaper, or no degree up to 20 is good enough.
+    """
+    curve = ExactCurve(axis_of_fit(plant, actuator, wanted), actuator, kind, options)
+    if wanted.degree is not None:
+        return curve.fitted(wanted.degree)
+    limit = wanted.max_residual or 0.0
+    best = math.inf, 0
+    for degree in range(HIGHEST_DEGREE + 1):
+        tried = curve.fitted(degree)
+        if tried.worst_residual <= limit:
+            return tried
+        best = min(best, (tried.worst_residual, degree))
+        if curve.budget.spent:
+            break
+    raise InfeasibleDesignError(
+        f"no degree up to {degree} leaves a residual of at most max_residual = {limit:g}; "
+        f"the best, degree {best[1]}, leaves {best[0]:.3g}"
+        f"{f'; {curve.budget.in_words}' if curve.budget.spent else ''}"
+    )

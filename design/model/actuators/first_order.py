@@ -1,0 +1,70 @@
+"""A first-order lag whose acceleration and deceleration may differ."""
+
+from dataclasses import dataclass
+
+from design.errors import InvalidInputError
+from design.model.actuators.model import Model
+from design.model.lags import Lag
+from design.types import (
+    LARGEST,
+    SMALLEST,
+    require_between,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FirstOrder:
+    """First-order lag with a time constant for either direction (Kim 2011, 3.5-3.13).
+
+    Attributes
+    ----------
+    accel_time_constant_s, decel_time_constant_s
+        Time constants, >= 0 [s]; 0 is a set that follows at once.
+    model
+        How the two sets share the actuator.
+    dead_time_s
+        Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
+    """
+
+    accel_time_constant_s: float
+    decel_time_constant_s: float
+    model: Model = "superposed"
+    dead_time_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("accel_time_constant_s", "decel_time_constant_s"):
+            value = getattr(self, name)
+            if not (value == 0 or SMALLEST <= value <= LARGEST):
+                rule = f"0, or between {SMALLEST:g} and {LARGEST:g}"
+                raise InvalidInputError(name, value, rule)
+        require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
+
+    @property
+    def kind(self) -> str:
+        """Its ``kind`` on the wire."""
+        return "first_order"
+
+    @property
+    def in_words(self) -> tuple[str, str]:
+        """What a picture says of it: its name, and its parameters on one or two lines."""
+        return (
+            "first order",
+            f"accel time constant {self.accel_time_constant_s:.3g} s\n"
+            f"decel time constant {self.decel_time_constant_s:.3g} s",
+        )
+
+    @property
+    def accel_lag(self) -> Lag:
+        """Response to a step that increases the magnitude of the command."""
+        return Lag(first_s=self.accel_time_constant_s)
+
+    @property
+    def decel_lag(self) -> Lag:
+        """Response to a step that decreases the magnitude of the command."""
+        return Lag(first_s=self.decel_time_constant_s)
+
+    @property
+    def corner_frequencies_rad_s(self) -> dict[str, float]:
+        """Corner frequency of each set that has one [rad/s]."""
+        constants = {"accel": self.accel_time_constant_s, "decel": self.decel_time_constant_s}
+        return {name: 1 / value for name, value in constants.items() if value > 0}

@@ -1,0 +1,41 @@
+"""An actuator that follows its command at once."""
+
+from dataclasses import dataclass, field
+
+from design.model.actuators.model import Model
+from design.model.lags import Lag
+
+IDEAL_LAG = Lag()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ideal:
+    """An actuator that follows its command at once."""
+
+    model: Model = field(default="superposed", init=False)
+    dead_time_s: float = field(default=0.0, init=False)
+
+    @property
+    def kind(self) -> str:
+        """Its ``kind`` on the wire."""
+        return "ideal"
+
+    @property
+    def in_words(self) -> tuple[str, str]:
+        """What a picture says of it: its name, and its parameters on one or two lines."""
+        return "ideal", "follows its command at once"
+
+    @property
+    def accel_lag(self) -> Lag:
+        """Response to a step that increases the magnitude of the command."""
+        return IDEAL_LAG
+
+    @property
+    def decel_lag(self) -> Lag:
+        """Response to a step that decreases the magnitude of the command."""
+        return IDEAL_LAG
+
+    @property
+    def corner_frequencies_rad_s(self) -> dict[str, float]:
+        """Corner frequency of each set that has one [rad/s]."""
+        return {}

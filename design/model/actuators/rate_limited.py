@@ -1,0 +1,89 @@
+"""Limits to the rate of a command, and what follows the limited command."""
+
+from dataclasses import dataclass, field
+
+from design.errors import InvalidInputError
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.model import Model
+from design.model.actuators.second_order import SecondOrder
+from design.model.lags import Lag
+from design.types import (
+    LARGEST,
+    require_between,
+    require_scale,
+)
+
+Unlimited = Ideal | FirstOrder | SecondOrder
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RateLimited:
+    """A limit to acceleration and one to deceleration, and what follows the limited command.
+
+    The command's steps become ramps, steep as the limits allow: the first while the reference's
+    magnitude grows, the second while it falls. A command that changes before its ramp is over
+    turns the ramp; one that reverses passes zero.
+
+    Attributes
+    ----------
+    accel_limit_m_s2, decel_limit_m_s2
+        Largest rates of the reference, > 0 [m/s^2].
+    speed_m_s
+        Full speed: what a command of 1 stands for, > 0 [m/s].
+    then
+        What follows the ramps; its sets are those of the reference's latest change.
+    dead_time_s
+        Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
+    """
+
+    accel_limit_m_s2: float
+    decel_limit_m_s2: float
+    speed_m_s: float
+    then: Unlimited = field(default_factory=Ideal)
+    dead_time_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("accel_limit_m_s2", "decel_limit_m_s2", "speed_m_s"):
+            require_scale(name, getattr(self, name))
+        require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
+        if self.then.dead_time_s != 0:
+            raise InvalidInputError(
+                "then.dead_time_s", self.then.dead_time_s, "0: dead_time_s beside it is the delay"
+            )
+
+    @property
+    def kind(self) -> str:
+        """Its ``kind`` on the wire."""
+        return "rate_limited"
+
+    @property
+    def model(self) -> Model:
+        """How the two sets of what follows share the actuator."""
+        return self.then.model
+
+    @property
+    def in_words(self) -> tuple[str, str]:
+        """What a picture says of it: its name, and its parameters on one or two lines."""
+        limits = f"{self.accel_limit_m_s2:.3g} and {self.decel_limit_m_s2:.3g} m/s²"
+        return f"ramps, {self.then.kind.replace('_', ' ')}", f"limits {limits}"
+
+    @property
+    def accel_lag(self) -> Lag:
+        """Response to a reference whose magnitude grows."""
+        return self.then.accel_lag
+
+    @property
+    def decel_lag(self) -> Lag:
+        """Response to a reference whose magnitude falls."""
+        return self.then.decel_lag
+
+    @property
+    def unit_ramps_s(self) -> tuple[float, float]:
+        """Time to full speed and from it [s]."""
+        return self.speed_m_s / self.accel_limit_m_s2, self.speed_m_s / self.decel_limit_m_s2
+
+    @property
+    def corner_frequencies_rad_s(self) -> dict[str, float]:
+        """Corner frequency of each set that has one [rad/s]."""
+        return self.then.corner_frequencies_rad_s

@@ -1,0 +1,1 @@
+"""What moves: a kind of plant a file, all of them in `registry`."""

@@ -1,0 +1,87 @@
+"""Plants whose frequency is anywhere in a range: what a design promises over it.
+
+Every function is for any plant; of a plant of fixed frequencies, none has anything to do.
+"""
+
+import math
+from dataclasses import fields
+
+from design.analysis.certificate import Certificate, certify
+from design.claims import Promise, within
+from design.errors import InfeasibleDesignError, InvalidInputError
+from design.model.actuators.registry import Actuator
+from design.model.impulses import Impulses
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
+from design.shapers.kind import Options
+
+
+def options_over(plant: Plant, options: Options) -> Options:
+    """Return options whose band is the plant's range, of a kind that takes a band.
+
+    Raises
+    ------
+    InvalidInputError
+        If a band is given besides, or the range is wider than the kind serves.
+    """
+    if not isinstance(plant, Scheduled) or not options.BAND_FIELDS:
+        return options
+    for option in fields(options):
+        given = getattr(options, option.name)
+        if option.name in options.BAND_FIELDS and given != option.default:
+            raise InvalidInputError(
+                f"shaper.{option.name}",
+                given,
+                "left out for a scheduled plant, whose range of frequencies is the band",
+            )
+    try:
+        return options.with_band(plant.band[1] - 1)
+    except InvalidInputError as error:
+        raise InvalidInputError(
+            "plant.to",
+            f"{error.value:g} of it",
+            f"such that the range's frequencies reach to either side of their middle {error.rule}",
+        ) from None
+
+
+def promises_over(plant: Plant, promises: tuple[Promise, ...]) -> tuple[Promise, ...]:
+    """Return promises with that over the range last: a kind's largest tolerance.
+
+    A kind that promises nothing over a band promises nothing over the range.
+    """
+    if not isinstance(plant, Scheduled):
+        return promises
+    limits = [promise.limit for promise in promises if promise.quantity == "band"]
+    return (*promises, *(within(limit, plant.band) for limit in sorted(limits)[-1:]))
+
+
+def require_over(plant: Plant, name: str, certificate: Certificate) -> None:
+    """Raise InfeasibleDesignError if all that fails is the tolerance over the range.
+
+    Parameters
+    ----------
+    plant
+        What moves.
+    name
+        Kind of the shaper.
+    certificate
+        Its claims, that over the range last, see `promises_over`.
+    """
+    *own, over_range = certificate.claims
+    fails = over_range.band is not None and not over_range.holds
+    if not isinstance(plant, Scheduled) or not fails or not all(claim.holds for claim in own):
+        return
+    low, high = plant.band
+    raise InfeasibleDesignError(
+        f"{name} leaves {over_range.value:.4g} within the range of frequencies, {low:.4g} to "
+        f"{high:.4g} of its middle, more than its tolerance {over_range.limit:g}: narrow the "
+        "range, raise the tolerance, or take a kind with more humps"
+    )
+
+
+def worst_over(plant: Plant, impulses: Impulses, actuator: Actuator) -> float | None:
+    """Return the largest residual at any frequency of the range; None without a range [-]."""
+    if not isinstance(plant, Scheduled):
+        return None
+    asked = within(math.inf, plant.band)
+    return certify(impulses, plant.middle, actuator, (asked,)).claims[0].value

@@ -1,0 +1,168 @@
+"""A design brought to a sample grid: its certificate, and what is lost of its claims."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from design.analysis.certificate import Claim
+from design.analysis.judge import (
+    DesignWarning,
+    Judgement,
+    drive_warnings,
+    judge,
+    shortfall_of,
+)
+from design.analysis.residual import residual_curve, residual_vibration
+from design.claims import ZERO_LIMITS, Promise, within
+from design.errors import SolverFailedError
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
+from design.pipeline import Design
+from design.sampling.sampled import Sampled, sample
+
+SAMPLE_TOLERANCE = 0.01
+"""What a shaper on samples may leave before impulses are added, where nothing else is said: a fifth
+of the usual 5 % [-]."""
+
+AGREEMENT = 1e-9
+"""Relative difference of two routes to one residual that is rounding [-]."""
+
+CHECKED_IN_BAND = 2001
+"""Frequencies at which a formula looks at a band, ends included."""
+
+LONGER = 1.1
+"""Duration on samples over that between them from which on it is told [-]."""
+
+BAND_AGREEMENT = 1e-3
+"""What a peak may be above the highest of those, over it [-].
+
+From one to the next a shaper of three periods turns by .01 rad, and between them is a peak higher
+by the square of that: the rest is room for longer ones.
+"""
+
+
+def sampled_design(
+    continuous: Design,
+    mode: Mode,
+    actuator: Actuator,
+    sample_time_s: float,
+    *,
+    tolerance: float | None = None,
+) -> tuple[Design, Sampled]:
+    """Return a design brought to a sample grid, its certificate proving what it tells.
+
+    The residual of a sampled shaper, at the nominal frequency and over the band of the shaper's own
+    claim if it has one, is computed by formula; the judge recomputes it by simulation, for the
+    actuator of the shaper's own certificate. One that holds for an ideal actuator only does so on
+    samples, and a warning has the figure with the one given. Another says where the residual is
+    above what the shaper claims, or for one that claims zero, above the sample tolerance. The
+    parameters are those of `sample`.
+    """
+    kept = continuous.certificate.over_band
+    sampled = sample(
+        continuous.impulses,
+        mode,
+        actuator,
+        sample_time_s,
+        continuous.certificate.zeros,
+        tolerance=tolerance,
+        band=None if kept is None else kept.band,
+    )
+    certified_for: Actuator = Ideal() if continuous.for_ideal else actuator
+    own = residual_vibration(sampled.impulses, mode, certified_for)
+    asked: tuple[Promise, ...] = (
+        Promise(quantity="residual", limit=own * (1 + AGREEMENT) + ZERO_LIMITS["residual"]),
+    )
+    if kept is not None and kept.band is not None:
+        ratios = np.linspace(*kept.band, CHECKED_IN_BAND)
+        largest = float(residual_curve(sampled.impulses, mode, certified_for, ratios).max())
+        asked = (*asked, within(largest * (1 + BAND_AGREEMENT), kept.band))
+    judged = judge(sampled.impulses, (mode,), certified_for, asked, name="the sampled shaper")
+    if not judged.certificate.verified:
+        raise SolverFailedError(
+            f"the sampled shaper is not what a formula says: {shortfall_of(judged.certificate)}"
+        )
+    proven = replace(
+        continuous,
+        impulses=sampled.impulses,
+        residuals=(sampled.residual,),
+        certificate=judged.certificate,
+        warnings=(
+            *_actuator_ignored(continuous, sampled),
+            *_lost_on_samples(continuous, judged, tolerance),
+            *drive_warnings(sampled.impulses, (mode,), actuator),
+            *_longer_on_samples(continuous, sampled),
+        ),
+    )
+    return proven, sampled
+
+
+def _actuator_ignored(continuous: Design, sampled: Sampled) -> Iterator[DesignWarning]:
+    """Yield what a shaper that is proven for an ideal actuator costs behind the one given."""
+    if continuous.for_ideal:
+        yield DesignWarning(
+            code="actuator_ignored",
+            detail="the shaper is made, and its claims are proven, for an actuator that follows "
+            f"its command; with the one given the residual is {100 * sampled.residual:.4g} % on "
+            f"samples, {100 * sampled.continuous_residual:.4g} % between them",
+        )
+
+
+def _lost_on_samples(
+    continuous: Design, judged: Judgement, tolerance: float | None
+) -> Iterator[DesignWarning]:
+    """Yield what of the shaper's claims is lost on samples."""
+    kept, over_band = continuous.certificate.over_band, judged.certificate.over_band
+    if kept is not None and over_band is not None:
+        if over_band.value > kept.limit * (1 + BAND_AGREEMENT):
+            yield DesignWarning(
+                code="tolerance_not_kept",
+                detail=f"on samples the residual over the band is up to {over_band.value:.4g}, "
+                f"more than the tolerance of {kept.limit:g}: take a shorter sample time, or design "
+                "for a smaller tolerance",
+            )
+        return
+    claimed = [
+        claim.limit
+        for claim in claims_on_samples(continuous, tolerance)
+        if claim.quantity == "residual"
+    ]
+    if claimed and judged.residual > max(claimed) * (1 + AGREEMENT):
+        yield DesignWarning(
+            code="tolerance_not_kept",
+            detail=f"on samples the residual is {100 * judged.residual:.4g} % of an unshaped step, "
+            f"more than {100 * max(claimed):.4g} %: take a shorter sample time",
+        )
+
+
+def claims_on_samples(continuous: Design, tolerance: float | None) -> tuple[Claim, ...]:
+    """Return what a shaper claims, where it claims a zero residual with what samples may leave.
+
+    Parameters
+    ----------
+    continuous
+        The shaper between the samples.
+    tolerance
+        The sample tolerance [-]; `SAMPLE_TOLERANCE` if None.
+    """
+    for_zero = SAMPLE_TOLERANCE if tolerance is None else tolerance
+    return tuple(
+        replace(claim, limit=for_zero) if claim.is_zero and claim.quantity == "residual" else claim
+        for claim in continuous.certificate.claims
+    )
+
+
+def _longer_on_samples(continuous: Design, sampled: Sampled) -> Iterator[DesignWarning]:
+    """Yield that impulses were added, where they take longer."""
+    before_s = continuous.impulses.duration_s
+    if len(sampled.tried) > 1 and sampled.impulses.duration_s > LONGER * before_s:
+        own = sampled.tried[0]
+        yield DesignWarning(
+            code="longer_on_samples",
+            detail=f"{sampled.impulses.times_s.size} impulses take "
+            f"{sampled.impulses.duration_s:.4g} s on samples, in place of "
+            f"{before_s:.4g} s between them; {own.impulses} leave "
+            f"{own.compared:.4g} there: a sample_tolerance of that keeps the shaper short",
+        )

@@ -1,0 +1,1 @@
+"""The fastest command without vibration in several modes."""

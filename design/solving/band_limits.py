@@ -1,0 +1,106 @@
+"""Why there is no shaper over a band within its horizon, and what can be met instead."""
+
+import math
+
+from design.analysis.exclusion import excludes
+from design.errors import InfeasibleDesignError
+from design.formulations.bands import BandProblem, Obstacle
+from design.formulations.unity_magnitude import PERIOD_RAD
+from design.solvers.budget import Budget
+from design.solvers.convex_band.duration import EASIER, first_duration_rad
+from design.solvers.convex_band.search import obstacle_at, obstacle_work
+from design.solving.bounded import SMALL_GAP, Bounded
+from design.trace import TraceStep
+
+NO_FASTER = 0.01
+"""Share of a wait by which nothing must be shorter [-]."""
+
+LARGEST_OFFERED = 0.5
+"""A tolerance above it is not worth to be offered instead: little is suppressed [-]."""
+
+FAR_BEYOND = 1.5
+"""Estimated duration over the horizon from which on it is not looked for [-]."""
+
+
+def excluded(problem: BandProblem, obstacle: Obstacle, budget: Budget) -> bool:
+    """Return whether an obstacle proves that no shaper is as short as its duration."""
+    proved = excludes(
+        problem.unit_pole,
+        obstacle.ratios,
+        obstacle.vectors,
+        obstacle.duration_rad,
+        problem.tolerance,
+        problem.levels,
+    )
+    budget.note(
+        TraceStep(
+            stage="bound",
+            method="proof",
+            start="cone_program",
+            outcome="proved" if proved else "not_proved",
+            duration_s=obstacle.duration_rad / problem.natural_frequency_rad_s,
+            detail="no shaper is as short" if proved else "",
+        )
+    )
+    return proved
+
+
+def require_long_enough(problem: BandProblem, budget: Budget) -> None:
+    """Raise InfeasibleDesignError where a horizon is far too short, by a separate proof."""
+    needed = first_duration_rad(problem)
+    if needed < FAR_BEYOND * problem.horizon_rad:
+        return
+    obstacle, least = obstacle_at(problem, problem.horizon_rad, budget)
+    if not excluded(problem, obstacle, budget):
+        return
+    lower, upper = problem.band
+    tolerance = EASIER * least
+    instead = f"; a tolerance of {tolerance:.4g} can be met" if tolerance < LARGEST_OFFERED else ""
+    raise InfeasibleDesignError(
+        f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "
+        f"within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural frequency: none "
+        f"is as short (proven), undamped it takes about {needed / PERIOD_RAD:.2g} periods{instead}"
+    )
+
+
+def require_more_than_waiting(problem: BandProblem, budget: Budget) -> None:
+    """Raise InfeasibleDesignError where nothing is faster than to wait for the mode's damping.
+
+    A step and one of no height after it: what rings has decayed by then.
+    """
+    decay, lower = -problem.unit_pole.real, problem.band[0]
+    if decay == 0:
+        return
+    wait = -math.log(problem.tolerance) / (decay * lower)
+    if budget.done + obstacle_work(problem, wait) > budget.most:
+        return
+    if excluded(problem, obstacle_at(problem, (1 - NO_FASTER) * wait, budget)[0], budget):
+        raise InfeasibleDesignError(
+            f"no shaper keeps a residual within {problem.tolerance:g} from {lower:g} to "
+            f"{problem.band[1]:g} of the natural frequency faster, by more than "
+            f"{100 * NO_FASTER:g} %, than {wait / PERIOD_RAD:.4g} periods of waiting for the "
+            "mode's own damping (proven): a smaller tolerance needs one"
+        )
+
+
+def require_in_time(problem: BandProblem, found: Bounded, budget: Budget) -> None:
+    """Raise InfeasibleDesignError where what was found is longer than the horizon."""
+    duration = float(found.times_rad[-1])
+    if duration <= problem.horizon_rad:
+        return
+    lower, upper = problem.band
+    known = (
+        f"none is shorter than {found.lower_bound_rad / PERIOD_RAD:.6g} (proven)"
+        if found.lower_bound_rad >= problem.horizon_rad
+        else "no shorter one was found"
+    )
+    tolerance = EASIER * obstacle_at(problem, problem.horizon_rad, budget)[1]
+    # What a grid allows is found where an optimum is found.
+    offered = tolerance < LARGEST_OFFERED and found.gap <= SMALL_GAP
+    instead = f" or a tolerance of {tolerance:.4g}" if offered else ""
+    raise InfeasibleDesignError(
+        f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "
+        f"within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural frequency: the "
+        f"fastest shaper found takes {duration / PERIOD_RAD:.6g} periods, {known}; "
+        f"max_duration_periods = {1.0001 * duration / PERIOD_RAD:.4f}{instead} can be met"
+    )

@@ -1,0 +1,72 @@
+"""Fields that vary: numbers replaced by their paths, ranges, units by the end of a name."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from design.errors import InvalidInputError
+from design.fields import Axis, Spacing, space_evenly, vary
+from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
+from design.pictures.map_sheet import axis_label
+from tests.shaper_table import CRANE, THESIS
+
+
+def test_a_number_is_replaced_by_its_path_and_no_other() -> None:
+    changed = vary(THESIS, ("decel", "damping_ratio"), 0.9)
+    assert changed == replace(THESIS, decel=replace(THESIS.decel, damping_ratio=0.9))
+
+
+@pytest.mark.parametrize(
+    ("path", "message"),
+    [
+        (("mass_kg",), r"^field must be one of cable_length_m, damping_ratio, gravity_m_s2, got"),
+        (("cable_length_m", "x"), r"^field must be one of none, got"),
+    ],
+)
+def test_a_field_that_is_not_there_is_refused(path: tuple[str, ...], message: str) -> None:
+    with pytest.raises(InvalidInputError, match=message):
+        vary(CRANE, path, 1.0)
+
+
+def test_words_are_no_numbers() -> None:
+    with pytest.raises(InvalidInputError, match=r"^field must be the name of a number"):
+        vary(THESIS, ("model",), 1.0)
+
+
+def test_a_number_inside_a_list_is_replaced_by_its_place() -> None:
+    slow, fast = (Mode(natural_frequency_rad_s=w) for w in (3.0, 9.0))
+    changed = vary(Modes(modes=(slow, fast)), ("modes", "1", "damping_ratio"), 0.1)
+    assert changed.modes == (slow, replace(fast, damping_ratio=0.1))
+    with pytest.raises(InvalidInputError, match=r"^field must be one of 0, 1, got"):
+        vary(changed, ("modes", "2", "damping_ratio"), 0.1)
+
+
+@pytest.mark.parametrize("spacing", ["linear", "geometric", "chebyshev"])
+def test_a_range_rises_from_end_to_end(spacing: Spacing) -> None:
+    values = space_evenly(0.3, 0.7, 8, spacing)
+    assert (values[0], values[-1], values.size) == (0.3, 0.7, 8)
+    assert np.all(np.diff(values) > 0)
+
+
+def test_an_empty_range_and_a_logarithm_of_zero_are_refused() -> None:
+    with pytest.raises(InvalidInputError, match=r"^to must be greater than from, 1\.0, got"):
+        space_evenly(1.0, 1.0, 5, "linear")
+    with pytest.raises(InvalidInputError, match=r"^from must be > 0 for geometric spacing"):
+        space_evenly(0.0, 1.0, 5, "geometric")
+
+
+@pytest.mark.parametrize(
+    ("path", "label"),
+    [
+        ("actuator/accel/natural_frequency_rad_s", "accel natural frequency [rad/s]"),
+        ("actuator/accel_limit_m_s2", "accel limit [m/s²]"),
+        ("plant/stiffness_n_m", "stiffness [N/m]"),
+        ("plant/mass_kg", "mass [kg]"),
+        ("plant/damping_ratio", "damping ratio [-]"),
+        ("move/pulse_s", "pulse duration [s]"),
+    ],
+)
+def test_a_label_is_the_name_in_words_with_the_unit(path: str, label: str) -> None:
+    assert axis_label(Axis(path=tuple(path.split("/")), values=np.array([1.0]))) == label
