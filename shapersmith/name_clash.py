@@ -12,16 +12,12 @@ HOME = Path(__file__).resolve().parents[1]
 OWN_PACKAGES = ("design", "schemas", "service")
 
 
-class NameClashError(ImportError):
-    """A name that shapersmith needs stands for a module of somebody else."""
-
-
 def import_own_packages() -> None:
     """Import the three packages, so that later changes of `sys.path` cannot replace them.
 
     Raises
     ------
-    NameClashError
+    ImportError
         If one of the names is taken by a foreign module, whether that is imported already or
         would be found first on `sys.path`. The foreign module is not imported.
     """
@@ -29,7 +25,9 @@ def import_own_packages() -> None:
         imported = name in sys.modules
         places = _places_of(name)
         if str(HOME / name / "__init__.py") not in places:
-            raise NameClashError(_message(name, places, imported=imported), name=name)
+            # A class of ours could be neither caught nor pickled by a worker: to import it is to
+            # import shapersmith, which has just failed.
+            raise ImportError(_message(name, places, imported=imported), name=name)
     for name in OWN_PACKAGES:
         importlib.import_module(name)
 

@@ -18,7 +18,7 @@ PACKAGES = ("shapersmith", "design", "schemas", "service")
 
 COMMAND_LINE = """\
 import os, sys
-sys.path.remove("")  # as the installed command, which does not search the working folder
+sys.path[0] = {root!r}  # as the installed command, which does not search the working folder
 os.chdir({folder!r})
 from service.__main__ import main
 sys.exit(main(sys.argv[1:]))
@@ -28,16 +28,20 @@ IN_A_WORKER = """\
 import multiprocessing, sys
 from concurrent.futures import ProcessPoolExecutor
 
-def file_of_design():
-    import shapersmith, design.pipeline
-    return design.pipeline.__file__
+def design_in_a_worker():
+    import shapersmith, json
+    from service.dispatch import answer
+    answered = answer("design", json.dumps({request!r}).encode())
+    return json.loads(answered.outcome)["certificate"]["verified"]
 
 if __name__ == "__main__":
     {first}
     context = multiprocessing.get_context({method!r})
     with ProcessPoolExecutor(1, mp_context=context) as pool:
-        print(pool.submit(file_of_design).result())
+        print(pool.submit(design_in_a_worker).result())
 """
+
+CLASH = "ImportError: shapersmith needs its own package"
 
 OURS_FIRST = f"sys.path.insert(0, {str(ROOT)!r})"
 
@@ -51,11 +55,13 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def run(folder: Path, program: str, path: Path = ROOT) -> subprocess.CompletedProcess[str]:
+def run(
+    folder: Path, program: str, path: Path = ROOT, arguments: tuple[str, ...] = ()
+) -> subprocess.CompletedProcess[str]:
     """Run a program that stands in a folder, which comes first on its path."""
     (folder / "program.py").write_text(program)
     return subprocess.run(
-        [sys.executable, "program.py"],
+        [sys.executable, "program.py", *arguments],
         cwd=folder,
         env=os.environ | {"PYTHONPATH": str(path)},
         capture_output=True,
@@ -73,7 +79,7 @@ def test_a_module_that_is_imported_already_is_named_with_its_file(folder: Path) 
     done = run(folder, "import design\nimport shapersmith")
     error = done.stderr.splitlines()[-1]
     assert done.returncode == 1
-    assert error.startswith("shapersmith.name_clash.NameClashError: shapersmith needs its own")
+    assert error.startswith(CLASH)
     assert f"'design' in {ROOT}" in error
     assert f"stands for {folder / 'design.py'}, which is imported already" in error
 
@@ -87,9 +93,23 @@ def test_the_error_names_all_ways_out(folder: Path) -> None:
 def test_a_module_that_would_be_found_first_is_named_and_not_run(folder: Path) -> None:
     (folder / "design.py").unlink()
     done = run(folder, "import shapersmith")
-    assert "NameClashError" in done.stderr
+    assert CLASH in done.stderr
     assert f"{folder / 'service' / '__init__.py'}, which comes first on sys.path" in done.stderr
     assert not done.stdout
+
+
+def test_the_command_names_the_clash(folder: Path) -> None:
+    program = "import runpy; runpy.run_module('shapersmith', run_name='__main__')"
+    done = run(folder, program)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].startswith(CLASH)
+
+
+def test_the_command_runs_where_the_names_are_ours(tmp_path: Path) -> None:
+    program = "import runpy; runpy.run_module('shapersmith', run_name='__main__')"
+    done = run(tmp_path, program, arguments=("--help",))
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "design" in done.stdout
 
 
 def test_a_module_without_a_file_is_a_clash_too(tmp_path: Path) -> None:
@@ -122,19 +142,20 @@ def test_a_folder_that_is_no_package_does_not_clash(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("method", ["spawn", "forkserver"])
 def test_workers_of_a_program_end_in_the_same_error(folder: Path, method: str) -> None:
-    done = run(folder, IN_A_WORKER.format(first="pass", method=method))
+    done = run(folder, IN_A_WORKER.format(first="import design", method=method, request=CRANE))
     assert done.returncode == 1
-    assert done.stderr.splitlines()[-1].startswith("shapersmith.name_clash.NameClashError")
+    assert done.stderr.splitlines()[-1].startswith(CLASH)
 
 
 @pytest.mark.parametrize("method", ["spawn", "forkserver"])
-def test_workers_find_what_their_program_finds(folder: Path, method: str) -> None:
-    done = run(folder, IN_A_WORKER.format(first=OURS_FIRST, method=method))
-    assert done.stdout.splitlines() == [str(ROOT / "design" / "pipeline.py")], done.stderr
+def test_workers_design_where_our_packages_come_first(folder: Path, method: str) -> None:
+    program = IN_A_WORKER.format(first=OURS_FIRST, method=method, request=CRANE)
+    done = run(folder, program)
+    assert done.stdout == "True\n", done.stderr
 
 
 def test_a_service_in_such_a_folder_designs_and_makes_tables(folder: Path, tmp_path: Path) -> None:
-    command = (sys.executable, "-c", COMMAND_LINE.format(folder=str(folder)))
+    command = (sys.executable, "-c", COMMAND_LINE.format(root=str(ROOT), folder=str(folder)))
     table = {"design": CRANE, "designs": [{}], "columns": ["residual"]}
     with (
         running_service(tmp_path / "log", command=command, workers=1, job_workers=1) as service,
@@ -158,4 +179,4 @@ def test_the_wheel_holds_the_packages_and_their_types(folder: Path, tmp_path: Pa
     program = "import shapersmith, design.pipeline; print(design.pipeline.__file__)"
     done = run(folder, first + program, path=site)
     assert done.stdout == f"{site / 'design' / 'pipeline.py'}\n", done.stderr
-    assert "NameClashError" in run(folder, program, path=site).stderr
+    assert CLASH in run(folder, program, path=site).stderr
