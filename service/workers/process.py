@@ -17,12 +17,12 @@ import time
 import traceback
 from collections.abc import Callable
 from contextlib import suppress
-from multiprocessing import forkserver
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Literal
 
+from service.workers.own_path import ensure_fork_server
 from service.workers.solvers import warm_solvers
 from service.workers.watchdog import end_with_parent
 
@@ -50,10 +50,8 @@ Outcome = Literal["ready", "done", "failed", "memory"]
 
 
 def prepare() -> None:
-    """Say what the fork server imports, whenever it is started."""
-    # One thread of BLAS a worker: the workers are the parallelism.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    forkserver.set_forkserver_preload(PRELOADED)
+    """Start the fork server if none is running."""
+    ensure_fork_server(PRELOADED)
 
 
 class Worker(asyncio.Protocol):
