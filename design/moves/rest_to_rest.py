@@ -395,6 +395,11 @@ def _travelling(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Impul
 
     A shaper that knows no actuator is solved with ideal lags, while the distance is met with the
     actuator given: the travel asked of the ideal one is corrected until it is (secant method).
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If the travel does not converge, or no such move is found.
     """
     target_s, last_s, last_miss_s = wanted_s, 0.0, wanted_s
     for _ in range(TRAVEL_ITERATIONS):

@@ -68,7 +68,7 @@ def sampled_design(
     sample_time_s
         Sample time, bounded as in `sample` [s].
     tolerance
-        What unity magnitude may leave at most before impulses are added, 0 to 1 [-]; None adds none.
+        What unity magnitude may leave before impulses are added, 0 to 1 [-]; None adds none.
 
     Returns
     -------
