@@ -7,6 +7,8 @@ DesignError
 └── TimeLimitError         a solver ran past the time it was given
 """
 
+from design.trace import TraceStep
+
 Path = tuple[str, ...]
 """Names of fields from a record inward, numbers of list items among them."""
 
@@ -28,7 +30,15 @@ def path_of(name: str | Path) -> Path:
 
 
 class DesignError(Exception):
-    """Base of every error raised on purpose by ``design``."""
+    """Base of every error raised on purpose by ``design``.
+
+    Attributes
+    ----------
+    trace
+        Steps of the search that ended with it, where it was watched.
+    """
+
+    trace: tuple[TraceStep, ...] = ()
 
 
 class InvalidInputError(DesignError):

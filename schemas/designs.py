@@ -17,7 +17,12 @@ from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.sensitivity import ModeOut, OfModes, SensitivityIn, SensitivityOut
 from schemas.shapers import ShaperIn
+from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut, Warnings
+
+
+def _is_false(value: object) -> bool:
+    return value is False
 
 
 class DesignRequest(Wire):
@@ -30,6 +35,14 @@ class DesignRequest(Wire):
         SensitivityIn | None, Field(description="Range of the curve; null for no curve.")
     ] = SensitivityIn()
     fit: Annotated[FitIn | None, Field(description="Curve coefficients with the design.")] = None
+    trace: Annotated[
+        bool,
+        Field(
+            description="Report each step of the search, and what was rejected and why; of a "
+            "refusal too.",
+            exclude_if=_is_false,
+        ),
+    ] = False
 
 
 class ShaperOut(Wire):
@@ -219,6 +232,10 @@ class DesignResponse(Wire):
     scheduled: Annotated[RangeOut | None, left_out_if_none("Of a scheduled plant; left out else.")]
     fit: FitOut | None
     solver: SolverOut
+    trace: Annotated[
+        list[TraceStepOut] | None,
+        left_out_if_none("Steps of the search, where asked for; left out else."),
+    ]
     warnings: Warnings
     version: str
 
@@ -232,6 +249,7 @@ class DesignResponse(Wire):
         modes: list[ModeOut] | None,
         scheduled: RangeOut | None,
         fit: FitOut | None,
+        trace: list[TraceStepOut] | None,
         version: str,
     ) -> Self:
         """Wrap the design records."""
@@ -258,6 +276,7 @@ class DesignResponse(Wire):
                 lower_bound_s=solver.lower_bound_s,
                 gap=solver.gap,
             ),
+            trace=trace,
             warnings=[WarningOut.from_design(warning) for warning in design.warnings],
             version=version,
         )

@@ -4,7 +4,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from schemas.base import Wire
+from schemas.base import Wire, left_out_if_none
+from schemas.trace import TraceStepOut
 
 
 class FieldFault(Wire):
@@ -23,3 +24,7 @@ class ProblemDocument(Wire):
     detail: str
     errors: tuple[FieldFault, ...] = ()
     request_id: str | None = None
+    trace: Annotated[
+        list[TraceStepOut] | None,
+        left_out_if_none("Steps of the search, where a design asked for them; left out else."),
+    ]

@@ -17,8 +17,10 @@ from design.errors import (
     TimeLimitError,
     path_of,
 )
+from design.trace import TraceStep
 from schemas.pointers import json_pointer
 from schemas.problems import FieldFault, ProblemDocument
+from schemas.trace import TraceStepOut
 from service.strict_json import RepeatedNameError
 
 
@@ -89,12 +91,27 @@ LONGEST_ECHO = 80
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One error, ready to be told; ``retry_after_s``: when it may be over, of what passes [s]."""
+    """One error, ready to be told.
+
+    Attributes
+    ----------
+    kind
+        Its row of the table.
+    detail
+        What is wrong, in words.
+    errors
+        The fields at fault.
+    retry_after_s
+        When it may be over, of what passes [s].
+    trace
+        Steps of the search that ended with it, where it was watched.
+    """
 
     kind: ProblemKind
     detail: str
     errors: tuple[FieldFault, ...] = ()
     retry_after_s: int = 1
+    trace: tuple[TraceStep, ...] = ()
 
     def document(self, request_id: str | None = None) -> ProblemDocument:
         """Return the problem document."""
@@ -105,6 +122,7 @@ class Problem:
             detail=self.detail,
             errors=self.errors,
             request_id=request_id,
+            trace=[TraceStepOut.from_design(step) for step in self.trace] or None,
         )
 
 
@@ -126,7 +144,7 @@ def problem_of_design(error: DesignError) -> Problem:
             FieldFault(pointer=json_pointer(path_of(name)), detail=detail)
             for name, detail in error.faults
         )
-    return Problem(KIND_OF[type(error)], str(error), faults)
+    return Problem(KIND_OF[type(error)], str(error), faults, trace=error.trace)
 
 
 def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:

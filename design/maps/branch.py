@@ -9,13 +9,14 @@ from design.formulations.unity_magnitude import PERIOD_RAD, decel_over_accel
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
+from design.shapers.registry import SHAPERS
 from design.types import FloatArray
 
 WHOLE_TURN_MARGIN = 1e-6
 """How near to whole the turns of a closed form must come: its rounding, with room to spare [-]."""
 
-BRANCHED = ("numzv", "umzvc")
-"""Kinds whose closed form has branches."""
+BRANCHED = " or ".join(sorted(kind.name for kind in SHAPERS.values() if kind.has_branches))
+"""Names of the kinds whose closed form has branches, in words."""
 
 
 def closed_form_branch(impulses: Impulses, plant: Plant, actuator: Actuator) -> FloatArray:
@@ -54,5 +55,5 @@ def closed_form_branch(impulses: Impulses, plant: Plant, actuator: Actuator) -> 
     raise InvalidInputError(
         "quantity",
         "branch",
-        f"asked of {' or '.join(BRANCHED)}, of an undamped plant behind superposed steps",
+        f"asked of {BRANCHED}, of an undamped plant behind superposed steps",
     )

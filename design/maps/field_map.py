@@ -91,9 +91,9 @@ def _require_consistent(case: MapCase) -> None:
             "design", "once", f"each, for a map of {quantity}: what is held is alike in every cell"
         )
     if quantity == "branch" and (
-        recipe is None or recipe.kind.name not in BRANCHED or case.move is not None
+        recipe is None or not recipe.kind.has_branches or case.move is not None
     ):
-        raise InvalidInputError("quantity", "branch", f"asked of {' or '.join(BRANCHED)} alone")
+        raise InvalidInputError("quantity", "branch", f"asked of {BRANCHED} alone")
     if case.move is not None and recipe is None and case.shaper is not None:
         raise InvalidInputError("move", "given", "left out, or impulses replaced by a shaper")
     if (case.speed_m_s is not None) != (quantity == "deflection_m"):

@@ -8,11 +8,7 @@ from matplotlib.lines import Line2D
 
 from design.analysis.sensitivity import Sensitivity
 from design.claims import ZERO_LIMITS
-from design.model.actuators.first_order import FirstOrder
-from design.model.actuators.ideal import Ideal
-from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
-from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.pictures import time_panels
@@ -128,7 +124,7 @@ def _write_header(
             f"damping ratio {mode.damping_ratio:.3g}"
             + (f"\nthe slowest of {modes} modes" if modes > 1 else ""),
         ),
-        (0.345, "actuator", *_actuator_lines(actuator)),
+        (0.345, "actuator", *actuator.in_words),
         (0.565, "duration", f"{duration:.4g} s", f"{duration / mode.period_s:.3f} periods"),
         (0.7, "residual", _residual_text(design), "of the unshaped step"),
         (0.855, "certificate", certificate, proven),
@@ -143,27 +139,6 @@ def _write_header(
             figure.text(left, 0.922 - 0.0195 * row, line, fontsize=SMALL_PT + 0.5)
     figure.add_artist(Line2D([0.018, RIGHT], [0.886, 0.886], color=INK, linewidth=1.0))
     figure.text(0.018, 0.866, _note(design), fontsize=SMALL_PT, color=GREY)
-
-
-def _actuator_lines(actuator: Actuator) -> tuple[str, str]:
-    match actuator:
-        case Ideal():
-            return "ideal", "follows its command at once"
-        case FirstOrder():
-            return (
-                "first order",
-                f"accel time constant {actuator.accel_time_constant_s:.3g} s\n"
-                f"decel time constant {actuator.decel_time_constant_s:.3g} s",
-            )
-        case SecondOrder():
-            accel, decel = (
-                f"{part.natural_frequency_rad_s:.3g} rad/s, damping {part.damping_ratio:.3g}"
-                for part in (actuator.accel, actuator.decel)
-            )
-            return "second order", f"accel {accel}\ndecel {decel}"
-        case RateLimited():
-            limits = f"{actuator.accel_limit_m_s2:.3g} and {actuator.decel_limit_m_s2:.3g} m/s²"
-            return f"ramps, {actuator.then.kind.replace('_', ' ')}", f"limits {limits}"
 
 
 def _residual_text(design: Design) -> str:

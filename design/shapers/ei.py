@@ -12,14 +12,14 @@ from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.humps import Humps, humped
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.shapers.kind import DesignCase, KindOf, ShaperKind
+from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DesignCase, KindOf, ShaperKind
 from design.shapers.options import (
     LARGEST_TOLERANCE,
     SMALLEST_TOLERANCE,
     ShaperOptions,
     tolerance_field,
 )
-from design.shapers.positive import EVERY_ACTUATOR, served
+from design.shapers.positive import served
 from design.types import require_between
 
 
@@ -70,7 +70,7 @@ def _kind(name: str, summary: str, source: str) -> ShaperKind:
         source=source,
         claims=("residual", "band"),
         options=ToleranceOptions,
-        actuators=EVERY_ACTUATOR,
+        actuators=EVERY_ACTUATOR_BY_ITS_LAG,
         formulation=functools.partial(extra_insensitive, seed=name),
     )
 

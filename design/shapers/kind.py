@@ -13,6 +13,12 @@ from design.shapers.options import ShaperOptions
 
 Options = TypeVar("Options", bound=ShaperOptions)
 
+EVERY_ACTUATOR = ("ideal", "first_order", "second_order", "rate_limited")
+"""Kinds of actuators, the one that asks most of a shaper last: the catalogue's example has it."""
+
+EVERY_ACTUATOR_BY_ITS_LAG = ("ideal", "rate_limited", "first_order", "second_order")
+"""The same for shapers that only use the acceleration set, of which a lag asks most."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DesignCase(Generic[Options]):
@@ -57,6 +63,22 @@ class DampingBound:
     beyond: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CompiledRows:
+    """How the compiled kernel of tables solves a kind whose equations are as many as its unknowns.
+
+    Attributes
+    ----------
+    for_ideal
+        Whether the shaper knows no actuator: its rows are solved for an ideal one.
+    closed_form_undamped
+        Whether it is a closed form for an undamped plant behind superposed steps.
+    """
+
+    for_ideal: bool = False
+    closed_form_undamped: bool = False
+
+
 EVERY_PLANT = DampingBound(most=LARGEST_DAMPING_RATIO, beyond="there is no such plant")
 
 
@@ -84,6 +106,10 @@ class KindOf(Generic[Options]):
         Modes of a plant that it serves, at most.
     damping
         Up to which damping ratio of the plant it is: `formulate` refuses what is beyond.
+    compiled_rows
+        How tables solve it without the pipeline; None of kinds whose rows are designs.
+    has_branches
+        Whether its undamped closed form has branches, that maps can show.
     """
 
     name: str
@@ -95,6 +121,8 @@ class KindOf(Generic[Options]):
     formulation: Callable[[DesignCase[Options]], Formulation]
     most_modes: int = 1
     damping: DampingBound = EVERY_PLANT
+    compiled_rows: CompiledRows | None = None
+    has_branches: bool = False
 
     @property
     def serves_several(self) -> bool:

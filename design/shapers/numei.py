@@ -32,7 +32,7 @@ from design.formulations.unity_magnitude import (
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
-from design.shapers.kind import DesignCase, KindOf, ShaperKind
+from design.shapers.kind import EVERY_ACTUATOR, DesignCase, KindOf, ShaperKind
 from design.shapers.options import (
     LARGEST_TOLERANCE,
     SMALLEST_TOLERANCE,
@@ -230,7 +230,7 @@ def _kind(name: str, summary: str, humps: int) -> ShaperKind:
         source=SOURCE,
         claims=("residual", "band"),
         options=HumpOptions,
-        actuators=("ideal", "first_order", "second_order", "rate_limited"),
+        actuators=EVERY_ACTUATOR,
         formulation=functools.partial(numei, humps=humps),
     )
 

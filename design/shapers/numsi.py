@@ -23,7 +23,7 @@ from design.formulations.unity_magnitude import (
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
-from design.shapers.kind import DesignCase, KindOf
+from design.shapers.kind import EVERY_ACTUATOR, DesignCase, KindOf
 from design.shapers.options import (
     LARGEST_TOLERANCE,
     SMALLEST_TOLERANCE,
@@ -205,6 +205,6 @@ NUM_SI = KindOf(
     "Flexible Automation (1996), for the actuators of Kim, master thesis (2011), chapter 3",
     claims=("band",),
     options=UnityBandOptions,
-    actuators=("ideal", "first_order", "second_order", "rate_limited"),
+    actuators=EVERY_ACTUATOR,
     formulation=numsi,
 )

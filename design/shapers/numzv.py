@@ -16,7 +16,7 @@ from design.formulations.unity_magnitude import (
 )
 from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses
-from design.shapers.kind import DesignCase, KindOf
+from design.shapers.kind import EVERY_ACTUATOR, CompiledRows, DesignCase, KindOf
 from design.shapers.options import PeakOptions, SettleOptions
 
 SOURCE = "Kim, master thesis (2011), chapter 3"
@@ -85,6 +85,8 @@ UMZVC = KindOf(
     claims=("residual",),
     options=PeakOptions,
     actuators=("first_order",),
+    compiled_rows=CompiledRows(closed_form_undamped=True),
+    has_branches=True,
     formulation=numzv,  # the same vector diagram; with G = 1/(1 + tau p) it is the published one
 )
 
@@ -94,8 +96,10 @@ NUMZV = KindOf(
     source=f"{SOURCE}, eqs. 3.34-3.41",
     claims=("residual",),
     options=PeakOptions,
-    actuators=("ideal", "first_order", "second_order", "rate_limited"),
+    actuators=EVERY_ACTUATOR,
     formulation=numzv,
+    compiled_rows=CompiledRows(closed_form_undamped=True),
+    has_branches=True,
 )
 
 NUMZVD = KindOf(
@@ -104,6 +108,7 @@ NUMZVD = KindOf(
     source=f"{SOURCE}, eqs. 3.44-3.46, slope exact",
     claims=("residual", "slope"),
     options=SettleOptions,
-    actuators=("ideal", "first_order", "second_order", "rate_limited"),
+    actuators=EVERY_ACTUATOR,
     formulation=numzvd,
+    compiled_rows=CompiledRows(),
 )

@@ -20,10 +20,9 @@ from design.formulations.unity_magnitude import (
 )
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.shapers.kind import DampingBound, DesignCase, KindOf
+from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DampingBound, DesignCase, KindOf
 from design.shapers.negative import LONGEST_PERIODS, SOURCE
 from design.shapers.options import NoOptions
-from design.shapers.positive import EVERY_ACTUATOR
 
 PARTIAL_SUMS = np.array([1.0, -2.0, 2.0])
 """Impulses of PS-ZV: the command is at 1, -1 and 1 [-]."""
@@ -83,7 +82,7 @@ PS_ZV = KindOf(
     source=SOURCE,
     claims=("residual",),
     options=NoOptions,
-    actuators=EVERY_ACTUATOR,
+    actuators=EVERY_ACTUATOR_BY_ITS_LAG,
     formulation=ps_zv,
     damping=DampingBound(most=0.97, beyond=LAST_PULSE_VANISHES),
 )
@@ -95,7 +94,7 @@ PS_ZVD = KindOf(
     source=SOURCE,
     claims=("residual", "slope"),
     options=NoOptions,
-    actuators=EVERY_ACTUATOR,
+    actuators=EVERY_ACTUATOR_BY_ITS_LAG,
     formulation=ps_zvd,
     damping=DampingBound(most=0.88, beyond=LAST_PULSE_VANISHES),
 )

@@ -20,11 +20,16 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import ROUNDING, Impulses
 from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
-from design.shapers.kind import DampingBound, DesignCase, KindOf, ShaperKind, require_damping
+from design.shapers.kind import (
+    EVERY_ACTUATOR_BY_ITS_LAG,
+    DampingBound,
+    DesignCase,
+    KindOf,
+    ShaperKind,
+    require_damping,
+)
 from design.shapers.options import NoOptions, ShaperOptions
 from design.types import require_between
-
-EVERY_ACTUATOR = ("ideal", "rate_limited", "first_order", "second_order")
 
 DERIVATIVES: tuple[Quantity, ...] = (
     "residual",
@@ -109,7 +114,7 @@ def _zv_kind(name: str, order: int, summary: str, source: str) -> ShaperKind:
         source=source,
         claims=DERIVATIVES[: order + 1],
         options=NoOptions,
-        actuators=EVERY_ACTUATOR,
+        actuators=EVERY_ACTUATOR_BY_ITS_LAG,
         formulation=partial(_zero_vibration, order),
         damping=damping_bound(BINOMIALS[order], math.pi),
     )
@@ -239,6 +244,6 @@ MZV = KindOf(
     "exp(-2 pi t z / ((n - 1) sqrt(1 - z^2)))",
     claims=("residual",),
     options=MzvOptions,
-    actuators=EVERY_ACTUATOR,
+    actuators=EVERY_ACTUATOR_BY_ITS_LAG,
     formulation=mzv,
 )

@@ -14,9 +14,9 @@ from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.model.plants.modes import MOST_MODES
 from design.shapers.ei import EI, THREE_HUMP_EI, TWO_HUMP_EI, ToleranceOptions
-from design.shapers.kind import DesignCase, KindOf, ShaperKind
+from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DesignCase, KindOf, ShaperKind
 from design.shapers.options import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, NoOptions, ShaperOptions
-from design.shapers.positive import EVERY_ACTUATOR, MZV, ZV, ZVD, ZVDD, ZVDDD, served
+from design.shapers.positive import MZV, ZV, ZVD, ZVDD, ZVDDD, served
 from design.shapers.umzv import UMZV, UMZVD
 
 BASES: dict[str, ShaperKind] = {
@@ -184,7 +184,7 @@ MULTI_ZV = KindOf(
     'shapers", IEE Proc. Control Theory Appl. 144 (1997); bound: a dual function of time',
     claims=("residual",),
     options=NoOptions,
-    actuators=EVERY_ACTUATOR,
+    actuators=EVERY_ACTUATOR_BY_ITS_LAG,
     formulation=multi_zv,
     most_modes=MOST_MODES,
 )
@@ -196,7 +196,7 @@ MULTI_UMZV = KindOf(
     source=BANG_BANG,
     claims=("residual",),
     options=NoOptions,
-    actuators=EVERY_ACTUATOR,
+    actuators=EVERY_ACTUATOR_BY_ITS_LAG,
     formulation=multi_umzv,
     most_modes=MOST_MODES,
 )
@@ -209,7 +209,7 @@ CONVOLVED = KindOf(
     'shapers", IEE Proc. Control Theory Appl. 144 (1997)',
     claims=("residual",),
     options=ConvolvedOptions,
-    actuators=EVERY_ACTUATOR,
+    actuators=EVERY_ACTUATOR_BY_ITS_LAG,
     formulation=convolved,
     most_modes=MOST_MODES,
 )

@@ -13,7 +13,7 @@ from design.formulations.unity_magnitude import (
 )
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.shapers.kind import DampingBound, DesignCase, KindOf
+from design.shapers.kind import EVERY_ACTUATOR, CompiledRows, DampingBound, DesignCase, KindOf
 from design.shapers.options import NoOptions
 
 SOURCE = (
@@ -23,8 +23,6 @@ SOURCE = (
 
 LONGEST_PERIODS = 1.5
 """Both shapers take less than one damped period [-]."""
-
-EVERY_ACTUATOR = ("ideal", "first_order", "second_order", "rate_limited")
 
 
 def umzv(case: DesignCase[NoOptions]) -> Formulation:
@@ -68,6 +66,7 @@ UMZV = KindOf(
     options=NoOptions,
     actuators=EVERY_ACTUATOR,
     formulation=umzv,
+    compiled_rows=CompiledRows(for_ideal=True, closed_form_undamped=True),
     damping=DampingBound(most=0.97, beyond=LAST_PULSE_VANISHES),
 )
 
@@ -79,5 +78,6 @@ UMZVD = KindOf(
     options=NoOptions,
     actuators=EVERY_ACTUATOR,
     formulation=umzvd,
+    compiled_rows=CompiledRows(for_ideal=True),
     damping=DampingBound(most=0.9, beyond=LAST_PULSE_VANISHES),
 )

@@ -117,9 +117,10 @@ def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Candi
                 stage="seed",
                 method="newton",
                 start="branch_search",
-                outcome=f"{found.converged.sum()}_roots",
+                outcome="searched",
                 duration_s=horizon_rad / problem.natural_frequency_rad_s,
-                detail=f"from {len(found.unknowns)} starts spread over that duration",
+                detail=f"{found.converged.sum()} of {len(found.unknowns)} starts, spread over "
+                "that duration, lead to roots",
             )
         )
         for unknowns in _ordered_fastest_first(within, found):
@@ -216,11 +217,11 @@ def _solved(
             stage="solve",
             method="ipopt",
             start=seed,
-            outcome=outcome.status,
+            outcome=outcome.status if in_time else "rejected",
             iterations=outcome.iterations,
             duration_s=_duration_s(problem, gaps),
             misses=outcome.misses,
-            detail="" if in_time else "rejected: longer than max_duration_periods",
+            detail="" if in_time else "longer than max_duration_periods",
         )
     )
     if outcome.status is Status.SOLVE_SUCCEEDED and in_time:

@@ -10,6 +10,7 @@ from design.solvers.budget import Budget
 from design.solvers.convex_band.duration import EASIER, first_duration_rad
 from design.solvers.convex_band.search import obstacle_at, obstacle_work
 from design.solving.bounded import SMALL_GAP, Bounded
+from design.trace import TraceStep
 
 NO_FASTER = 0.01
 """Share of a wait by which nothing must be shorter [-]."""
@@ -21,9 +22,9 @@ FAR_BEYOND = 1.5
 """Estimated duration over the horizon from which on it is not looked for [-]."""
 
 
-def excluded(problem: BandProblem, obstacle: Obstacle) -> bool:
+def excluded(problem: BandProblem, obstacle: Obstacle, budget: Budget) -> bool:
     """Return whether an obstacle proves that no shaper is as short as its duration."""
-    return excludes(
+    proved = excludes(
         problem.unit_pole,
         obstacle.ratios,
         obstacle.vectors,
@@ -31,6 +32,17 @@ def excluded(problem: BandProblem, obstacle: Obstacle) -> bool:
         problem.tolerance,
         problem.levels,
     )
+    budget.note(
+        TraceStep(
+            stage="bound",
+            method="proof",
+            start="cone_program",
+            outcome="proved" if proved else "not_proved",
+            duration_s=obstacle.duration_rad / problem.natural_frequency_rad_s,
+            detail="no shaper is as short" if proved else "",
+        )
+    )
+    return proved
 
 
 def require_long_enough(problem: BandProblem, budget: Budget) -> None:
@@ -39,7 +51,7 @@ def require_long_enough(problem: BandProblem, budget: Budget) -> None:
     if needed < FAR_BEYOND * problem.horizon_rad:
         return
     obstacle, least = obstacle_at(problem, problem.horizon_rad, budget)
-    if not excluded(problem, obstacle):
+    if not excluded(problem, obstacle, budget):
         return
     lower, upper = problem.band
     tolerance = EASIER * least
@@ -62,7 +74,7 @@ def require_more_than_waiting(problem: BandProblem, budget: Budget) -> None:
     wait = -math.log(problem.tolerance) / (decay * lower)
     if budget.done + obstacle_work(problem, wait) > budget.most:
         return
-    if excluded(problem, obstacle_at(problem, (1 - NO_FASTER) * wait, budget)[0]):
+    if excluded(problem, obstacle_at(problem, (1 - NO_FASTER) * wait, budget)[0], budget):
         raise InfeasibleDesignError(
             f"no shaper keeps a residual within {problem.tolerance:g} from {lower:g} to "
             f"{problem.band[1]:g} of the natural frequency faster, by more than "

@@ -41,7 +41,17 @@ def solve_jointly(problem: JointProblem, budget: Budget) -> Iterator[Solution]:
             iterations=found.iterations,
             programs=found.programs,
         )
-        yield _reported(bounded, w, budget, name="highs", seed="linear_program")
+        budget.note(
+            TraceStep(
+                stage="bound",
+                method="proof",
+                start="linear_program",
+                outcome="proved",
+                duration_s=bound / w,
+                detail="no command is as short",
+            )
+        )
+        yield bounded.solution(w, name="highs", seed="linear_program")
 
 
 def solve_over_band(problem: BandProblem, budget: Budget) -> Iterator[Solution]:
@@ -57,7 +67,7 @@ def solve_over_band(problem: BandProblem, budget: Budget) -> Iterator[Solution]:
     """
     for found in _band_optima(problem, budget):
         w = problem.natural_frequency_rad_s
-        yield _reported(found, w, budget, name="clarabel", seed="cone_program")
+        yield found.solution(w, name="clarabel", seed="cone_program")
 
 
 def _band_optima(problem: BandProblem, budget: Budget) -> Iterator[Bounded]:
@@ -69,7 +79,7 @@ def _band_optima(problem: BandProblem, budget: Budget) -> Iterator[Bounded]:
     bound = 0.0  # nothing is shorter than no time
     for found in candidates(problem, budget):
         if isinstance(found, Obstacle):
-            bound = max(bound, found.duration_rad if excluded(problem, found) else 0.0)
+            bound = max(bound, found.duration_rad if excluded(problem, found, budget) else 0.0)
         else:
             bound = max(bound, _lower_bound(problem, found, budget))
             if best is None or found.times_rad[-1] < best.times_rad[-1]:
@@ -109,23 +119,6 @@ def _bounded(found: BandOptimum, lower_bound_rad: float) -> Bounded:
 
 def _lower_bound(problem: BandProblem, candidate: BandOptimum, budget: Budget) -> float:
     for obstacle in obstacles(problem, candidate, budget):
-        if excluded(problem, obstacle):
+        if excluded(problem, obstacle, budget):
             return obstacle.duration_rad
     return 0.0
-
-
-def _reported(
-    found: Bounded, natural_frequency_rad_s: float, budget: Budget, *, name: str, seed: str
-) -> Solution:
-    solution = found.solution(natural_frequency_rad_s, name=name, seed=seed)
-    budget.note(
-        TraceStep(
-            stage="bound",
-            method="proof",
-            start=seed,
-            outcome="proved",
-            duration_s=solution.solver.lower_bound_s,
-            detail=f"none is as short; the gap is {found.gap:.3g} of the duration found",
-        )
-    )
-    return solution

@@ -18,6 +18,7 @@ from design.solvers.unity_band import search as unity_band
 from design.solving import optima
 from design.solving.convolution import convolved
 from design.solving.distinct_steps import distinct_steps
+from design.trace import TraceStep
 
 
 def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[Solution]:
@@ -45,7 +46,16 @@ def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[So
         yield replace(solution, impulses=distinct_steps(solution.impulses))
 
 
-def _closed_form(formulation: ClosedForm, _: Budget) -> Iterator[Solution]:
+def _closed_form(formulation: ClosedForm, budget: Budget) -> Iterator[Solution]:
+    budget.note(
+        TraceStep(
+            stage="solve",
+            method=formulation.method,
+            start="none",
+            outcome="solve_succeeded",
+            duration_s=formulation.impulses.duration_s,
+        )
+    )
     yield Solution(
         impulses=formulation.impulses,
         solver=SolverReport(

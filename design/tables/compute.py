@@ -21,7 +21,7 @@ from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.model.plants.spring_mass import SpringMass
 from design.pipeline import Design, design
-from design.shapers.kind import ShaperKind
+from design.shapers.kind import CompiledRows, ShaperKind
 from design.shapers.options import NoOptions, SettleOptions
 from design.tables.parameters import RowParameters, of_one_mode_and_lags, row_parameters
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL, Rows
@@ -30,15 +30,6 @@ from design.types import BoolArray, FloatArray
 
 IndexArray = NDArray[np.int_]
 
-
-SQUARE = {"umzv", "umzvd", "umzvc", "numzv", "numzvd"}
-"""Shapers whose equations are as many as their unknowns."""
-
-FOR_IDEAL = {"umzv", "umzvd"}
-"""Those of them that do not know the actuator."""
-
-CLOSED_FORM_UNDAMPED = {"umzv", "umzvc", "numzv"}
-"""Those of them that are a closed form for an undamped plant and superposed steps."""
 
 GUARDED_SHARE = 5000
 """One row in so many is designed by the pipeline as well, to guard against a wrong branch [-]."""
@@ -176,8 +167,9 @@ def counted_rows(
     values = specification.field_values(start, stop)
     table = _empty(specification, len(values))
     guarded = corrected = compiled_rows = 0
-    if _square(specification):
-        _compile_rows(specification, row_parameters(specification, values), table)
+    how = _compiled(specification)
+    if how is not None:
+        _compile_rows(specification, how, row_parameters(specification, values), table)
         compiled_rows = int(table.designed.sum())
         for row in np.flatnonzero(table.designed & _guarded(specification, start, stop)).tolist():
             guarded += 1
@@ -243,23 +235,25 @@ def _empty(specification: TableSpecification, rows: int) -> _Table:
     )
 
 
-def _square(specification: TableSpecification) -> bool:
-    """Whether the kernel knows the shaper, all its parameters, the plant and the actuator."""
+def _compiled(specification: TableSpecification) -> CompiledRows | None:
+    """Return how the kernel solves the rows; None where it knows not all that they depend on."""
     kind, options = specification.kind, specification.options
-    if kind.name not in SQUARE or specification.actuator.kind not in kind.actuators:
-        return False
+    if specification.actuator.kind not in kind.actuators:
+        return None
     known = {one.name for one in (*fields(SettleOptions), *fields(NoOptions))}
     others = [] if options is None else [one for one in fields(options) if one.name not in known]
     varied = {path[1:] for path in specification.fields if path[0] == "shaper"}
-    if not varied <= {("max_duration_periods",)}:
-        return False
-    return of_one_mode_and_lags(specification) and all(
-        getattr(options, one.name) == one.default for one in others
-    )
+    if not varied <= {("max_duration_periods",)} or not of_one_mode_and_lags(specification):
+        return None
+    usual = all(getattr(options, one.name) == one.default for one in others)
+    return kind.compiled_rows if usual else None
 
 
 def _compile_rows(
-    specification: TableSpecification, parameters: RowParameters, table: _Table
+    specification: TableSpecification,
+    how: CompiledRows,
+    parameters: RowParameters,
+    table: _Table,
 ) -> None:
     """Enter what the kernel solves and the compiled certificate verifies."""
     # Numba takes half a second to import, which nothing but tables should pay.
@@ -275,13 +269,13 @@ def _compile_rows(
     switched = specification.actuator.model == "switched"
     drive = _Drive(lags=given, switched=switched)
     designed_for = drive
-    if kind.name in FOR_IDEAL:
+    if how.for_ideal:
         designed_for = _Drive(lags=given * [1.0, 0.0, 0.0, 0.0, 0.0], switched=False)
     settle = bool(getattr(specification.options, "settle", False))
     problems = rows_of_problems(designed_for.lags, parameters.max_duration_periods, settle=settle)
     fits = parameters.workable & (problems[:, 5:7].sum(axis=1) <= problems[:, 7])
     closed = np.zeros(len(fits), dtype=np.bool_)
-    if kind.name in CLOSED_FORM_UNDAMPED and not designed_for.switched:
+    if how.closed_form_undamped and not designed_for.switched:
         closed = fits & (given[:, 0] == 0)
     for which in (closed, fits & ~closed):
         index = np.flatnonzero(which)

@@ -11,6 +11,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from service.operations.table import TABLE as OPERATIONS
+from service.operations.table import load
+
 if TYPE_CHECKING:
     from service.cli.rendering import Response
     from service.problems import Problem
@@ -19,22 +22,10 @@ OK = 0
 FAILED = 1
 USAGE = 2
 
-COMMANDS = {
-    "design": ("design", "design one shaper, prove it (POST /v1/designs)"),
-    "sensitivity": ("sensitivity", "sensitivity curve of any impulses (POST /v1/sensitivity)"),
-    "simulate": ("simulation", "response to a command over time (POST /v1/simulations)"),
-    "maneuver": ("maneuver", "a whole move from rest to rest (POST /v1/maneuvers)"),
-    "map": ("map", "residual, times or gains over one or two fields (POST /v1/maps)"),
-    "recommend": (
-        "recommendation",
-        "from what is known to the fastest shaper that meets it (POST /v1/recommendations)",
-    ),
-    "fit": ("fit", "curve coefficients over a field of the plant (POST /v1/fits)"),
-}
-TABLE = "a table of designs over axes or a list, into a file (POST /v1/tables)"
-DRAWN = ("design", "map")
-"""Commands whose answer can be drawn."""
+COMMANDS = {row.command: name for name, row in OPERATIONS.items()}
+"""Names of the operations, by command."""
 
+TABLE_HELP = "a table of designs over axes or a list, into a file (POST /v1/tables)"
 PROGRAMS = ("c", "st", "klipper", "rrf")
 """Formats of a table that a single design has too."""
 
@@ -85,16 +76,23 @@ def _parser() -> argparse.ArgumentParser:
         epilog=__doc__.partition("\n\n")[2] if __doc__ else None,
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name, (_, summary) in COMMANDS.items():
-        command = commands.add_parser(name, help=summary, description=summary)
+    for operation, row in OPERATIONS.items():
+        summary = f"{row.help} (POST {row.path})"
+        command = commands.add_parser(row.command, help=summary, description=summary)
         command.add_argument("request", metavar="REQUEST.json", help="the request; - reads stdin")
-        _add_format(command, PROGRAMS if name == "design" else ())
-        if name in DRAWN:
+        _add_format(command, PROGRAMS if operation == "design" else ())
+        if row.drawn:
+            if operation == "design":
+                command.add_argument(
+                    "--trace",
+                    action="store_true",
+                    help="report each step of the search; with --plot, draw it in place",
+                )
             command.add_argument(
                 "--plot", metavar="FILE", type=Path, help="draw it: FILE.png or FILE.svg"
             )
     _add_format(commands.add_parser("shapers", help="every kind of shaper (GET /v1/shapers)"))
-    _add_table(commands.add_parser("table", help=TABLE, description=TABLE))
+    _add_table(commands.add_parser("table", help=TABLE_HELP, description=TABLE_HELP))
     serve = commands.add_parser("serve", help="serve over HTTP")
     serve.add_argument("--host", default="127.0.0.1", help="address to bind (%(default)s)")
     serve.add_argument("--port", default=8000, type=int, help="port to bind (%(default)s)")
@@ -166,10 +164,10 @@ def _answer(options: argparse.Namespace) -> int:
         _require_picture(plot, read)
 
     # --help must not wait for it
-    from service.dispatch import OPERATIONS, design_file, respond  # noqa: PLC0415
+    from service.dispatch import design_file, respond  # noqa: PLC0415
     from service.problems import Problem  # noqa: PLC0415
 
-    operation = COMMANDS[options.command][0]
+    operation = COMMANDS[options.command]
     if options.format in PROGRAMS:
         if plot is not None:
             raise UsageError(f"--plot goes with json, table or csv, not with {options.format}")
@@ -178,22 +176,23 @@ def _answer(options: argparse.Namespace) -> int:
             return _tell(written, as_json=False)
         sys.stdout.write(written.decode())
         return OK
-    response = respond(operation, body)
+    asked = {"trace": True} if getattr(options, "trace", False) else {}
+    response = respond(operation, body, asked)
     if isinstance(response, Problem):
         return _tell(response, as_json=options.format == "json")
     if plot is not None:
         from service.files import write_whole  # noqa: PLC0415
-        from service.operations import design_picture, map_picture  # noqa: PLC0415
 
-        draw = design_picture if operation == "design" else map_picture
-        request = OPERATIONS[operation].request.model_validate_json(body)
-        write_whole(plot, draw(request, PICTURES[plot.suffix]))  # type: ignore[arg-type]
+        case = load(operation)
+        request = case.request.model_validate_json(body).model_copy(update=asked)
+        if case.draw is not None:
+            write_whole(plot, case.draw(request, PICTURES[plot.suffix]))
     _print(response, options.format)  # type: ignore[arg-type]
     return OK
 
 
 def _shapers(options: argparse.Namespace) -> int:
-    from service.operations import shaper_catalogue  # noqa: PLC0415
+    from service.catalogue import shaper_catalogue  # noqa: PLC0415
 
     _print(shaper_catalogue(), options.format)
     return OK

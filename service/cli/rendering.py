@@ -12,6 +12,7 @@ from schemas.maps import MapResponse
 from schemas.recommendations import CandidateOut, RecommendationResponse
 from schemas.sensitivity import InsensitivityOut, SensitivityOut, SensitivityResponse
 from schemas.simulations import SimulationResponse
+from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut
 
 Response = (
@@ -179,6 +180,7 @@ def _findings(response: Response) -> list[str]:
             f"residual    {100 * response.residual:.4g} % with the actuator given",
             *([] if response.sensitivity is None else _band(response.sensitivity)),
             *([] if response.fit is None else _fit(response.fit)),
+            *_trace(response.trace or []),
             *_warnings(response.warnings),
         ]
     if isinstance(response, SensitivityResponse):
@@ -229,6 +231,17 @@ def _certificate(certificate: CertificateOut) -> str:
 
 def _warnings(warnings: Iterable[WarningOut]) -> list[str]:
     return [f"warning     {warning.code}: {warning.detail}" for warning in warnings]
+
+
+def _trace(steps: Iterable[TraceStepOut]) -> list[str]:
+    """Say what each step of the search did."""
+    return [
+        f"trace       {number}. {step.stage}: {step.method} from {step.start}, {step.outcome}"
+        + (f" after {step.iterations} iterations" if step.iterations else "")
+        + ("" if step.duration_s is None else f", {step.duration_s:.6g} s")
+        + (f": {step.detail}" if step.detail else "")
+        for number, step in enumerate(steps, start=1)
+    ]
 
 
 def _as_played(program: ProgramOut | None) -> list[str]:

@@ -17,7 +17,7 @@ from starlette.staticfiles import StaticFiles
 
 from schemas.problems import ProblemDocument
 from schemas.tables import TableRequest
-from service import operations
+from service.catalogue import shaper_catalogue
 from service.dispatch import OPERATIONS
 from service.http.bodies import problem_response
 from service.http.middleware import RequestMiddleware
@@ -26,6 +26,7 @@ from service.http.table_routes import router as table_router
 from service.jobs.service import JobService
 from service.problems import METHOD_NOT_ALLOWED, NOT_FOUND, Problem, ProblemKind
 from service.settings import Settings
+from service.version import version
 from service.workers.memory import settle
 from service.workers.pool import WorkerPool
 
@@ -46,7 +47,7 @@ def create_app(settings: Settings, jobs: JobService | None = None) -> FastAPI:
         )
         app.state.pool = pool
         # Neither is made while others wait.
-        app.state.catalogue = operations.shaper_catalogue().model_dump_json().encode()
+        app.state.catalogue = shaper_catalogue().model_dump_json().encode()
         app.openapi()
         if jobs is not None:
             jobs.start()
@@ -58,7 +59,7 @@ def create_app(settings: Settings, jobs: JobService | None = None) -> FastAPI:
 
     app = FastAPI(
         title="shapersmith",
-        version=operations.version(),
+        version=version(),
         description="Input shapers for flexible machines whose actuators are not ideal.",
         lifespan=lifespan,
         docs_url=None,

@@ -8,15 +8,15 @@ import time
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.dispatch import OPERATIONS
 from service.http.bodies import client_of
+from service.operations.table import TABLE
 from service.problems import INTERNAL, OVERLOADED, Problem
 from service.workers.pool import WorkerPool
 
 REQUEST_ID = re.compile(rb"[A-Za-z0-9._-]{1,64}\Z")
 """Ids of clients that are taken over; others are replaced."""
 
-PATHS = {operation.path for operation in OPERATIONS.values()}
+PATHS = {row.path for row in TABLE.values()}
 """Paths whose requests a worker answers, most of them small."""
 
 CLIENT_CLOSED_REQUEST = 499

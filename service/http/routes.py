@@ -8,7 +8,6 @@ from fastapi.routing import APIRoute
 from starlette.responses import JSONResponse, Response
 
 from schemas.catalogue import Catalogue
-from service import operations
 from service.dispatch import OPERATIONS, Answer, answer
 from service.http.batches import Batch
 from service.http.bodies import (
@@ -20,8 +19,10 @@ from service.http.bodies import (
     read_body,
     while_connected,
 )
+from service.operations.table import TABLE
 from service.problems import NOT_JSON, OVERLOADED, TOO_LARGE, Problem
 from service.settings import Settings
+from service.version import version
 from service.workers.costs import shape_of
 from service.workers.pool import WorkerPool
 from service.workers.runs import TaskError
@@ -104,16 +105,16 @@ class BareRoute(APIRoute):
         return self.endpoint
 
 
-for _name, _operation in OPERATIONS.items():
+for _name, _row in TABLE.items():
     router.add_api_route(
-        _operation.path,
+        _row.path,
         _answering(_name),
         methods=["POST"],
         name=_name,
-        response_model=_operation.response,
+        response_model=OPERATIONS[_name].response,
         responses=PROBLEMS,
         openapi_extra=_documented(_name),
-        summary=_operation.summary,
+        summary=_row.summary,
         route_class_override=BareRoute,
     )
 
@@ -175,4 +176,4 @@ async def ready(request: Request) -> Response:
     if not _pool(request).ready:
         problem = Problem(OVERLOADED, "no worker is ready, or too much work is waiting")
         return problem_response(problem, request.state.request_id)
-    return JSONResponse({"status": "ready", "version": operations.version()})
+    return JSONResponse({"status": "ready", "version": version()})

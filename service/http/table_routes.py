@@ -19,7 +19,6 @@ from service.jobs.plan import Plan, planned, told
 from service.jobs.records import Job
 from service.jobs.results import export_of, write_result_of
 from service.jobs.service import JobService
-from service.operations import version
 from service.problems import (
     CONFLICT,
     INVALID,
@@ -29,6 +28,7 @@ from service.problems import (
     problem_of_design,
 )
 from service.settings import Settings
+from service.version import version
 from service.workers.costs import shape_of
 from service.workers.pool import WorkerPool
 

@@ -13,7 +13,6 @@ from design.tables.rows import TableHead
 from design.tables.specification import TableSpecification, columns_of
 from schemas.tables import TableJob, TableRequest, TableSize, sha256_of
 from service.jobs.records import Job, NewJob
-from service.operations import version
 from service.problems import (
     Problem,
     problem_of_design,
@@ -21,6 +20,7 @@ from service.problems import (
     problem_of_validation,
 )
 from service.strict_json import RepeatedNameError, require_names_once
+from service.version import version
 
 STATUS_BYTES = 1
 FLOAT_BYTES = 8

@@ -17,7 +17,7 @@ from service.jobs.database import opened
 from service.jobs.records import DELETED, ENDED, UNFINISHED, Claim, Done, Job, NewJob
 from service.jobs.schema import CHUNKS, JOBS
 from service.jobs.views import seen_jobs
-from service.operations import version as version_of_product
+from service.version import version as version_of_product
 
 MOST_FAILURES = 3
 """A chunk that fails so often fails its job."""

@@ -23,8 +23,8 @@ import numpy as np
 
 from design.export.registry import EXPORTS
 from design.shapers.registry import SHAPERS
+from service.catalogue import shaper_catalogue
 from service.dispatch import answer
-from service.operations import shaper_catalogue
 from service.problems import Problem
 from tests.acceptance.random_answers import (
     random_move,

@@ -19,7 +19,8 @@ LEAVES = (InvalidInputError, InfeasibleDesignError, SolverFailedError, TimeLimit
 
 
 def defined_errors() -> list[type]:
-    return [one for _, one in inspect.getmembers(errors, inspect.isclass)]
+    found = inspect.getmembers(errors, inspect.isclass)
+    return [one for _, one in found if one.__module__ == errors.__name__]
 
 
 @pytest.mark.parametrize("error", LEAVES)

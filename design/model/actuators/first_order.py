@@ -45,6 +45,15 @@ class FirstOrder:
         return "first_order"
 
     @property
+    def in_words(self) -> tuple[str, str]:
+        """Name and parameters for a picture, these on one or two lines."""
+        return (
+            "first order",
+            f"accel time constant {self.accel_time_constant_s:.3g} s\n"
+            f"decel time constant {self.decel_time_constant_s:.3g} s",
+        )
+
+    @property
     def accel_lag(self) -> Lag:
         """Response to a step that increases the magnitude of the command."""
         return Lag(first_s=self.accel_time_constant_s)

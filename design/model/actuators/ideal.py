@@ -21,6 +21,11 @@ class Ideal:
         return "ideal"
 
     @property
+    def in_words(self) -> tuple[str, str]:
+        """Name and parameters for a picture, these on one or two lines."""
+        return "ideal", "follows its command at once"
+
+    @property
     def accel_lag(self) -> Lag:
         """Response to a step that increases the magnitude of the command."""
         return IDEAL_LAG

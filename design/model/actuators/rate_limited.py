@@ -63,6 +63,12 @@ class RateLimited:
         return self.then.model
 
     @property
+    def in_words(self) -> tuple[str, str]:
+        """Name and parameters for a picture, these on one or two lines."""
+        limits = f"{self.accel_limit_m_s2:.3g} and {self.decel_limit_m_s2:.3g} m/s²"
+        return f"ramps, {self.then.kind.replace('_', ' ')}", f"limits {limits}"
+
+    @property
     def accel_lag(self) -> Lag:
         """Response to a reference whose magnitude grows."""
         return self.then.accel_lag

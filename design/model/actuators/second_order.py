@@ -73,6 +73,15 @@ class SecondOrder:
         return "second_order"
 
     @property
+    def in_words(self) -> tuple[str, str]:
+        """Name and parameters for a picture, these on one or two lines."""
+        accel, decel = (
+            f"{part.natural_frequency_rad_s:.3g} rad/s, damping {part.damping_ratio:.3g}"
+            for part in (self.accel, self.decel)
+        )
+        return "second order", f"accel {accel}\ndecel {decel}"
+
+    @property
     def accel_lag(self) -> Lag:
         """Response to a step that increases the magnitude of the command."""
         return self.accel.lag

@@ -77,11 +77,13 @@ class _Runs:
                 stage="solve",
                 method="ipopt",
                 start=seed.name,
-                outcome="solve_succeeded" if run.converged else "failed",
+                outcome=("solve_succeeded" if in_time else "rejected")
+                if run.converged
+                else "failed",
                 iterations=run.steps,
                 duration_s=duration / self.search.natural_frequency_rad_s,
                 detail=f"{problem.amplitudes.size} impulses, {run.highest:.4g} of the tolerance"
-                f"{'' if in_time else '; rejected: longer than max_duration_periods'}",
+                f"{'' if in_time else ', longer than max_duration_periods'}",
             )
         )
         return run

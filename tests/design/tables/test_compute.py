@@ -39,6 +39,8 @@ ROOT = Path(__file__).parents[3]
 SAME = 1e-10
 """Times agree to this share of the duration: IPOPT's tolerance is 1e-12."""
 
+COMPILED = {name for name, kind in SHAPERS.items() if kind.compiled_rows is not None}
+
 
 def single_design(
     table: TableSpecification, plant: Plant, actuator: Actuator, options: Any
@@ -83,8 +85,8 @@ def test_a_row_equals_the_single_design(order: int, model: Model) -> None:
 
 @pytest.mark.parametrize("damping", [0.0, 0.5])
 @pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("kind", sorted(compute.SQUARE))
-def test_a_row_of_any_square_shaper_equals_the_single_design(
+@pytest.mark.parametrize("kind", sorted(COMPILED))
+def test_a_row_of_any_compiled_shaper_equals_the_single_design(
     kind: str, model: Model, damping: float
 ) -> None:
     orders = (0, 1, 2) if "ideal" in SHAPERS[kind].actuators else (1,)
@@ -185,7 +187,7 @@ def test_every_column_is_that_of_the_single_design(kind: str) -> None:
     # The drive's sets are apart: what does not know them is proven for an ideal one only.
     assert one.status.tolist() == [VERIFIED if kind == "numzvd" else VERIFIED_IDEAL] * 2
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(compute, "_square", lambda _: False)
+        patch.setattr(compute, "_compiled", lambda _: None)
         rows, counts = counted_rows(table, 0, 2)
     assert counts.single == 2
     assert one.status.tolist() == rows.status.tolist()

@@ -14,7 +14,7 @@ from design.tables.compute import compute_rows
 from schemas.designs import DesignRequest
 from service.dispatch import design_file
 from service.jobs.plan import Plan, head_of, planned, specification_of
-from service.operations import design_shaper
+from service.operations.design import design_shaper
 from service.problems import Problem
 from tests.readers import read_back
 

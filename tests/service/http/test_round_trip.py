@@ -11,8 +11,8 @@ from design.maps.map_case import Quantity
 from schemas.catalogue import Catalogue
 from schemas.problems import ProblemDocument
 from schemas.tables import TableJob, TableJobs
+from service.catalogue import TWO_MODES, shaper_catalogue
 from service.dispatch import OPERATIONS, respond
-from service.operations import TWO_MODES, shaper_catalogue
 from service.problems import Problem
 from tests.conftest import CRANE
 

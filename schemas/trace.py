@@ -1,0 +1,49 @@
+"""Wire form of a search that was watched."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field
+
+from design.trace import TraceStep
+from schemas.base import Wire
+
+
+class TraceStepOut(Wire):
+    """One step of the search."""
+
+    stage: Annotated[
+        Literal["seed", "solve", "bound", "certify"],
+        Field(
+            description="Looked for a start; solved from one; proved how short none is; held a "
+            "solution against its promises."
+        ),
+    ]
+    method: Annotated[str, Field(description="What did it, such as newton, ipopt, certificate.")]
+    start: Annotated[str, Field(description="Name of the seed or other start.")]
+    outcome: Annotated[
+        str, Field(description="How it ended, such as solve_succeeded, verified, rejected.")
+    ]
+    iterations: int
+    duration_s: Annotated[
+        float | None,
+        Field(description="Duration of the command that it ended with; null without one [s]."),
+    ]
+    misses: Annotated[
+        list[float],
+        Field(description="By how much the equations were off, iteration by iteration."),
+    ]
+    detail: str
+
+    @classmethod
+    def from_design(cls, step: TraceStep) -> Self:
+        """Wrap the design record."""
+        return cls.model_construct(
+            stage=step.stage,
+            method=step.method,
+            start=step.start,
+            outcome=step.outcome,
+            iterations=step.iterations,
+            duration_s=step.duration_s,
+            misses=list(step.misses),
+            detail=step.detail,
+        )

@@ -1,0 +1,1 @@
+"""The use cases, one a file: request in, response out. Routes and commands hold no logic."""

@@ -1,0 +1,38 @@
+"""Curve coefficients of a shaper over one field of the plant."""
+
+from design.curve_fit.fit import fit
+from design.curve_fit.fit_range import plants_at_ends
+from design.pipeline import design
+from schemas.base import named
+from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
+from service.operations.operation import Operation
+from service.operations.subject import NO_FIT_ON_SAMPLES, subject_of
+
+
+def fit_curves(request: FitRequest) -> FitOut:
+    """Return curve coefficients of a shaper over one field of the plant."""
+    subject = FitDesign(plant=request.plant, actuator=request.actuator, shaper=request.shaper)
+    return fitted(subject, request.fit)
+
+
+def fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
+    """Return curve coefficients of a design, and what the fitted times leave."""
+    plant, actuator = subject_of(subject)
+    with named("shaper"):
+        options = subject.shaper.continuous_options(NO_FIT_ON_SAMPLES)
+    with named("fit"):
+        wanted = fit_in.to_design(subject.plant.kind)
+        ends = plants_at_ends(plant, wanted)
+    kind = subject.shaper.registered()
+    found = fit(plant, actuator, kind, wanted, options)
+    # Polynomials are no better than what they were fitted to.
+    ignored = [
+        warning
+        for end in ends
+        for warning in design(end, actuator, kind, options).warnings
+        if warning.code == "actuator_ignored"
+    ]
+    return FitOut.from_design(found, subject, ignored[-1:])
+
+
+OPERATION = Operation(request=FitRequest, response=FitOut, run=fit_curves)

@@ -1,0 +1,46 @@
+"""A whole move from rest to rest."""
+
+from design.moves.maneuvers import maneuver
+from design.moves.programs import program
+from schemas.base import named
+from schemas.maneuvers import ManeuverRequest, ManeuverResponse
+from service.operations.operation import Operation
+from service.operations.subject import subject_of
+from service.version import version
+
+NO_MOVE_ON_SAMPLES = (
+    "a move's distance is met exactly by times between the samples; the field beside shaper gives "
+    "its program on samples"
+)
+
+
+def whole_move(request: ManeuverRequest) -> ManeuverResponse:
+    """Design a move from rest to rest, and its program where asked."""
+    plant, actuator = subject_of(request)
+    with named("shaper"):
+        options = request.shaper.continuous_options(NO_MOVE_ON_SAMPLES)
+    initial = None
+    if request.initial is not None:
+        with named("initial"):
+            initial = request.initial.to_design()
+    move = maneuver(
+        plant,
+        actuator,
+        request.shaper.registered(),
+        speed_m_s=request.speed_m_s,
+        pulse_s=request.pulse_s,
+        distance_m=request.distance_m,
+        initial=initial,
+        joint=request.joint,
+        options=options,
+    )
+    played = None
+    if request.sample_time_s is not None:
+        signed = move.direction * move.speed_m_s
+        played = program(
+            move.command, plant.mode, actuator, signed, request.sample_time_s, move.swing
+        )
+    return ManeuverResponse.from_design(request.shaper.kind, move, played, version())
+
+
+OPERATION = Operation(request=ManeuverRequest, response=ManeuverResponse, run=whole_move)

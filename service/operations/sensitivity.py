@@ -1,0 +1,37 @@
+"""The sensitivity curve of any impulses."""
+
+from design.analysis.judge import sum_warnings
+from design.analysis.residual import residual_vibration
+from design.analysis.sensitivity import (
+    sensitivity,
+    worst_of,
+)
+from design.analysis.workable import require_workable
+from schemas.base import named
+from schemas.sensitivity import SensitivityOut, SensitivityRequest, SensitivityResponse
+from schemas.warnings import WarningOut
+from service.operations.operation import Operation
+from service.operations.subject import of_modes, subject_of
+
+
+def sensitivity_curve(request: SensitivityRequest) -> SensitivityResponse:
+    """Return the sensitivity curve of any impulses."""
+    plant, actuator = subject_of(request)
+    wanted = request.to_design()
+    with named("impulses"):
+        impulses = request.impulses.to_design()
+    for mode in plant.modes:
+        require_workable(mode, actuator)
+    curves = [sensitivity(impulses, mode, actuator, wanted) for mode in plant.modes]
+    residuals = [residual_vibration(impulses, mode, actuator) for mode in plant.modes]
+    return SensitivityResponse(
+        sensitivity=SensitivityOut.from_design(worst_of(curves)),
+        residual=max(residuals),
+        modes=of_modes(plant.modes, residuals, curves),
+        warnings=[WarningOut.from_design(one) for one in sum_warnings(impulses)],
+    )
+
+
+OPERATION = Operation(
+    request=SensitivityRequest, response=SensitivityResponse, run=sensitivity_curve
+)

@@ -1,0 +1,67 @@
+"""The response of plant and actuator to a command over time."""
+
+from typing import Any
+
+import numpy as np
+
+from design.analysis.judge import DesignWarning, sum_warnings
+from design.model.actuators.registry import Actuator
+from design.model.impulses import Impulses
+from design.model.plants.registry import Plant
+from design.moves.playback import motion
+from design.moves.shaped_commands import ShapedCommand, shaped_command
+from design.pipeline import design
+from design.sampling.sampled_design import claims_on_samples
+from design.types import SMALLEST
+from schemas.base import named
+from schemas.shapers import ShaperIn
+from schemas.simulations import ImpulsesCommand, SimulationRequest, SimulationResponse
+from service.operations.operation import Operation
+from service.operations.subject import on_samples, subject_of
+
+AFTERMATH_PERIODS = 3.0
+"""How long a simulation goes on after the last step if no end is given [-]."""
+
+
+def simulate(request: SimulationRequest) -> SimulationResponse:
+    """Play a command, shaped if a shaper is given, and return what happens over time."""
+    plant, actuator = subject_of(request)
+    with named("command"):
+        played = request.command.to_design(request.speed_m_s)
+    warnings: list[DesignWarning] = []
+    if isinstance(request.command, ImpulsesCommand):
+        warnings += sum_warnings(played)
+    if request.shaper is not None:
+        with named("shaper"):
+            options = request.shaper.options()
+        shaped = _shaped(played, plant, actuator, request.shaper, options)
+        played, warnings = shaped.impulses, [*warnings, *shaped.warnings]
+    end = request.until_s
+    if end is None:
+        end = (
+            float(played.times_s[-1])
+            + actuator.dead_time_s
+            + AFTERMATH_PERIODS * plant.mode.period_s
+        )
+    first = min(0.0, float(played.times_s[0]))
+    times = np.linspace(first, max(end, first + SMALLEST), request.points)
+    return SimulationResponse.from_design(
+        motion(plant, actuator, played, request.speed_m_s, times), played, warnings
+    )
+
+
+def _shaped(
+    command: Impulses,
+    plant: Plant,
+    actuator: Actuator,
+    shaper: ShaperIn,
+    options: Any,  # noqa: ANN401 - each kind has a record of its own
+) -> ShapedCommand:
+    found, claims = design(plant, actuator, shaper.registered(), options), None
+    if shaper.sample_time_s is not None:
+        claims = claims_on_samples(found, shaper.grid_tolerance())
+        found, _ = on_samples(found, plant, actuator, shaper, shaper.sample_time_s)
+    return shaped_command(command, found, plant.modes, actuator, claims)
+
+
+OPERATION = Operation(request=SimulationRequest, response=SimulationResponse, run=simulate)

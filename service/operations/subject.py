@@ -1,0 +1,76 @@
+"""What use cases share: the plant and the drive of a request, and its shaper on samples."""
+
+from collections.abc import Iterable
+from itertools import zip_longest
+from typing import Any, Protocol
+
+from design.analysis.sensitivity import (
+    Sensitivity,
+)
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
+from design.pipeline import Design, design
+from design.sampling.sampled import Sampled
+from design.sampling.sampled_design import sampled_design
+from schemas.actuators import ActuatorIn
+from schemas.base import named
+from schemas.plants import PlantIn
+from schemas.sensitivity import ModeOut
+from schemas.shapers import ShaperIn
+
+NO_FIT_ON_SAMPLES = "a fit is over times that change smoothly, which whole samples do not"
+
+
+class Subject(Protocol):
+    """A request about a plant and its actuator."""
+
+    @property
+    def plant(self) -> PlantIn:
+        """What moves."""
+
+    @property
+    def actuator(self) -> ActuatorIn:
+        """What drives it."""
+
+
+def subject_of(request: Subject) -> tuple[Plant, Actuator]:
+    """Return the plant and the actuator of a request; a fault names the field of either."""
+    with named("plant"):
+        plant = request.plant.to_design()
+    with named("actuator"):
+        actuator = request.actuator.to_design()
+    return plant, actuator
+
+
+def of_modes(
+    modes: tuple[Mode, ...], residuals: Iterable[float], curves: list[Sensitivity]
+) -> list[ModeOut] | None:
+    """Return what is left in each of several modes; None for one, of which all else tells."""
+    if len(modes) == 1:
+        return None
+    each = zip_longest(modes, residuals, curves)
+    return [ModeOut.from_design(mode, residual, curve) for mode, residual, curve in each]
+
+
+def found_shaper(
+    plant: Plant,
+    actuator: Actuator,
+    shaper: ShaperIn,
+    options: Any,  # noqa: ANN401 - each kind has a record of its own
+) -> Design:
+    """Return a designed shaper, on samples where asked."""
+    found = design(plant, actuator, shaper.registered(), options)
+    if shaper.sample_time_s is None:
+        return found
+    return on_samples(found, plant, actuator, shaper, shaper.sample_time_s)[0]
+
+
+def on_samples(
+    found: Design, plant: Plant, actuator: Actuator, shaper: ShaperIn, sample_time_s: float
+) -> tuple[Design, Sampled]:
+    """Return a design brought to a sample grid, and what that cost."""
+    with named("shaper"):
+        return sampled_design(
+            found, plant.mode, actuator, sample_time_s, tolerance=shaper.grid_tolerance()
+        )
