@@ -81,6 +81,7 @@ def faults_of(function: Function) -> list[str]:
     nodes = list(own_nodes(function))
     returns = function.returns is not None and ast.unparse(function.returns) not in {
         "None",
+        "Iterator[None]",
         "NoReturn",
         "Never",
     }
