@@ -31,11 +31,12 @@ test: $(STAMP) ## the tests, within ten minutes on two cores
 acceptance: $(STAMP) ## whole claims: random designs, tables and moves, kills, the wheel
 	$(BIN)/python -m pytest -n 2 --dist worksteal -q tests/acceptance
 
-check: $(STAMP) ## format, lint, types, import rules
+check: $(STAMP) ## format, lint, types, import rules, docstrings
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python -m pytest -q tests/contracts
 
 bench: $(STAMP) ## speed, beside peers in the same run
 	$(BIN)/python -m benchmarks

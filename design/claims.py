@@ -45,7 +45,20 @@ class Promise:
 
 
 def within(tolerance: float, band: tuple[float, float] | None) -> Promise:
-    """Return the promise of a tolerance over a band; None as of `Promise`."""
+    """Return the promise of a tolerance over a band.
+
+    Parameters
+    ----------
+    tolerance
+        Largest residual over the band [-].
+    band
+        Its ends, ratios of the mode's frequency [-]; None as of `Promise`.
+
+    Returns
+    -------
+    Promise
+        Of the plant's first mode.
+    """
     return Promise(quantity="band", limit=tolerance, band=band)
 
 

@@ -14,7 +14,18 @@ Path = tuple[str, ...]
 
 
 def path_of(name: str | Path) -> Path:
-    """Return the path that a dotted name says, or one that is given part by part."""
+    """Return the path that a dotted name says; a path stays as it is.
+
+    Returns
+    -------
+    Path
+        Names of fields, from the record inward.
+
+    Examples
+    --------
+    >>> path_of("accel.damping_ratio")
+    ('accel', 'damping_ratio')
+    """
     return tuple(name.split(".")) if isinstance(name, str) else tuple(name)
 
 
@@ -59,7 +70,23 @@ class InvalidInputError(DesignError):
         return f"{self.name} must be {self.rule}, got {self.value!r}"
 
     def within(self, outer: str) -> "InvalidInputError":
-        """Return the same error, its field named from the record ``outer`` on."""
+        """Return the same error with its path led on from ``outer``.
+
+        Parameters
+        ----------
+        outer
+            Dotted path of the record that holds the one at fault.
+
+        Returns
+        -------
+        InvalidInputError
+            With the same value and rule.
+
+        Examples
+        --------
+        >>> str(InvalidInputError("damping_ratio", -1.0, "> 0").within("plant"))
+        'plant.damping_ratio must be > 0, got -1.0'
+        """
         return InvalidInputError((*path_of(outer), *self.path), self.value, self.rule)
 
 

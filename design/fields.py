@@ -59,6 +59,11 @@ def vary(record: Any, path: Sequence[str], value: float) -> Any:  # noqa: ANN401
     value
         In the unit of the field.
 
+    Returns
+    -------
+    Any
+        Of the record's own type; the record itself stays as it is.
+
     Raises
     ------
     InvalidInputError
@@ -133,7 +138,12 @@ def space_evenly(start: float, stop: float, points: int, spacing: Spacing) -> Fl
 
 
 def unit_of(name: str) -> str:
-    """Return the unit that the end of a field's name says, ``1`` where it says none.
+    """Return the unit that the end of a field's name says.
+
+    Returns
+    -------
+    str
+        As in ``UNITS``; ``1`` where the name ends with no unit.
 
     Examples
     --------
@@ -145,6 +155,11 @@ def unit_of(name: str) -> str:
 
 def name_in_words(name: str) -> str:
     """Return the name of a field as words, without its unit.
+
+    Returns
+    -------
+    str
+        As an axis of a picture is labelled.
 
     Examples
     --------

@@ -144,6 +144,20 @@ def check(
 ) -> DesignCase[Options]:
     """Return the case to formulate, if the kind serves it.
 
+    Parameters
+    ----------
+    plant, actuator
+        What moves, and what drives it.
+    kind
+        Kind of the shaper.
+    options
+        Its parameters; None for the kind's own.
+
+    Returns
+    -------
+    DesignCase
+        Modes, actuator and options, with the plant's range as band.
+
     Raises
     ------
     InvalidInputError
@@ -187,6 +201,11 @@ def certify(
         What drives it.
     budget
         That of the search, which notes what is rejected and why.
+
+    Returns
+    -------
+    Certified
+        The solution, held against its promises.
 
     Raises
     ------
@@ -238,7 +257,20 @@ def certify(
 
 
 def describe(certified: Certified, plant: Plant, actuator: Actuator) -> Design:
-    """Return what is to be known of a certified solution."""
+    """Return what is to be known of a certified solution.
+
+    Parameters
+    ----------
+    certified
+        The solution and what was found of it.
+    plant, actuator
+        What moves, and what drives it.
+
+    Returns
+    -------
+    Design
+        With warnings of the judge and of the drive.
+    """
     impulses, judgement = certified.solution.impulses, certified.judgement
     return Design(
         impulses=impulses,
@@ -286,7 +318,24 @@ def _require_doubles_to_hold(
 def promises_of(
     formulation: Formulation, kind: ShaperKind, modes: tuple[Mode, ...]
 ) -> tuple[Promise, ...]:
-    """Return what a formulation says of each mode, and else what its kind does, each at zero."""
+    """Return what is promised of a formulation's solutions.
+
+    A formulation's own claims come first; without any its kind's count, each at zero in each mode.
+
+    Parameters
+    ----------
+    formulation
+        What is solved.
+    kind
+        The shaper's.
+    modes
+        The modes of the plant.
+
+    Returns
+    -------
+    tuple of Promise
+        With the numbers of the modes.
+    """
     if formulation.claims:
         return formulation.claims
     names = kind.claims

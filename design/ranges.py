@@ -17,7 +17,19 @@ from design.shapers.kind import Options
 
 
 def options_over(plant: Plant, options: Options) -> Options:
-    """Return options whose band is the plant's range, of a kind that takes a band.
+    """Return options whose band is the plant's range.
+
+    Parameters
+    ----------
+    plant
+        The plant; only a scheduled one has a range.
+    options
+        Those of the request; of a kind that takes no band they stay as they are.
+
+    Returns
+    -------
+    Options
+        Of the same kind.
 
     Raises
     ------
@@ -45,9 +57,22 @@ def options_over(plant: Plant, options: Options) -> Options:
 
 
 def promises_over(plant: Plant, promises: tuple[Promise, ...]) -> tuple[Promise, ...]:
-    """Return promises with that over the range last: a kind's largest tolerance.
+    """Return promises with that over the plant's range last.
 
-    A kind that promises nothing over a band promises nothing over the range.
+    It is of the kind's largest tolerance. A kind that promises nothing over a band promises nothing
+    over the range.
+
+    Parameters
+    ----------
+    plant
+        The plant; of one that is not scheduled the promises stay as they are.
+    promises
+        Those of the kind.
+
+    Returns
+    -------
+    tuple of Promise
+        At most one more.
     """
     if not isinstance(plant, Scheduled):
         return promises
@@ -56,7 +81,7 @@ def promises_over(plant: Plant, promises: tuple[Promise, ...]) -> tuple[Promise,
 
 
 def require_over(plant: Plant, name: str, certificate: Certificate) -> None:
-    """Raise InfeasibleDesignError if all that fails is the tolerance over the range.
+    """Check that the tolerance over the range is not all that fails.
 
     Parameters
     ----------
@@ -66,6 +91,11 @@ def require_over(plant: Plant, name: str, certificate: Certificate) -> None:
         Kind of the shaper.
     certificate
         Its claims, that over the range last, see `promises_over`.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If the plant is scheduled, every other claim holds, and that over the range does not.
     """
     *own, over_range = certificate.claims
     fails = over_range.band is not None and not over_range.holds
@@ -80,7 +110,22 @@ def require_over(plant: Plant, name: str, certificate: Certificate) -> None:
 
 
 def worst_over(plant: Plant, impulses: Impulses, actuator: Actuator) -> float | None:
-    """Return the largest residual at any frequency of the range; None without a range [-]."""
+    """Return the largest residual at any frequency of the range [-].
+
+    Parameters
+    ----------
+    plant
+        What moves.
+    impulses
+        The shaper.
+    actuator
+        The drive that is given.
+
+    Returns
+    -------
+    float or None
+        Share of an unshaped step [-]; None for a plant without a range.
+    """
     if not isinstance(plant, Scheduled):
         return None
     asked = within(math.inf, plant.band)

@@ -15,7 +15,20 @@ IntArray = NDArray[np.intp]
 
 
 def require_positive(name: str, value: float) -> None:
-    """Raise InvalidInputError unless ``value`` is finite and > 0."""
+    """Check that ``value`` is finite and > 0.
+
+    Parameters
+    ----------
+    name
+        Field that the error names.
+    value
+        The number, in any unit; nan is refused.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is not.
+    """
     if not (math.isfinite(value) and value > 0):
         raise InvalidInputError(name, value, "finite and > 0")
 
@@ -25,12 +38,40 @@ SMALLEST, LARGEST = 1e-12, 1e12
 
 
 def require_scale(name: str, value: float) -> None:
-    """Raise InvalidInputError unless ``value`` is > 0 and of a size that can be computed with."""
+    """Check that ``SMALLEST <= value <= LARGEST``.
+
+    Parameters
+    ----------
+    name
+        Field that the error names.
+    value
+        A frequency, time or length in SI units.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is not.
+    """
     require_positive(name, value)
     require_between(name, value, SMALLEST, LARGEST)
 
 
 def require_between(name: str, value: float, lowest: float, highest: float) -> None:
-    """Raise InvalidInputError unless ``lowest <= value <= highest``."""
+    """Check that ``lowest <= value <= highest``.
+
+    Parameters
+    ----------
+    name
+        Field that the error names.
+    value
+        The number; nan is refused.
+    lowest, highest
+        Bounds in the unit of ``value``, both allowed.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is not.
+    """
     if not lowest <= value <= highest:
         raise InvalidInputError(name, value, f"between {lowest:g} and {highest:g}")

@@ -18,7 +18,7 @@ class Wire(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
     def canonical(self) -> str:
-        """Return it as canonical JSON: on one line, keys sorted, defaults told."""
+        """Return the canonical JSON: one line, keys sorted, with defaults."""
         told = self.model_dump(mode="json", by_alias=True, exclude_none=True)
         return json.dumps(told, sort_keys=True, separators=(",", ":"))
 
@@ -28,7 +28,7 @@ def _says_nothing(value: object) -> bool:
 
 
 def left_out_if_none(description: str) -> Any:  # noqa: ANN401 - as pydantic's own Field
-    """Return the rule of an answer's field that is not written where it is None.
+    """Return the rule of an answer's field that is left out where it is None.
 
     Whoever reads the answer finds None in its place: an answer is read back as it was.
     """
@@ -44,7 +44,20 @@ PlantDamping = Annotated[
 
 @contextmanager
 def named(field: str) -> Iterator[None]:
-    """Name the field in which a design record finds a fault, seen from the request."""
+    """Name the field in which a design record finds a fault.
+
+    The name is seen from the request.
+
+    Parameters
+    ----------
+    field
+        Dotted path from the request to the record.
+
+    Raises
+    ------
+    InvalidInputError
+        The fault of the body, its path led on from ``field``.
+    """
     try:
         yield
     except InvalidInputError as error:

@@ -93,7 +93,20 @@ class SampledOut(Wire):
 
     @classmethod
     def from_design(cls, sampled: Sampled, continuous: Impulses) -> Self:
-        """Wrap the design records."""
+        """Wrap the design records.
+
+        Parameters
+        ----------
+        sampled
+            The shaper on samples.
+        continuous
+            The same between them.
+
+        Returns
+        -------
+        Self
+            Both, with what each leaves.
+        """
         return cls.model_construct(
             sample_time_s=sampled.sample_time_s,
             method=sampled.method,
@@ -158,7 +171,20 @@ class CertificateOut(Wire):
 
     @classmethod
     def from_design(cls, certificate: Certificate, *, given: bool) -> Self:
-        """Wrap the design record."""
+        """Wrap the design record.
+
+        Parameters
+        ----------
+        certificate
+            The claims, recomputed.
+        given
+            Whether they are so for the actuator given; else for an ideal one.
+
+        Returns
+        -------
+        Self
+            All claims in their order.
+        """
         return cls.model_construct(
             verified=certificate.verified,
             method=certificate.method,
@@ -199,7 +225,20 @@ class RangeOut(Wire):
 
     @classmethod
     def from_design(cls, plant: Plant, design: Design) -> Self | None:
-        """Wrap the design records; None of plants that are not scheduled."""
+        """Wrap the design records.
+
+        Parameters
+        ----------
+        plant
+            The plant of the request.
+        design
+            Its design.
+
+        Returns
+        -------
+        Self or None
+            None for a plant that is not scheduled.
+        """
         if not isinstance(plant, Scheduled) or design.worst_in_range is None:
             return None
         low, high = plant.band
@@ -252,7 +291,34 @@ class DesignResponse(Wire):
         trace: list[TraceStepOut] | None,
         version: str,
     ) -> Self:
-        """Wrap the design records."""
+        """Wrap the design records.
+
+        Parameters
+        ----------
+        kind
+            Name of the kind of shaper.
+        design
+            The shaper that is sent: on samples where they were asked for.
+        sampled
+            How it came to the samples.
+        sensitivity
+            Its curve.
+        modes
+            What it does to each of several modes.
+        scheduled
+            What it does over the range of a scheduled plant.
+        fit
+            Polynomials for its times.
+        trace
+            The steps of the search.
+        version
+            Of the tool.
+
+        Returns
+        -------
+        Self
+            Without what is None.
+        """
         solver = design.solver
         return cls.model_construct(
             shaper=ShaperOut.model_construct(

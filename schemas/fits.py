@@ -44,7 +44,23 @@ class FitIn(Wire):
     ] = "dimensionless"
 
     def to_design(self, plant_kind: str) -> FitRange:
-        """Build the design record, for a plant of a kind."""
+        """Build the design record for a plant of a kind.
+
+        Parameters
+        ----------
+        plant_kind
+            The plant's ``kind`` on the wire.
+
+        Returns
+        -------
+        FitRange
+            Range, degree and form of the fit.
+
+        Raises
+        ------
+        InvalidInputError
+            If such a plant has no field of that name.
+        """
         in_list = self.over.startswith("/plant/modes/")
         if self.over not in FIELDS or in_list != (plant_kind == "modes"):
             raise InvalidInputError(
@@ -101,7 +117,22 @@ class FitOut(Wire):
 
     @classmethod
     def from_design(cls, fit: Fit, design: FitDesign, warnings: Iterable[DesignWarning]) -> Self:
-        """Wrap the design record."""
+        """Wrap the design record.
+
+        Parameters
+        ----------
+        fit
+            The polynomials.
+        design
+            The request that they belong to.
+        warnings
+            What to know of them.
+
+        Returns
+        -------
+        Self
+            With coefficients, errors and the request.
+        """
         return cls(
             variable=VariableOut.model_validate({
                 "name": fit.variable.name,

@@ -112,7 +112,24 @@ class ManeuverResponse(Wire):
 
     @classmethod
     def from_design(cls, kind: str, move: Maneuver, program: Program | None, version: str) -> Self:
-        """Wrap the design records."""
+        """Wrap the design records.
+
+        Parameters
+        ----------
+        kind
+            Name of the kind of shaper.
+        move
+            The move.
+        program
+            The move at a sample time, where it was asked for.
+        version
+            Of the tool.
+
+        Returns
+        -------
+        Self
+            Without what is None.
+        """
         return cls(
             kind=kind,
             direction=move.direction,

@@ -102,11 +102,32 @@ class MapRequest(Wire):
 
     @property
     def plainly_held(self) -> bool:
-        """Whether one shaper, without a move, is held for plant and actuator as given."""
+        """Whether one shaper, without a move, is held for the plant as given.
+
+        The actuator is as given too.
+        """
         return self.design == "once" and self.move is None and self.designed_for is None
 
     def to_design(self, plant: Plant, actuator: Actuator, held: Impulses | None) -> MapCase:
-        """Build the design record; ``held`` stands for a shaper on samples."""
+        """Build the design record.
+
+        Parameters
+        ----------
+        plant, actuator
+            Those of the request, as records.
+        held
+            A shaper on samples, in place of the one that the request would design; else None.
+
+        Returns
+        -------
+        MapCase
+            What is mapped.
+
+        Raises
+        ------
+        InvalidInputError
+            If a parameter of the shaper breaks its rule.
+        """
         move = self.move
         return MapCase(
             plant=plant,
@@ -187,7 +208,24 @@ class MapResponse(Wire):
         found: Map,
         warnings: Iterable[DesignWarning],
     ) -> Self:
-        """Wrap the design records."""
+        """Wrap the design records.
+
+        Parameters
+        ----------
+        request
+            What was asked.
+        x, y
+            The axes; None for y of a curve.
+        found
+            The map, of shape (len(y), len(x), k).
+        warnings
+            What to know of it.
+
+        Returns
+        -------
+        Self
+            Not a number becomes null; a curve is one list, without rows.
+        """
         several = found.quantity in {"times_s", "branch"}
         rows = [
             [_listed(cell) if several else _number(cell[0]) for cell in row]

@@ -99,7 +99,18 @@ class ScheduledIn(Wire):
     to: Annotated[Positive, Field(description="End, in the field's unit.")]
 
     def to_design(self) -> Scheduled:
-        """Build the design record."""
+        """Build the design record.
+
+        Raises
+        ------
+        InvalidInputError
+            If the plant has no field of that name, or an end of the range breaks its rule.
+
+        Returns
+        -------
+        Scheduled
+            The plant at both ends of the range.
+        """
         if self.over not in type(self.plant).model_fields or self.over == "kind":
             names = type(self.plant).model_fields
             fields = [name for name in names if name not in {"kind", "damping_ratio"}]

@@ -6,6 +6,11 @@ from collections.abc import Sequence
 def json_pointer(parts: Sequence[str]) -> str:
     """Return the pointer of a path, as RFC 6901 writes it.
 
+    Returns
+    -------
+    str
+        With a slash ahead of each part; empty for no parts.
+
     Examples
     --------
     >>> json_pointer(["plant", "a/b~c", "0"])
@@ -15,7 +20,12 @@ def json_pointer(parts: Sequence[str]) -> str:
 
 
 def path_of(pointer: str) -> tuple[str, ...]:
-    """Return the path that a pointer names, the reverse of `json_pointer`.
+    """Return the path of a pointer, the reverse of `json_pointer`.
+
+    Returns
+    -------
+    tuple of str
+        Parts without escapes.
 
     Examples
     --------

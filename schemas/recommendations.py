@@ -199,7 +199,20 @@ class CandidateOut(Wire):
 
     @classmethod
     def from_design(cls, candidate: Candidate, sample_time_s: float | None) -> Self:
-        """Wrap the design record."""
+        """Wrap the design record.
+
+        Parameters
+        ----------
+        candidate
+            The shaper, judged.
+        sample_time_s
+            Sample time that was asked for [s]; None for none.
+
+        Returns
+        -------
+        Self
+            With the request that designs this shaper.
+        """
         made = candidate.designed
         return cls.model_construct(
             name=candidate.name,
@@ -239,7 +252,20 @@ class RefusedOut(Wire):
 
     @classmethod
     def from_design(cls, refused: Refused, sample_time_s: float | None) -> Self:
-        """Wrap the design record."""
+        """Wrap the design record.
+
+        Parameters
+        ----------
+        refused
+            Kind, parameters and reason.
+        sample_time_s
+            Sample time that was asked for [s]; None for none.
+
+        Returns
+        -------
+        Self
+            With the request that was refused.
+        """
         return cls.model_construct(
             name=refused.choice.name,
             shaper=_shaper(refused.choice, sample_time_s),
@@ -273,7 +299,20 @@ class RecommendationResponse(Wire):
 
     @classmethod
     def from_design(cls, found: Recommendation, version: str) -> Self:
-        """Wrap the design record."""
+        """Wrap the design record.
+
+        Parameters
+        ----------
+        found
+            All shapers, ranked.
+        version
+            Of the tool.
+
+        Returns
+        -------
+        Self
+            The recommended shaper, the others and the refused ones.
+        """
         question = found.question
         sample_time_s = question.requirements.sample_time_s
         best, *further = (CandidateOut.from_design(one, sample_time_s) for one in found.candidates)

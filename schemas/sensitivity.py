@@ -148,7 +148,22 @@ class ModeOut(Wire):
 
     @classmethod
     def from_design(cls, mode: Mode, residual: float, curve: Sensitivity | None) -> Self:
-        """Wrap the design records."""
+        """Wrap the design records.
+
+        Parameters
+        ----------
+        mode
+            The mode.
+        residual
+            Residual vibration in it [-].
+        curve
+            Its sensitivity; None where it was not asked for.
+
+        Returns
+        -------
+        Self
+            Without the curve where there is none.
+        """
         return cls.model_construct(
             natural_frequency_rad_s=mode.natural_frequency_rad_s,
             damping_ratio=mode.damping_ratio,

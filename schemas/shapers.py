@@ -40,7 +40,18 @@ class ShaperRequest(Wire):
         return SHAPERS[self.kind]
 
     def options(self) -> Any:  # noqa: ANN401 - each kind has a record of its own
-        """Build the record of its parameters."""
+        """Build the record of the kind's parameters.
+
+        Returns
+        -------
+        Any
+            The kind's own options.
+
+        Raises
+        ------
+        InvalidInputError
+            If a parameter breaks its rule, or a sample tolerance is given without a sample time.
+        """
         if self.sample_tolerance is not None and self.sample_time_s is None:
             raise InvalidInputError(
                 "sample_tolerance", self.sample_tolerance, "left out without sample_time_s"
@@ -49,13 +60,32 @@ class ShaperRequest(Wire):
         return self.registered().options(**{name: getattr(self, name) for name in names})
 
     def grid_tolerance(self) -> float | None:
-        """Return what it may leave on samples before impulses are added; None to add none."""
+        """Return what a shaper may leave on samples before impulses are added.
+
+        None adds none.
+        """
         if getattr(self, "settle", False):
             return None
         return SAMPLE_TOLERANCE if self.sample_tolerance is None else self.sample_tolerance
 
     def continuous_options(self, reason: str) -> Any:  # noqa: ANN401
-        """Build the record of its parameters where no sample grid is served, for the reason."""
+        """Build the record of parameters where no sample grid is served.
+
+        Parameters
+        ----------
+        reason
+            Why not, to be read after "left out: ".
+
+        Returns
+        -------
+        Any
+            The kind's own options.
+
+        Raises
+        ------
+        InvalidInputError
+            If a sample time is given, or a parameter breaks its rule.
+        """
         if self.sample_time_s is not None:
             raise InvalidInputError("sample_time_s", self.sample_time_s, f"left out: {reason}")
         return self.options()

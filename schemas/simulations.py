@@ -68,7 +68,23 @@ class SampledCommand(Wire):
     velocity_m_s: Velocities
 
     def to_design(self, speed_m_s: float) -> Impulses:
-        """Build the design record."""
+        """Build the design record.
+
+        Parameters
+        ----------
+        speed_m_s
+            Full speed, of which the velocities become shares [m/s].
+
+        Returns
+        -------
+        Impulses
+            The changes of velocity.
+
+        Raises
+        ------
+        InvalidInputError
+            If the last sample is too late, or the velocities are no command.
+        """
         times = self.sample_time_s * np.arange(len(self.velocity_m_s))
         if times[-1] > LARGEST:
             rule = f"such that the last sample is at {LARGEST:g} s at most"
@@ -170,7 +186,22 @@ class SimulationResponse(Wire):
     def from_design(
         cls, motion: Motion, played: Impulses, warnings: Iterable[DesignWarning]
     ) -> Self:
-        """Wrap the design records."""
+        """Wrap the design records.
+
+        Parameters
+        ----------
+        motion
+            What happens, n times.
+        played
+            The command that was played.
+        warnings
+            What to know of it.
+
+        Returns
+        -------
+        Self
+            Lists of n numbers, and the remaining vibration.
+        """
         peak, remaining = motion.peak, motion.remaining
         return cls(
             times_s=motion.times_s.tolist(),

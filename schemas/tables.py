@@ -139,7 +139,18 @@ class TableRequest(Wire):
     ] = None
 
     def to_design(self) -> TableSpecification:
-        """Build the design record; every fault of the request is found here."""
+        """Build the design record; every fault of the request is found here.
+
+        Returns
+        -------
+        TableSpecification
+            The table, not yet computed.
+
+        Raises
+        ------
+        InvalidInputError
+            If a field breaks its rule; the path leads from the request on.
+        """
         if self.designs_file is not None:
             raise InvalidInputError(
                 "designs_file", self.designs_file, "left out over HTTP: give designs in its place"
@@ -173,7 +184,12 @@ def sha256_of(specification: str) -> str:
 
 
 def with_subject(head: TableHead) -> TableHead:
-    """Return a head that was read back from a file with what its rows are designs of.
+    """Return a head that was read back, with what its rows are designs of.
+
+    Returns
+    -------
+    TableHead
+        With a subject made from its specification.
 
     Raises
     ------

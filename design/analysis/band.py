@@ -31,7 +31,7 @@ def largest_in_band(
     band: tuple[float, float],
     damping: tuple[float, float] | None = None,
 ) -> float:
-    """Return the largest residual over a band of frequencies, and of damping ratios if given.
+    """Return the largest residual over frequencies and damping ratios.
 
     Peaks are found between grid points. Of both ranges only the rim is looked at: the velocity
     does not depend on the plant, so that V is an analytic function of the pole s, whose size is
@@ -48,6 +48,11 @@ def largest_in_band(
         Lowest and highest ratio of true and nominal frequency [-].
     damping
         Least and largest damping ratio [-]; None for the mode's own.
+
+    Returns
+    -------
+    float
+        Share of the unshaped step at the same pole [-]; inf if a pole of V is within both ranges.
     """
     low, high = band
     if damping is None:

@@ -85,7 +85,7 @@ class Claim:
 
     @property
     def is_zero(self) -> bool:
-        """Whether the quantity is claimed to be nothing, and not a tolerance."""
+        """Whether the claim is that the quantity is zero, not a tolerance."""
         return self.limit <= ZERO_LIMITS.get(self.quantity, 0.0)
 
     @property
@@ -124,7 +124,7 @@ def certify(
     promises: tuple[Promise, ...],
     swing: FreeSwing | None = None,
 ) -> Certificate:
-    """Recompute the claims of a shaper for the actuator that it was designed for.
+    """Recompute the claims of a shaper for one mode and actuator.
 
     Parameters
     ----------
@@ -136,6 +136,11 @@ def certify(
         What it claims.
     swing
         What the payload swings already at the first step; it is not part of a band.
+
+    Returns
+    -------
+    Certificate
+        A claim for each promise, in their order; one that fails is in it, no error.
     """
     quantities = {promise.quantity for promise in promises}
     lasting_s = impulses.duration_s + (0.0 if swing is None else swing.delay_s)
@@ -240,7 +245,7 @@ class _Denominators:
 
 
 def rounding_of(claim: Claim, impulses: Impulses, mode: Mode) -> float:
-    """Return what the rounding of doubles can make of a claim that something is zero [-].
+    """Return what rounding can make of a claim of zero [-].
 
     A phase is off by up to ``eps`` of it, as a time and once more in each step of the simulation:
     the derivative of order n of a vector then by some ``eps phase^(n + 1)``.
@@ -251,6 +256,11 @@ def rounding_of(claim: Claim, impulses: Impulses, mode: Mode) -> float:
         Of a residual or one of its derivatives.
     impulses, mode
         The shaper, and the mode that it is about.
+
+    Returns
+    -------
+    float
+        In the unit of the claim's value [-].
     """
     phase = mode.natural_frequency_rad_s * impulses.duration_s
     powers = phase ** (ORDERS[claim.quantity] + 1) * np.abs(impulses.amplitudes).sum()
@@ -264,7 +274,26 @@ def certify_modes(
     promises: tuple[Promise, ...],
     swing: FreeSwing | None = None,
 ) -> Certificate:
-    """Recompute the claims of a shaper about several modes, each in its own; see `certify`."""
+    """Recompute the claims of a shaper about several modes, each in its own.
+
+    Parameters
+    ----------
+    impulses
+        The shaper.
+    modes
+        The modes of the plant, by the numbers that promises have.
+    actuator
+        What it was designed for.
+    promises
+        What it claims, each of one mode.
+    swing
+        What the payload swings already at the first step.
+
+    Returns
+    -------
+    Certificate
+        The claims in the order of the modes.
+    """
     claims: list[Claim] = []
     for number, mode in enumerate(modes):
         own = tuple(promise for promise in promises if promise.mode == number)

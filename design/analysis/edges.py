@@ -28,10 +28,24 @@ SCAN_BLOCK = 16
 
 
 def step_outward(start: float, end: float, step: float) -> FloatArray:
-    """Return the next ratios of the search from one on, the last of all at ``end``.
+    """Return the next ratios of the search for an edge.
 
     Steps are fine against the turn of the last impulse, and against the ratio itself, on whose
     scale the actuator shapes the curve.
+
+    Parameters
+    ----------
+    start
+        Ratio that was looked at last [-].
+    end
+        Where the search ends, above the start or below it [-].
+    step
+        Longest step [-].
+
+    Returns
+    -------
+    FloatArray
+        At most 16 ratios on the way, the last of all at ``end`` [-]; none from ``end`` on.
     """
     ratios: list[float] = []
     ratio = start
@@ -78,11 +92,29 @@ class Excess:
 def find_edge(
     excess: Excess, ratios: FloatArray, values: FloatArray, end: float, step: float
 ) -> tuple[float | None, float]:
-    """Return the edge on the way from 1 to ``end``, if there is one, and how far all is within.
+    """Return the edge on the way from 1, and how far all is within.
 
-    ``ratios`` are the first stretch, with the neighbour of 1 on the other side ahead of it, and
-    ``values`` what the residual there has over the limit. Each further stretch overlaps by two
-    points, so that a peak at a seam has both its neighbours.
+    Each further stretch overlaps by two points, so that a peak at a seam has both its neighbours.
+
+    Parameters
+    ----------
+    excess
+        Residual less the limit.
+    ratios
+        The first stretch, with the neighbour of 1 on the other side ahead of it, shape (m,) [-].
+    values
+        The excess there, shape (m,) [-].
+    end
+        Ratio at which the search ends [-].
+    step
+        Longest step between ratios [-].
+
+    Returns
+    -------
+    float or None
+        The edge [-]; None where the search ended without one.
+    float
+        Ratio up to which the residual is within the limit: the edge, or the search's end [-].
     """
     scanned = 0
     while True:

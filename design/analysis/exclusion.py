@@ -36,7 +36,9 @@ def excludes(
     tolerance: float,
     levels: tuple[float, float] | None,
 ) -> bool:
-    """Return whether p proves that no shaper of that duration, or shorter, keeps the tolerance.
+    """Return whether p proves that no shaper so short is in tolerance.
+
+    The proof is for every duration up to ``duration_rad``.
 
     Parameters
     ----------
@@ -53,6 +55,11 @@ def excludes(
     levels
         Lowest and highest level of the command, at most 0 and at least 1; None for positive
         amplitudes.
+
+    Returns
+    -------
+    bool
+        False is no proof of the contrary: bounds may have been too loose.
     """
     p = _Polynomial(unit_pole * ratios, vectors)
     largest = tolerance * p.size + ROUNDING * p.size

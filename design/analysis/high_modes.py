@@ -21,7 +21,7 @@ LARGEST_STEP = 0.02
 
 
 def high_mode_gain(impulses: Impulses, mode: Mode, actuator: Actuator) -> float:
-    """Return the most that a command leaves in any higher mode, a share of an unshaped step [-].
+    """Return the largest residual of a command in any higher mode [-].
 
     The largest residual from 1.5 to 10 times the mode's frequency at its damping ratio, peaks found
     between grid points. It is in units of the unshaped step *at that frequency*: 1 is as good as no
@@ -34,6 +34,11 @@ def high_mode_gain(impulses: Impulses, mode: Mode, actuator: Actuator) -> float:
         The command.
     mode, actuator
         The mode that it was designed for, and the drive.
+
+    Returns
+    -------
+    float
+        Share of an unshaped step [-].
     """
     low, high = HIGH_MODES
     turn = mode.natural_frequency_rad_s * impulses.duration_s

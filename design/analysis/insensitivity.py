@@ -57,12 +57,23 @@ class Insensitivity:
 
     @property
     def half_width(self) -> float:
-        """Half width of the widest interval centred at 1 that is known to be within [-]."""
+        """Half width of the widest interval around 1 known to be within [-]."""
         return min(1 - self.searched_from_ratio, self.searched_to_ratio - 1)
 
 
 def common_interval(intervals: Sequence[Insensitivity | None]) -> Insensitivity | None:
-    """Return the interval common to several modes at one tolerance; None where one has none."""
+    """Return the interval common to several modes at one tolerance.
+
+    Parameters
+    ----------
+    intervals
+        One a mode, all at the same tolerance; None where a mode's nominal is above it.
+
+    Returns
+    -------
+    Insensitivity or None
+        None where one mode has none.
+    """
     known = [interval for interval in intervals if interval is not None]
     if len(known) < len(intervals):
         return None
@@ -80,7 +91,9 @@ def common_interval(intervals: Sequence[Insensitivity | None]) -> Insensitivity 
 def insensitivity(
     impulses: Impulses, mode: Mode, actuator: Actuator, tolerance: float
 ) -> Insensitivity | None:
-    """Return the connected interval around 1 on which the residual is within the tolerance.
+    """Return the interval around 1 with the residual within a tolerance.
+
+    The interval is connected.
 
     Either edge is bracketed by a scan outward from 1, fine against the turn of the last impulse
     and with its near-misses looked at again, and then root-found, unless it is proven that there is
@@ -88,10 +101,24 @@ def insensitivity(
     plotted grid; it ends at `WIDEST_RATIOS`, or after `MOST_SCAN_POINTS`, and says where it ended
     without an edge.
 
+    Parameters
+    ----------
+    impulses
+        The command.
+    mode, actuator
+        The nominal mode and its actuator.
+    tolerance
+        Largest residual, > 0 [-].
+
     Returns
     -------
     Insensitivity or None
         None where the residual at 1 is above the tolerance.
+
+    Raises
+    ------
+    InvalidInputError
+        If the command lasts for more than 1e6 rad of the mode's phase.
     """
     turn = mode.natural_frequency_rad_s * impulses.duration_s
     if turn > LONGEST_TURN_RAD:

@@ -78,7 +78,7 @@ class Judgement:
 
     @property
     def residual(self) -> float:
-        """The largest residual vibration of any mode with the actuator given [-]."""
+        """The largest residual of any mode with the actuator given [-]."""
         return max(self.residuals)
 
 
@@ -152,7 +152,10 @@ def judge(
 
 
 def sum_warnings(impulses: Impulses) -> Iterator[DesignWarning]:
-    """Yield that impulses are neither a shaper, of sum 1, nor a whole move, of sum 0."""
+    """Yield a warning for amplitudes whose sum is neither 1 nor 0.
+
+    A shaper has the sum 1 or -1, a whole move 0, to nine digits.
+    """
     total = float(impulses.amplitudes.sum())
     rounding = SUM_ROUNDING * max(1.0, float(np.abs(impulses.amplitudes).sum()))
     if min(abs(abs(total) - 1), abs(total)) > rounding:
@@ -172,6 +175,11 @@ def claims_in_words(claims: list[Claim], modes: int) -> str:
         One or more.
     modes
         How many modes the plant has: of several, each claim says which it is about, from 0.
+
+    Returns
+    -------
+    str
+        Shares in per cent, derivatives as they are; parted by commas.
     """
     return ", ".join(_in_words(claim, modes) for claim in claims)
 
@@ -199,7 +207,10 @@ def shortfall_of(certificate: Certificate | None) -> str:
 def drive_warnings(
     command: Impulses, modes: tuple[Mode, ...], actuator: Actuator
 ) -> Iterator[DesignWarning]:
-    """Yield what to know of the drive: switches that come too early, sets that are too slow.
+    """Yield what to know of the drive: early switches and slow sets.
+
+    A switch is early if the step before it has not settled; a set is slow if its corner frequency
+    is below twice the plant's.
 
     Parameters
     ----------
@@ -209,6 +220,11 @@ def drive_warnings(
         The modes of the plant, of which the fastest asks most of the drive.
     actuator
         The drive that is given.
+
+    Yields
+    ------
+    DesignWarning
+        Of code ``actuator_not_settled``, one a switch, or ``actuator_slow``, one a set.
     """
     gaps = command.times_s[1:] - command.times_s[:-1]
     ramps_s = dict(zip(("accel", "decel"), unit_ramps_s(actuator), strict=True))

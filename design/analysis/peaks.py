@@ -27,6 +27,11 @@ def largest_between(
         Ends of the interval, among the places looked at.
     points
         Places of the first grid, so many that no peak is narrower than a step.
+
+    Returns
+    -------
+    float
+        In the unit of the curve, at a place within the interval.
     """
     places = np.linspace(low, high, points)
     values = curve(places)

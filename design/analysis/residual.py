@@ -16,12 +16,26 @@ from design.types import FloatArray
 def residual_vibration(
     impulses: Impulses, mode: Mode, actuator: Actuator, swing: FreeSwing | None = None
 ) -> float:
-    """Return the residual vibration of a command, a share of one unshaped step [-].
+    """Return the residual vibration over that of an unshaped step [-].
 
     The amplitude of free vibration, extrapolated back to the last step, over the amplitude that
     an unshaped unit step leaves through the acceleration set. The actuator's own transient is
     not part of it. A whole move (amplitudes sum to 0) is measured by the same unit, and so is what
     is left of a swing that the payload made at the first step already.
+
+    Parameters
+    ----------
+    impulses
+        The command.
+    mode, actuator
+        The mode and its drive; no set may have its own pole at the mode's.
+    swing
+        What the payload swings already at the first step; None for a plant at rest.
+
+    Returns
+    -------
+    float
+        At least 0 [-]; 1 for the unshaped step itself.
 
     Examples
     --------
@@ -39,7 +53,20 @@ def residual_vibration(
 
 
 def swing_over_step(swing: FreeSwing, mode: Mode, actuator: Actuator) -> complex:
-    """Return the vector of a swing over that of the unshaped step, at the first step [-]."""
+    """Return the vector of a swing over that of the unshaped step [-].
+
+    Parameters
+    ----------
+    swing
+        What the payload swings already, over the speed.
+    mode, actuator
+        The mode and its drive.
+
+    Returns
+    -------
+    complex
+        At the first step [-].
+    """
     pole = mode.pole_rad_s
     rise_s, _ = unit_ramps_s(actuator)
     ramp = complex(ramp_factors(np.array(pole), np.array(rise_s)))
@@ -49,7 +76,7 @@ def swing_over_step(swing: FreeSwing, mode: Mode, actuator: Actuator) -> complex
 def residual_curve(
     impulses: Impulses, mode: Mode, actuator: Actuator, frequency_ratios: FloatArray
 ) -> FloatArray:
-    """Return the residual vibration with the natural frequency scaled by each ratio.
+    """Return the residual at each ratio of true and nominal frequency.
 
     Damping ratio and times stay; the pole and the normalising step move along.
 

@@ -19,9 +19,23 @@ from design.types import ComplexArray, FloatArray
 def residuals_of_many(
     times_s: FloatArray, amplitudes: FloatArray, poles_rad_s: ComplexArray, actuator: Actuator
 ) -> FloatArray:
-    """Return the residual vibration of many commands, each at a pole of its own, shape (m,) [-].
+    """Return the residuals of many commands, each at a pole of its own.
 
-    Its parameters are those of `vectors_of_many`.
+    Parameters
+    ----------
+    times_s
+        Times of the steps, shape (m, n) [s].
+    amplitudes
+        Their heights, the same for all, shape (n,) [-].
+    poles_rad_s
+        A pole for each command, shape (m,) [rad/s].
+    actuator
+        The actuator.
+
+    Returns
+    -------
+    FloatArray
+        Residual vibration, shape (m,) [-].
     """
     return np.abs(vectors_of_many(times_s, amplitudes, poles_rad_s, actuator))
 
@@ -29,7 +43,7 @@ def residuals_of_many(
 def vectors_of_many(
     times_s: FloatArray, amplitudes: FloatArray, poles_rad_s: ComplexArray, actuator: Actuator
 ) -> ComplexArray:
-    """Return `residual_vectors` of many commands, each at a pole of its own.
+    """Return the vibration vectors of commands, each at its own pole.
 
     Parameters
     ----------
@@ -102,7 +116,7 @@ def residuals_of_cases(
     second_s2: FloatArray,
     model: Model,
 ) -> FloatArray:
-    """Return the residual vibration of one command for many plants and actuators.
+    """Return the residuals of one command for many plants and actuators.
 
     Parameters
     ----------

@@ -106,7 +106,7 @@ class Sensitivity:
 def sensitivity(
     impulses: Impulses, mode: Mode, actuator: Actuator, wanted: SensitivityRange
 ) -> Sensitivity:
-    """Return the sensitivity curve of any impulses, with their insensitivity.
+    """Return the sensitivity curve of any impulses.
 
     Parameters
     ----------
@@ -116,6 +116,18 @@ def sensitivity(
         The nominal mode and its actuator.
     wanted
         Range, points and tolerance.
+
+    Returns
+    -------
+    Sensitivity
+        The curve with its insensitivity, and the curve over damping where it is wanted.
+
+    Raises
+    ------
+    InvalidInputError
+        If the command lasts for more than 1e6 rad of the mode's phase.
+    SolverFailedError
+        If a residual of the curve is too large for a number.
     """
     pole = mode.pole_rad_s
     vectors = evenly_spaced_vectors(
@@ -145,9 +157,19 @@ def _over_damping(
 
 
 def worst_of(curves: Sequence[Sensitivity]) -> Sensitivity:
-    """Return what is left at most in any of several modes whose frequencies change alike.
+    """Return the largest residuals of several modes that change alike.
 
-    The insensitivity is the interval common to all modes; None where one has none.
+    The frequencies of all modes are off by the same ratio.
+
+    Parameters
+    ----------
+    curves
+        One a mode, over the same ratios and at the same tolerance; at least one.
+
+    Returns
+    -------
+    Sensitivity
+        Its insensitivity is the interval common to all modes; None where one mode has none.
     """
     damped = [curve.damping for curve in curves if curve.damping is not None]
     over_damping = None

@@ -60,7 +60,7 @@ class _Cells:
 def excluded_rad(
     unit_poles: ComplexArray, vectors: ComplexArray, until_rad: float, *, positive: bool
 ) -> float:
-    """Return a duration below which there is no command without vibration.
+    """Return a duration below which every command leaves vibration.
 
     Parameters
     ----------
@@ -72,6 +72,11 @@ def excluded_rad(
         Where the search for it ends: a duration that is known to be possible [rad].
     positive
         Whether amplitudes are positive; else the command is from 0 to 1.
+
+    Returns
+    -------
+    float
+        Phase of the common frequency, from 0 to ``until_rad`` [rad]; 0 proves nothing.
     """
     edges = np.linspace(0, until_rad, CELLS + 1)
     cells = _cells(unit_poles, vectors, edges[:-1], np.full(CELLS, until_rad / CELLS))

@@ -25,10 +25,20 @@ class Smoothing:
 
 
 def smoothing(impulses: Impulses) -> Smoothing:
-    """Return by how much a shaper, whose amplitudes do not cancel, delays and rounds a path.
+    """Return by how much a shaper delays and rounds a path.
 
     A shaped path is ``sum A_i x(t - t_i)`` over ``sum A_i``. For ``x = a t^2 / 2`` and once all
     impulses are in, that is ``x`` at ``t - delay`` plus ``a sum A_i (t_i - delay)^2 / 2``.
+
+    Parameters
+    ----------
+    impulses
+        A shaper whose amplitudes do not cancel.
+
+    Returns
+    -------
+    Smoothing
+        Delay and rounding, counted from the first impulse.
 
     Examples
     --------

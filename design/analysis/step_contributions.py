@@ -39,10 +39,22 @@ class StepContributions:
 
 
 def step_contributions(impulses: Impulses, actuator: Actuator) -> StepContributions:
-    """Return what each change of the reference adds to the vibration, in closed form.
+    """Return what each change of the reference adds to the vibration.
 
     A superposed step adds its height by its own set. Where one actuator is switched, its state is
     taken from the old set and given to the new, and each would let it ring in its own way.
+
+    Parameters
+    ----------
+    impulses
+        The command.
+    actuator
+        The actuator, of either model, with limits or without.
+
+    Returns
+    -------
+    StepContributions
+        Of n changes, in closed form and for any plant.
     """
     changes = reference(impulses, actuator)
     until_last = impulses.times_s[-1] - changes.times_s
@@ -69,9 +81,21 @@ def heights_by_set(changes: Reference) -> FloatArray:
 
 
 def pass_on_state(states: LagStates, changes: Reference, second_s2: FloatArray) -> FloatArray:
-    """Return what a switched lag's state adds where its set changes: gains and rates.
+    """Return what a switched lag's state adds where its set changes.
 
-    Shape (m, n, 4).
+    Parameters
+    ----------
+    states
+        Just before each change, of m commands or actuators.
+    changes
+        The n changes.
+    second_s2
+        Coefficients, columns accel and decel, shape (m, 2) or (1, 2) [s^2].
+
+    Returns
+    -------
+    FloatArray
+        Gains by either set, then their rates, shape (m, n, 4) [-], [s].
     """
     error, rate = states.errors.sum(axis=-1), states.rates_s.sum(axis=-1)
     forces = np.where(changes.accelerates, 0, 1)

@@ -8,17 +8,40 @@ from design.model.reference_ramps import ramp_factors
 
 
 def unshaped_gain(mode: Mode, actuator: Actuator) -> float:
-    """Return what an unshaped step leaves, over what one through an ideal actuator does [-]."""
+    """Return what an unshaped step leaves over an ideal actuator's [-].
+
+    Parameters
+    ----------
+    mode
+        The mode that swings.
+    actuator
+        The actuator, of which a step from rest uses the acceleration set and its limit.
+
+    Returns
+    -------
+    float
+        Share of what a step through an ideal actuator leaves [-].
+    """
     rise_s, _ = unit_ramps_s(actuator)
     ramp = abs(ramp_factors(np.array([mode.pole_rad_s]), np.array([rise_s]))[0])
     return float(ramp / abs(actuator.accel_lag.denominator(mode.pole_rad_s)))
 
 
 def unshaped_deflection_s(mode: Mode, actuator: Actuator) -> float:
-    """Return the amplitude that an unshaped step leaves at the payload, over its speed [s].
+    """Return the amplitude an unshaped step leaves, over its speed [s].
 
     Times a residual and the speed it is the amplitude of what remains, extrapolated back likewise.
     A vector V rings as ``d = -Im(V exp(s t)) / Im(s)``: the damped frequency it is, not w.
+
+    Parameters
+    ----------
+    mode, actuator
+        The mode and its drive.
+
+    Returns
+    -------
+    float
+        Of the payload's deflection, over the speed of the step [s].
 
     Examples
     --------

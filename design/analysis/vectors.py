@@ -18,7 +18,7 @@ SMALLEST_DENOMINATOR = 1e-12
 def residual_vectors(
     impulses: Impulses, poles_rad_s: ComplexArray, actuator: Actuator
 ) -> ComplexArray:
-    """Return the vibration vector at each pole over that of the unshaped step.
+    """Return the vibration vector at each pole over the unshaped step's.
 
     Parameters
     ----------
@@ -44,10 +44,24 @@ def residual_vectors(
 
 
 def terms_of_residual(impulses: Impulses, pole_rad_s: complex, actuator: Actuator) -> ComplexArray:
-    """Return what each change of the reference adds to `residual_vectors` at one pole, shape (n,).
+    """Return what each change of the reference adds to the residual.
 
     A step is one change, a ramp too; one that reverses the command is two. Phases count from the
     first step, whose term is then real.
+
+    Parameters
+    ----------
+    impulses
+        The command.
+    pole_rad_s
+        Upper pole of the mode [rad/s].
+    actuator
+        The actuator.
+
+    Returns
+    -------
+    ComplexArray
+        Terms of the sum in `residual_vectors`, shape (n,) [-].
     """
     steps = step_contributions(impulses, actuator)
     columns = steps.columns.astype(np.complex128)
@@ -62,10 +76,26 @@ def terms_of_residual(impulses: Impulses, pole_rad_s: complex, actuator: Actuato
 def evenly_spaced_vectors(
     impulses: Impulses, first_rad_s: complex, last_rad_s: complex, points: int, actuator: Actuator
 ) -> ComplexArray:
-    """Return `residual_vectors` at ``points`` poles, evenly spaced on a line.
+    """Return `residual_vectors` at poles evenly spaced on a line.
 
     The exponentials of an even spacing are products of two short lists, coarse and fine, so that
     ``2 sqrt(points)`` of them do and a matrix product does the rest.
+
+    Parameters
+    ----------
+    impulses
+        The command.
+    first_rad_s, last_rad_s
+        Poles at the ends of the line, both among the points [rad/s].
+    points
+        Number of poles m, >= 2.
+    actuator
+        The actuator.
+
+    Returns
+    -------
+    ComplexArray
+        Shape (m,) [-].
     """
     step = (last_rad_s - first_rad_s) / (points - 1)
     poles = first_rad_s + step * np.arange(points)
@@ -81,7 +111,22 @@ def evenly_spaced_vectors(
 
 
 def join_sets(sums: ComplexArray, poles_rad_s: ComplexArray, actuator: Actuator) -> ComplexArray:
-    """Join the columns, summed over the steps, in units of the unshaped step."""
+    """Join what the sets add, in units of the unshaped step.
+
+    Parameters
+    ----------
+    sums
+        Gains by either set, then, if there are any, their rates: shape (m, 2) or (m, 4) [-], [s].
+    poles_rad_s
+        Upper poles, shape (m,) or (1,) [rad/s].
+    actuator
+        The actuator.
+
+    Returns
+    -------
+    ComplexArray
+        Shape (m,) [-].
+    """
     accel, decel = (
         lag.denominator(poles_rad_s) for lag in (actuator.accel_lag, actuator.decel_lag)
     )
@@ -93,7 +138,23 @@ def join_sets(sums: ComplexArray, poles_rad_s: ComplexArray, actuator: Actuator)
 def join_over_accel(
     sums: ComplexArray, poles_rad_s: ComplexArray, accel: ComplexArray, decel: ComplexArray
 ) -> ComplexArray:
-    """Join gains and rates, shape (m, 2) or (m, 4), by the sets' denominators: over G_accel."""
+    """Join what the sets add by their denominators, over G_accel.
+
+    Parameters
+    ----------
+    sums
+        Gains by either set, then, if there are any, their rates: shape (m, 2) or (m, 4) [-], [s].
+    poles_rad_s
+        Upper poles, shape (m,) or (1,) [rad/s].
+    accel, decel
+        ``1 / G`` of either set at the poles, shape (m,) or (1,) [-]; below 1e-12 that of the
+        deceleration set counts as 1e-12.
+
+    Returns
+    -------
+    ComplexArray
+        Shape (m,) [-].
+    """
     # On the pole of the deceleration set itself the vibration grows without bound: cut, finite.
     below = np.where(np.abs(decel) < SMALLEST_DENOMINATOR, SMALLEST_DENOMINATOR, decel)
     by_set = sums[:, :2] + poles_rad_s[:, None] * sums[:, 2:] if sums.shape[1] > 2 else sums  # noqa: PLR2004

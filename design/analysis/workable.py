@@ -25,10 +25,23 @@ LIMITS = ("accel_limit_m_s2", "decel_limit_m_s2")
 
 
 def require_workable(mode: Mode, actuator: Actuator) -> None:
-    """Raise InvalidInputError if a set of the actuator is out of all proportion to the plant.
+    """Check that the sets of an actuator are in proportion to the plant.
 
     A set with its own pole at the plant's rings with it, and a residual in units of the unshaped
     step means nothing; one a hundred times slower passes so little on that it drowns in rounding.
+
+    Parameters
+    ----------
+    mode
+        The plant's mode.
+    actuator
+        The actuator, limits included.
+
+    Raises
+    ------
+    InvalidInputError
+        If a set is over 100 times slower than the mode or has its pole, or a ramp to full speed
+        lasts for more than three periods or for whole ones.
     """
     start, drive = "", actuator
     if isinstance(actuator, RateLimited):

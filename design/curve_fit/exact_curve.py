@@ -78,7 +78,23 @@ class ExactCurve:
         self.exact_times_s = self._exact_times_s()
 
     def designed(self, x: float) -> Impulses:
-        """Design at one x, by the pipeline."""
+        """Design at one x, by the pipeline.
+
+        Parameters
+        ----------
+        x
+            Value of the variable, within the range of the fit.
+
+        Returns
+        -------
+        Impulses
+            Of the curve at x.
+
+        Raises
+        ------
+        InfeasibleDesignError
+            If there is no such shaper at x; the error says which x.
+        """
         self.budget.spend(DESIGN_WORK)
         plant = self.axis.plant_at(x)
         try:
@@ -89,7 +105,25 @@ class ExactCurve:
             ) from None
 
     def fitted(self, degree: int) -> Fit:
-        """Fit one degree and judge it."""
+        """Fit one degree and judge it.
+
+        Parameters
+        ----------
+        degree
+            Degree of the polynomials, >= 0.
+
+        Returns
+        -------
+        Fit
+            Coefficients, and the largest error of time and residual at the points that are checked.
+
+        Raises
+        ------
+        InfeasibleDesignError
+            If there is no shaper at one of the fit's nodes.
+        SolverFailedError
+            If the fitted times leave the range of numbers.
+        """
         nodes = self.axis.nodes(degree)
         values = np.array([
             self.designed(x).times_s * self.axis.scale_at(x) for x in nodes.tolist()

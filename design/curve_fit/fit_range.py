@@ -63,6 +63,18 @@ class FitRange:
 def plants_at_ends(plant: Plant, wanted: FitRange) -> tuple[Plant, Plant]:
     """Return the plant at either end of the range.
 
+    Parameters
+    ----------
+    plant
+        The plant of the request.
+    wanted
+        Range of one of its fields.
+
+    Returns
+    -------
+    tuple of Plant
+        At the start and at the end of the range.
+
     Raises
     ------
     InvalidInputError

@@ -63,5 +63,8 @@ class Fit:
 
     @property
     def in_phases(self) -> bool:
-        """Whether the polynomials give phases, which the plant's frequency turns into times."""
+        """Whether the polynomials give phases in place of times.
+
+        The plant's frequency turns phases into times.
+        """
         return self.value != "time_s"

@@ -55,6 +55,18 @@ class FitAxis:
 def axis_of_fit(plant: Plant, actuator: Actuator, wanted: FitRange) -> FitAxis:
     """Return the variable of a fit.
 
+    Parameters
+    ----------
+    plant, actuator
+        What moves, and what drives it.
+    wanted
+        Range of one field of the plant.
+
+    Returns
+    -------
+    FitAxis
+        What x is, and how times are scaled along it.
+
     Raises
     ------
     InvalidInputError

@@ -157,7 +157,23 @@ static inline int ${NAME}_evaluate_at(shapersmith_real natural_frequency_rad_s,
 
 
 def write_c(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
-    """Write a table as a C99 header, with polynomials if the head has a fit."""
+    """Write a table as a C99 header, with polynomials if the head has any.
+
+    Parameters
+    ----------
+    head, runs
+        The table, its runs in order.
+
+    Yields
+    ------
+    bytes
+        Pieces of the file.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number of the table is infinite.
+    """
     name = name_of(head)
     upper = name.upper()
     rows = listing(head, runs)

@@ -22,7 +22,18 @@ ROWS_AT_ONCE = 10_000
 
 
 def write_csv(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
-    """Write a table as CSV, a piece for each run."""
+    """Write a table as CSV, a piece for each run.
+
+    Parameters
+    ----------
+    head, runs
+        The table, its runs in order.
+
+    Yields
+    ------
+    bytes
+        Facts and heading, then a piece for each run.
+    """
     lines = [f"# {name}: {text}\n" for name, text in facts(head).items()]
     lines.append(",".join(column.name for column in head.columns) + "\n")
     yield "".join(lines).encode()
@@ -38,7 +49,20 @@ def write_csv(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
 
 
 def number_texts(rows: Rows, unknown: str) -> Iterator[Iterable[str]]:
-    """Yield the fields and results of each row as shortest exact texts; nan as ``unknown``."""
+    """Yield the numbers of each row as shortest exact texts.
+
+    Parameters
+    ----------
+    rows
+        A run of a table.
+    unknown
+        What is written for a number that is not known (nan).
+
+    Yields
+    ------
+    iterable of str
+        Fields, then results of a row.
+    """
     numbers = np.hstack((rows.fields, rows.results))
     gaps = np.isnan(numbers).any(axis=1).tolist()
     for row, gap in zip(numbers.tolist(), gaps, strict=True):
@@ -57,6 +81,13 @@ def _quoted(text: str) -> str:
 
 def read_csv(file: BinaryIO) -> tuple[TableHead, Iterator[Rows]]:
     """Read back what `write_csv` wrote.
+
+    Returns
+    -------
+    TableHead
+        Without a subject.
+    iterator of Rows
+        Read as they are asked for; errors in lines are raised then.
 
     Raises
     ------
@@ -90,7 +121,25 @@ def _cells(text: Iterator[str], before: int) -> Iterator[tuple[int, list[str]]]:
 
 
 def runs_of_cells(head: TableHead, rows: Iterator[tuple[int, list[str]]]) -> Iterator[Rows]:
-    """Yield runs of rows from the cells of each and the line that it stands on."""
+    """Yield runs of rows from the cells of each row.
+
+    Parameters
+    ----------
+    head
+        The table's head.
+    rows
+        Number of a line and its cells, for each row.
+
+    Yields
+    ------
+    Rows
+        At most ``ROWS_AT_ONCE`` rows each.
+
+    Raises
+    ------
+    InvalidInputError
+        If the cells of a line are no row of the table.
+    """
     first = 0
     while batch := list(islice(rows, ROWS_AT_ONCE)):
         yield _rows_of_cells(head, first, batch)

@@ -23,11 +23,23 @@ UNIT_SUM = 1e-12
 
 
 def require_positive_shaper(head: TableHead, firmware: str) -> None:
-    """Raise InvalidInputError if an amplitude is not above 0.
+    """Check that the amplitudes of a shaper are above 0.
 
     Both firmwares convolve an acceleration that they have planned within the machine's limits with
     the impulses; only impulses above 0 that add up to 1 keep it within. Where each row has its own
-    the rows tell, in `require_positive_row`; what those of an undamped mode tell is told before.
+    amplitudes, `require_positive_row` checks them, and here those of an undamped mode are checked.
+
+    Parameters
+    ----------
+    head
+        The table's head.
+    firmware
+        Name that the error gives.
+
+    Raises
+    ------
+    InvalidInputError
+        If an amplitude is not above 0.
     """
     amplitudes = head.amplitudes
     if not amplitudes:
@@ -57,6 +69,11 @@ def firmware_lines(
         Further lines of the head's comment.
     commands
         From a run and the index of a row with a design in it to its lines.
+
+    Yields
+    ------
+    bytes
+        The head, then a piece for each run.
     """
     yield "".join(f"; {line}\n" for line in [*comment_lines(head), *remarks]).encode()
     fields = names_of(head, "field")
@@ -78,6 +95,20 @@ def firmware_lines(
 
 def require_positive_row(head: TableHead, rows: Rows, index: int, firmware: str) -> Impulses:
     """Return the impulses of one row.
+
+    Parameters
+    ----------
+    head, rows
+        The table's head and one of its runs.
+    index
+        Number of the row in the run, from 0.
+    firmware
+        Name that the error gives.
+
+    Returns
+    -------
+    Impulses
+        As the row has them.
 
     Raises
     ------

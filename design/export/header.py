@@ -44,6 +44,11 @@ def facts(head: TableHead) -> dict[str, str]:
 def head_of(texts: dict[str, str]) -> TableHead:
     """Return the head of a table from its `facts`.
 
+    Returns
+    -------
+    TableHead
+        Without a subject.
+
     Raises
     ------
     InvalidInputError
@@ -79,7 +84,7 @@ def head_of(texts: dict[str, str]) -> TableHead:
 
 
 def comment_lines(head: TableHead) -> list[str]:
-    """Return the head as lines of a comment, for files that programs or machines read."""
+    """Return the head of a table as lines of a comment."""
     count = "1 row" if head.rows == 1 else f"{head.rows} rows"
     units = ", ".join(f"{column.name} [{column.unit}]" for column in head.columns if column.unit)
     return [

@@ -14,7 +14,20 @@ ROWS_LINE = '"rows": ['
 
 
 def write_json(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
-    """Write a table as JSON, a piece for each run; what is not known is ``null``."""
+    """Write a table as JSON, a piece for each run.
+
+    What is not known is ``null``.
+
+    Parameters
+    ----------
+    head, runs
+        The table, its runs in order.
+
+    Yields
+    ------
+    bytes
+        The facts, a piece for each run, the end.
+    """
     lines = [f'"{name}": {text},\n' for name, text in facts(head).items()]
     yield ("{\n" + "".join(lines) + ROWS_LINE).encode()
     between = "\n"
@@ -34,6 +47,13 @@ def write_json(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
 
 def read_json(file: BinaryIO) -> tuple[TableHead, Iterator[Rows]]:
     """Read back what `write_json` wrote, a few lines at a time.
+
+    Returns
+    -------
+    TableHead
+        Without a subject.
+    iterator of Rows
+        Read as they are asked for; errors in lines are raised then.
 
     Raises
     ------

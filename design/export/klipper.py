@@ -100,6 +100,16 @@ def check_klipper(head: TableHead) -> None:
 def write_klipper(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     """Write a table as lines for Klipper, both axes alike.
 
+    Parameters
+    ----------
+    head, runs
+        The table, its runs in order.
+
+    Returns
+    -------
+    iterator of bytes
+        Pieces of the file; a row that is refused is found as its piece is asked for.
+
     Raises
     ------
     InvalidInputError

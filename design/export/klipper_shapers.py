@@ -99,6 +99,11 @@ def klipper_impulses(
         n and t of ``mzv``.
     tolerance
         v_tol of ``ei`` [-].
+
+    Returns
+    -------
+    Impulses
+        Of sum 1, the first at 0.
     """
     z = damping_ratio
     d = math.sqrt(1 - z * z)
@@ -122,7 +127,22 @@ def klipper_impulses(
 
 
 def older_klipper_impulses(shaper: str, frequency_hz: float, damping_ratio: float) -> Impulses:
-    """Return what Klipper before 2025-09-16 and Kalico play; they know no parameters."""
+    """Return what Klipper before 2025-09-16 and Kalico play.
+
+    They know no parameters of a shaper.
+
+    Parameters
+    ----------
+    shaper
+        A name of `LARGEST_DAMPING_RATIOS`.
+    frequency_hz, damping_ratio
+        Of the mode, as on the line [Hz], [-].
+
+    Returns
+    -------
+    Impulses
+        Of sum 1, the first at 0.
+    """
     undamped, spacing = OLDER[shaper]
     times, heights = _decaying(spacing, undamped(), damping_ratio)
     return _normalised([time / frequency_hz for time in times], heights)
@@ -165,10 +185,20 @@ def _in_both(fit: tuple[tuple[float, ...], ...], z: float, tolerance: float) -> 
 
 
 def rounding_of_mzv(impulses: int, periods: float) -> float:
-    """Return about what rounding does to the heights of ``mzv`` in Klipper [-].
+    """Return about what rounding does to the heights of ``mzv`` [-].
 
-    It solves the normal equations (klippy/mathutil.py, pseudo_inverse), whose condition is the
+    Klipper solves the normal equations (klippy/mathutil.py, pseudo_inverse), whose condition is the
     square of that of its equations; near singular ones it refuses.
+
+    Parameters
+    ----------
+    impulses, periods
+        n and t of ``mzv``.
+
+    Returns
+    -------
+    float
+        Share of the heights [-].
     """
     return float(np.finfo(float).eps * np.linalg.cond(_zeros_of_mzv(impulses, periods)) ** 2)
 

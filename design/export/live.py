@@ -63,6 +63,11 @@ def early_releases(
         Of the machine.
     presses_s
         Lengths of the pulses, shape (m,), > 0 [s].
+
+    Returns
+    -------
+    Early
+        Of the residuals the median and the largest; the share of pulses with levels beyond 0 to 1.
     """
     left, beyond = [], []
     for press in presses_s.tolist():
@@ -87,6 +92,11 @@ def live_remarks(
         Of the rows, its own first; one stands for all that are alike.
     positive
         Whether all amplitudes are above 0.
+
+    Returns
+    -------
+    list of str
+        Lines without marks of a comment.
     """
     held = list(drives)
     limited = any(isinstance(drive, RateLimited) for drive in held)

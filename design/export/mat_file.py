@@ -34,12 +34,22 @@ def check_mat(head: TableHead) -> None:
 
 
 def write_mat(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
-    """Write a table as .mat, in one piece, with no date in it.
+    """Write a table as .mat, all at once, with no date in it.
 
     Variables: ``fields`` and ``results``, matrices with a row for each row of the table and names
     and units in ``field_names``, ``field_units``, ``result_names``, ``result_units``; ``status``,
     from 0, by ``status_names``; ``reason_rows`` (from 1) and ``reasons``; the facts of the head as
     texts of JSON.
+
+    Parameters
+    ----------
+    head, runs
+        The table, its runs in order.
+
+    Yields
+    ------
+    bytes
+        The file's first bytes, then all others.
     """
     from scipy.io import savemat  # noqa: PLC0415
 
@@ -81,6 +91,13 @@ def _cells(texts: Iterable[str]) -> np.ndarray[tuple[int, int], np.dtype[np.obje
 
 def read_mat(file: BinaryIO) -> tuple[TableHead, Iterator[Rows]]:
     """Read back what `write_mat` wrote, as one run.
+
+    Returns
+    -------
+    TableHead
+        Without a subject.
+    iterator of Rows
+        One run.
 
     Raises
     ------

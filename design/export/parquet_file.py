@@ -57,7 +57,18 @@ def _schema(head: TableHead) -> Any:  # noqa: ANN401
 
 
 def write_parquet(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
-    """Write a table as Parquet, a row group and a piece for each run."""
+    """Write a table as Parquet, a row group and a piece for each run.
+
+    Parameters
+    ----------
+    head, runs
+        The table, its runs in order.
+
+    Yields
+    ------
+    bytes
+        A piece for each run, the last with the end of the file.
+    """
     import pyarrow as pa  # noqa: PLC0415
     from pyarrow import parquet  # noqa: PLC0415
 
@@ -91,6 +102,13 @@ def _reasons(rows: Rows) -> Any:  # noqa: ANN401
 
 def read_parquet(file: BinaryIO) -> tuple[TableHead, Iterator[Rows]]:
     """Read back what `write_parquet` wrote, a row group at a time.
+
+    Returns
+    -------
+    TableHead
+        Without a subject.
+    iterator of Rows
+        Read as they are asked for.
 
     Raises
     ------

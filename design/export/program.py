@@ -46,21 +46,31 @@ def check_program(head: TableHead) -> None:
 
 
 def name_of(head: TableHead) -> str:
-    """Return the start of names: a letter, then small letters, digits and single underscores.
+    """Return the start of the names in a program.
 
-    It is the head's name or else the title; with digits of the specification's hash where that is
-    not told apart from others: no title was given, or it is too long, or is written in letters that
-    are not among a to z. What names are made of it always ends in more, so that none is a reserved
-    word of C or Structured Text.
+    A letter, then small letters, digits and single underscores: the head's name or else the title,
+    with digits of the specification's hash where that does not set it apart from others: no title
+    was given, or it is too long, or is written in letters that are not among a to z. What names are
+    made of it always ends in more, so that none is a reserved word of C or Structured Text.
+
+    Parameters
+    ----------
+    head
+        The table's head.
+
+    Returns
+    -------
+    str
+        At most ``LONGEST_NAME`` characters.
 
     Examples
     --------
     >>> from design.tables.rows import TableHead
-    >>> told = TableHead(
+    >>> head = TableHead(
     ...     version="0", specification_json="", specification_sha256="4f7a90c2", title="2nd crane",
     ...     columns=(), rows=0, impulses=0, amplitudes=(),
     ... )
-    >>> name_of(told)
+    >>> name_of(head)
     'table_2nd_crane'
     """
     given = head.name or head.title
@@ -96,7 +106,18 @@ class Listing:
 
 
 def listing(head: TableHead, runs: Iterable[Rows]) -> Listing:
-    """Gather the rows of a table."""
+    """Gather the rows of a table.
+
+    Parameters
+    ----------
+    head, runs
+        The table, its runs in order.
+
+    Returns
+    -------
+    Listing
+        The rows of all runs, held at once.
+    """
     held = list(runs)
     width = len(head.columns) - 2
     return Listing(
@@ -114,7 +135,18 @@ def listing(head: TableHead, runs: Iterable[Rows]) -> Listing:
 
 
 def remarks(head: TableHead, rows: Listing) -> list[str]:
-    """Return what the comment at the top of a program says."""
+    """Return what the comment at the top of a program says.
+
+    Parameters
+    ----------
+    head, rows
+        The table.
+
+    Returns
+    -------
+    list of str
+        Lines without marks of a comment.
+    """
     names = [column.name for column in head.columns]
     lines = comment_lines(head)
     if "residual" in names:
@@ -142,7 +174,7 @@ def remarks(head: TableHead, rows: Listing) -> list[str]:
 
 
 def comment(head: TableHead, rows: Listing, harmless: dict[str, str]) -> str:
-    """Return the lines of the comment at the top of a program, without the marks around it.
+    """Return the comment at the top of a program, without its marks.
 
     Parameters
     ----------
@@ -150,6 +182,11 @@ def comment(head: TableHead, rows: Listing, harmless: dict[str, str]) -> str:
         The table.
     harmless
         What stands in place of the marks that would end or open a comment of the language, by mark.
+
+    Returns
+    -------
+    str
+        Lines, indented by three blanks from the second on.
     """
     text = "\n   ".join(remarks(head, rows))
     for mark, other in harmless.items():
@@ -158,7 +195,10 @@ def comment(head: TableHead, rows: Listing, harmless: dict[str, str]) -> str:
 
 
 def dividing(fit: Fit) -> str:
-    """Return the expression, equal in C and Structured Text, that turns a value into a time."""
+    """Return the expression that turns a polynomial's value into a time.
+
+    It is the same in C and Structured Text.
+    """
     return "value / natural_frequency_rad_s" if fit.in_phases else "value"
 
 
@@ -183,7 +223,10 @@ def _of_live_commands(head: TableHead, rows: Listing) -> list[str]:
 
 
 def range_of(fit: Fit) -> tuple[float, float]:
-    """Return the range of x, widened by the rounding of its ends in single precision."""
+    """Return the range of x with a margin for single precision.
+
+    The ends are widened by their rounding.
+    """
     return (
         fit.variable.start - RANGE_MARGIN * abs(fit.variable.start),
         fit.variable.stop + RANGE_MARGIN * abs(fit.variable.stop),
@@ -191,7 +234,24 @@ def range_of(fit: Fit) -> tuple[float, float]:
 
 
 def decimal(value: float) -> str:
-    """Return a number with a decimal point, exact, as C and Structured Text both read it.
+    """Return a number with a decimal point, as C and Structured Text read it.
+
+    The text is exact.
+
+    Parameters
+    ----------
+    value
+        A finite number.
+
+    Returns
+    -------
+    str
+        The shortest text of the double.
+
+    Raises
+    ------
+    InvalidInputError
+        If the number is not finite.
 
     Examples
     --------

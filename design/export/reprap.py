@@ -67,6 +67,16 @@ def check_reprap(head: TableHead) -> None:
 def write_reprap(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     """Write a table as lines for RepRapFirmware.
 
+    Parameters
+    ----------
+    head, runs
+        The table, its runs in order.
+
+    Returns
+    -------
+    iterator of bytes
+        Pieces of the file; a row that is refused is found as its piece is asked for.
+
     Raises
     ------
     InvalidInputError
@@ -113,7 +123,20 @@ def write_reprap(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
 
 
 def held_impulses(heights: list[float], delays_s: list[float]) -> Impulses:
-    """Return the impulses that firmware 3.6 holds for the numbers of a line."""
+    """Return the impulses that firmware 3.6 holds for the numbers of a line.
+
+    Parameters
+    ----------
+    heights
+        Of all impulses except the last, n - 1 [-].
+    delays_s
+        Times of all impulses except the first, from the first on, n - 1 [s].
+
+    Returns
+    -------
+    Impulses
+        Of n impulses: times in whole ticks of its clock, the last height from the sum 1.
+    """
     held = np.array([float(np.float32(_text(height))) for height in heights])
     counts = [round(float(np.float32(_text(delay))) * CLOCK_HZ) for delay in delays_s]
     return Impulses(

@@ -27,6 +27,13 @@ def single_table(
         Of the tool.
     fit
         Polynomials for the times, where asked for.
+
+    Returns
+    -------
+    TableHead
+        Of a table without varied fields.
+    Rows
+        One row.
     """
     impulses = found.impulses.times_s.size
     sha256 = hashlib.sha256(request_json.encode()).hexdigest()

@@ -181,7 +181,25 @@ END_FUNCTION_BLOCK
 
 
 def write_st(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
-    """Write a table as function blocks, with an evaluator if the head has a fit."""
+    """Write a table as function blocks.
+
+    An evaluator follows if the head has a fit.
+
+    Parameters
+    ----------
+    head, runs
+        The table, its runs in order.
+
+    Yields
+    ------
+    bytes
+        Pieces of the file.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number of the table is infinite.
+    """
     name = name_of(head)
     rows = listing(head, runs)
     # A title must not end or open a comment.

@@ -20,10 +20,22 @@ BRANCHED = " or ".join(sorted(kind.name for kind in SHAPERS.values() if kind.has
 
 
 def closed_form_branch(impulses: Impulses, plant: Plant, actuator: Actuator) -> FloatArray:
-    """Return n, m and the sign of an undamped three-impulse shaper's closed form, shape (3,).
+    """Return which branch of the closed form a three-impulse shaper is on.
 
     ``w t2 = sign acos(alpha / 2) - beta + 2 pi n``, ``w t3 = sign 2 acos(alpha / 2) + 2 pi m``
     (Kim 2011, 3.34-3.35, which has the sign + only).
+
+    Parameters
+    ----------
+    impulses
+        A shaper of unity magnitude.
+    plant, actuator
+        An undamped plant of one mode, and a drive of superposed steps.
+
+    Returns
+    -------
+    FloatArray
+        n, m and the sign, shape (3,).
 
     Raises
     ------

@@ -18,6 +18,18 @@ from design.pipeline import design
 def drive_designed_for(recipe: Recipe, actuator: Actuator) -> Actuator:
     """Return the actuator that the shaper is designed for.
 
+    Parameters
+    ----------
+    recipe
+        How commands are designed.
+    actuator
+        The actuator of the cell.
+
+    Returns
+    -------
+    Actuator
+        The one given, of the model that the recipe asks for if it asks for one.
+
     Raises
     ------
     InvalidInputError
@@ -35,8 +47,22 @@ def drive_designed_for(recipe: Recipe, actuator: Actuator) -> Actuator:
 def design_command(recipe: Recipe, cell: Cell) -> Impulses:
     """Design the shaper, or the whole move, of one cell.
 
+    Parameters
+    ----------
+    recipe
+        How commands are designed.
+    cell
+        Plant, actuator and, of a map of moves, the move.
+
+    Returns
+    -------
+    Impulses
+        A shaper of sum 1, or a whole move of sum 0.
+
     Raises
     ------
+    InvalidInputError
+        If a value of the cell breaks its rule.
     InfeasibleDesignError
         If the cell has no such shaper or move.
     """

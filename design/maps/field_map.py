@@ -36,6 +36,11 @@ def field_map(case: MapCase, x: Axis, y: Axis | None = None) -> Map:
     x, y
         The axes; without y, a curve.
 
+    Returns
+    -------
+    Map
+        Values of shape (rows, columns, k); not a number where a cell has none.
+
     Raises
     ------
     InvalidInputError

@@ -15,7 +15,14 @@ from design.types import FloatArray
 
 
 def residuals_of_held(case: MapCase, cells: list[list[Cell]]) -> FloatArray:
-    """Return the residuals of one command for the plants and actuators of all cells.
+    """Return the residuals of one command over all cells.
+
+    Parameters
+    ----------
+    case
+        What is mapped, and the command that is held.
+    cells
+        Plant and actuator of each cell, rows of columns.
 
     Returns
     -------
@@ -39,7 +46,9 @@ def _held_command(case: MapCase) -> Impulses:
 def residuals_of_re_timed(
     case: MapCase, move: Move, cells: list[list[Cell]], *, along_x: bool
 ) -> FloatArray:
-    """Return the residuals of a held move whose stop is re-timed over the pulses of one axis.
+    """Return the residuals of a held move with its stop re-timed.
+
+    The stop follows the pulses of one axis.
 
     Parameters
     ----------
@@ -54,6 +63,11 @@ def residuals_of_re_timed(
     -------
     FloatArray
         Shape (rows, columns) [-]; not a number where the stop would begin before the start ends.
+
+    Raises
+    ------
+    InvalidInputError
+        If start and stop of the move as given overlap.
     """
     command = _held_command(case)
     half = command.times_s.size // 2

@@ -13,7 +13,16 @@ from design.types import FloatArray
 def quantities_of_designs(
     quantity: Quantity, recipe: Recipe, cells: list[list[Cell]]
 ) -> FloatArray:
-    """Return a quantity of the command that is designed anew in each cell.
+    """Return a quantity of the command designed anew in each cell.
+
+    Parameters
+    ----------
+    quantity
+        What is mapped.
+    recipe
+        How commands are designed.
+    cells
+        Plant, actuator and move of each cell, rows of columns.
 
     Returns
     -------

@@ -15,17 +15,27 @@ def step() -> Impulses:
 def pulse(pulse_s: float) -> Impulses:
     """Return full speed from 0 to ``pulse_s``.
 
+    Parameters
+    ----------
+    pulse_s
+        Duration [s].
+
+    Returns
+    -------
+    Impulses
+        Steps of +1 at 0 and -1 at the end.
+
     Raises
     ------
     InvalidInputError
-        If the pulse is not > 0.
+        If the duration is not between 1e-12 and 1e12 s.
     """
     require_between("pulse_s", pulse_s, SMALLEST, LARGEST)
     return Impulses(times_s=np.array([0.0, pulse_s]), amplitudes=np.array([1.0, -1.0]))
 
 
 def listed(times_s: FloatArray, velocities: FloatArray) -> Impulses:
-    """Return a command that takes each velocity at its time and holds it.
+    """Return a command that takes each velocity at its time, and holds it.
 
     Parameters
     ----------
@@ -33,6 +43,11 @@ def listed(times_s: FloatArray, velocities: FloatArray) -> Impulses:
         Times, shape (n,), not decreasing [s]. Of several velocities at one time the last counts.
     velocities
         Velocities from those times on as shares of full speed, shape (n,) [-]; at rest before.
+
+    Returns
+    -------
+    Impulses
+        The changes of velocity, one step a time; velocities that change nothing are left out.
 
     Raises
     ------
@@ -61,12 +76,32 @@ def listed(times_s: FloatArray, velocities: FloatArray) -> Impulses:
 
 
 def convolved(command: Impulses, shaper: Impulses) -> Impulses:
-    """Return a command shaped by a shaper: every step replaced by the shaper's steps.
+    """Return a command shaped by a shaper.
+
+    Every step of the command is replaced by the shaper's steps, scaled by its height.
+
+    Parameters
+    ----------
+    command
+        The command, of n steps.
+    shaper
+        The shaper, of m steps.
+
+    Returns
+    -------
+    Impulses
+        At most n m steps: those at one time are added up.
 
     Raises
     ------
     InvalidInputError
         If all of these cancel.
+
+    Examples
+    --------
+    >>> zv = Impulses(times_s=np.array([0.0, 0.5]), amplitudes=np.array([0.5, 0.5]))
+    >>> convolved(pulse(2.0), zv).times_s.tolist()
+    [0.0, 0.5, 2.0, 2.5]
     """
     times = np.add.outer(command.times_s, shaper.times_s).ravel()
     amplitudes = np.multiply.outer(command.amplitudes, shaper.amplitudes).ravel()

@@ -93,6 +93,11 @@ class Impulses:
 
         Steps at one time are added up; those of no height, which change nothing, are left out.
 
+        Returns
+        -------
+        Impulses
+            Of k <= n steps; this very record if none are to be added up or left out.
+
         Raises
         ------
         InvalidInputError

@@ -82,7 +82,18 @@ class FreeSwing:
     delay_s: float = 0.0
 
     def vector(self, mode: Mode) -> complex:
-        """Return what it adds to the vibration, seen when the actuator answers the first step."""
+        """Return what the swing adds to the vibration that a command leaves.
+
+        Parameters
+        ----------
+        mode
+            The mode that swings.
+
+        Returns
+        -------
+        complex
+            Seen when the actuator answers the first step [-].
+        """
         pole = mode.pole_rad_s
         return (pole.conjugate() * self.deflection_s - self.rate) * cmath.exp(pole * self.delay_s)
 
@@ -110,10 +121,15 @@ def free_swing(
     delay_s
         Dead time of the actuator [s].
 
+    Returns
+    -------
+    FreeSwing or None
+        The swing over the speed; None if no state is given, or one at rest.
+
     Raises
     ------
     InvalidInputError
-        If the swing is not of the plant's form.
+        If the state is not of the plant's form, or the swing is too large to compute with.
 
     Examples
     --------

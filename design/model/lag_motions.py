@@ -18,7 +18,7 @@ GAUSS = tuple((part + 1) / 2 if which == 0 else part / 2 for which, part in enum
 
 
 def free_motions(first_s: FloatArray, second_s2: FloatArray, elapsed_s: FloatArray) -> FloatArray:
-    """Return how the errors of lags move freely, over times or each over its own, in closed form.
+    """Return how the errors of lags move freely, in closed form.
 
     The state is ``[v - u, v' / corner]``, with ``corner`` of `Lag.corner_rad_s`; a first-order lag
     uses the first entry only, an ideal one is at rest at once.
@@ -58,7 +58,7 @@ def free_motions(first_s: FloatArray, second_s2: FloatArray, elapsed_s: FloatArr
 
 
 def ramp_responses(first_s: FloatArray, second_s2: FloatArray, ramps_s: FloatArray) -> FloatArray:
-    """Return the errors of lags at the end of ramps of their input, each from 1 below to 0.
+    """Return the errors of lags at the end of ramps, from 1 below to 0.
 
     The mean of the free motion of a unit error over the ramp: 1 and 0 for a step.
 
@@ -72,7 +72,7 @@ def ramp_responses(first_s: FloatArray, second_s2: FloatArray, ramps_s: FloatArr
     Returns
     -------
     FloatArray
-        Of the state ``[error, rate]``, shape (..., 2) [-], [1/s]; 0 for an ideal lag.
+        State ``[error, rate]``, shape (..., 2) [-], [1/s]; 0 for an ideal lag.
     """
     corner = np.where(second_s2 > 0, np.where(second_s2 > 0, second_s2, 1.0) ** -0.5, 0.0)
     slowness = np.where(second_s2 > 0, second_s2, first_s)

@@ -39,10 +39,25 @@ class Lag:
         return 1 + pole_rad_s * (self.first_s + pole_rad_s * self.second_s2)
 
     def settling_time_s(self, share: float = SETTLED_SHARE) -> float:
-        """Return the last time at which the step response is outside ``1 ± (1 - share)`` [s].
+        """Return the last time at which the step response is outside a band [s].
 
         Exact: by the exponential for a first-order lag, by bisection between the last extremum
         outside the band and the next for an oscillating one, by bisection for a slow one.
+
+        Parameters
+        ----------
+        share
+            The band is ``1 ± (1 - share)``, ``0 < share < 1`` [-].
+
+        Returns
+        -------
+        float
+            From the step on [s]; 0 for an ideal lag.
+
+        Examples
+        --------
+        >>> round(Lag(first_s=0.1).settling_time_s(0.98), 4)
+        0.3912
         """
         band = 1 - share
         if self.second_s2 == 0.0:
@@ -67,7 +82,18 @@ class Lag:
         return high
 
     def step_error(self, time_s: float) -> float:
-        """Return ``1 - v(t)`` of the unit step response at ``time_s >= 0`` [-]."""
+        """Return ``1 - v(t)`` of the response to a unit step [-].
+
+        Parameters
+        ----------
+        time_s
+            Time since the step, >= 0 [s].
+
+        Returns
+        -------
+        float
+            Negative where the response overshoots; 0 for an ideal lag.
+        """
         if self.second_s2 == 0.0:
             return math.exp(-time_s / self.first_s) if self.first_s > 0 else 0.0
         frequency = 1 / math.sqrt(self.second_s2)
@@ -84,5 +110,5 @@ class Lag:
 
     @property
     def corner_rad_s(self) -> float:
-        """Undamped frequency of a second-order lag; 0 for the others [rad/s]."""
+        """Undamped frequency of a second-order lag; 0 for others [rad/s]."""
         return self.second_s2**-0.5 if self.second_s2 > 0 else 0.0

@@ -34,14 +34,21 @@ class Reference:
 
 
 def reference(command: Impulses, actuator: Actuator) -> Reference:
-    """Return what the lags of an actuator follow when it is given a command.
+    """Return what the lags of an actuator follow under a command.
+
+    A rate-limited actuator turns each step into a ramp; one that passes zero becomes two.
 
     Parameters
     ----------
     command
         The command.
     actuator
-        The actuator; all but a rate-limited one follow the command itself.
+        The actuator; all except a rate-limited one follow the command itself.
+
+    Returns
+    -------
+    Reference
+        The changes; without limits, one for each step of the command.
     """
     if not isinstance(actuator, RateLimited):
         return Reference(
@@ -80,7 +87,9 @@ def reference(command: Impulses, actuator: Actuator) -> Reference:
 
 
 def ramp_factors(poles_rad_s: ComplexArray, ramps_s: FloatArray) -> ComplexArray:
-    """Return what ramps leave over what steps at their beginning do: ``(1 - exp(-s T)) / (s T)``.
+    """Return what ramps leave in a mode over what steps at their start leave.
+
+    ``(1 - exp(-s T)) / (s T)`` for a pole s and a ramp of duration T.
 
     Parameters
     ----------

@@ -267,7 +267,7 @@ def mirrored_stop(start: Impulses) -> Impulses:
 
 
 def swapped(actuator: Actuator) -> Actuator:
-    """Return the actuator with its acceleration and deceleration sets in each other's place."""
+    """Return the actuator with its acceleration and deceleration swapped."""
     if isinstance(actuator, RateLimited):
         return replace(
             actuator,

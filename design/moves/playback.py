@@ -84,6 +84,16 @@ def motion(
         Full speed, > 0 [m/s].
     times_s
         Times, shape (n,) [s].
+
+    Returns
+    -------
+    Motion
+        Arrays of shape (n,), in physical units.
+
+    Raises
+    ------
+    InvalidInputError
+        If the speed is not > 0, or the limits of the actuator are for another.
     """
     require_scale("speed_m_s", speed_m_s)
     require_speed(actuator, speed_m_s)

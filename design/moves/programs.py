@@ -54,7 +54,7 @@ def program(
     sample_time_s: float,
     swing: FreeSwing | None = None,
 ) -> Program:
-    """Return a command as positions and velocities at a sample time, and what remains of it.
+    """Return a command as positions and velocities at a sample time.
 
     The mean velocity over a sample in which the command steps is between the two levels: each step
     is shared between the samples around it, and what is played is no longer what was designed.
@@ -71,6 +71,11 @@ def program(
         Time between samples, > 0 [s].
     swing
         What the payload swings already at the first step.
+
+    Returns
+    -------
+    Program
+        What is sent at each sample, with what remains of it.
 
     Raises
     ------

@@ -114,25 +114,36 @@ class Parts:
 
     @property
     def shortest_pulse_s(self) -> float:
-        """The pulse below which start and stop overlap, or do not settle where asked."""
+        """The pulse below which start and stop overlap, or do not settle [s]."""
         gaps = settling_gaps_rad(self.mode, self.designed_for, self.steps, settle=self.settle)
         between = float(gaps[self.start.times_s.size - 1])
         return self.start.duration_s + between / self.mode.natural_frequency_rad_s
 
     def whole(self, pulse_s: float) -> Impulses:
-        """Both parts, the stop ``pulse_s`` after the start; out of range where they overlap."""
+        """Return both parts as one command; out of range where they overlap.
+
+        Parameters
+        ----------
+        pulse_s
+            Time from the first step of the start to the first of the stop [s].
+
+        Returns
+        -------
+        Impulses
+            Steps in order of time.
+        """
         times = np.concatenate((self.start.times_s, pulse_s + self.stop.times_s))
         amplitudes = np.concatenate((self.start.amplitudes, self.stop.amplitudes))
         order = np.argsort(times, kind="stable")
         return Impulses(times_s=times[order], amplitudes=amplitudes[order])
 
     def verified(self, command: Impulses) -> bool:
-        """Whether the certificate finds every claim to hold for a whole command."""
+        """Return whether every claim is certified for a whole command."""
         return certify(command, self.mode, self.designed_for, self.claims, self.swing).verified
 
     @property
     def rest_pulse_s(self) -> float:
-        """A pulse in which the actuator comes to rest between start and stop."""
+        """A pulse that lets the actuator rest between start and stop [s]."""
         slowest = max(
             lag.first_s + math.sqrt(lag.second_s2)
             for lag in (self.actuator.accel_lag, self.actuator.decel_lag)
@@ -141,15 +152,30 @@ class Parts:
         return self.start.duration_s + ramp_s + REST_TIME_CONSTANTS * slowest
 
     def lead_s(self) -> float:
-        """Travel beyond the pulse where the actuator is at rest between start and stop [s]."""
+        """Return the travel beyond the pulse over the speed [s].
+
+        The actuator is at rest between start and stop.
+        """
         return travel(self.whole(self.rest_pulse_s), self.actuator) - self.rest_pulse_s
 
 
 def with_swing(parts: Parts, swing: FreeSwing) -> Parts:
-    """Return the parts with a start that cancels a swing too, if there is one.
+    """Return the parts with a start that cancels a swing too.
 
     The start is followed from a payload at rest to the swing asked; where that path ends, every
     branch is searched.
+
+    Parameters
+    ----------
+    parts
+        Start and stop for a payload at rest.
+    swing
+        What the payload swings at the first step.
+
+    Returns
+    -------
+    Parts
+        For the swing; without such a start ``apart`` is False: start and stop are solved as one.
     """
     mode, count = parts.mode, parts.start.times_s.size
     w = mode.natural_frequency_rad_s
@@ -196,7 +222,27 @@ def with_swing(parts: Parts, swing: FreeSwing) -> Parts:
 
 
 def over_pulse(parts: Parts, pulse_s: float) -> tuple[Impulses, bool]:
-    """Return the command of a pulse, and whether it was solved as one."""
+    """Return the command of a pulse, and whether it was solved as one.
+
+    Parameters
+    ----------
+    parts
+        Start and stop.
+    pulse_s
+        Pulse, > 0 [s].
+
+    Returns
+    -------
+    Impulses
+        The whole move, of sum 0.
+    bool
+        True if start and stop were solved as one problem.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If the actuator takes all of the pulse off the travel, or no move was found.
+    """
     if parts.apart and pulse_s >= parts.shortest_pulse_s:
         command = _with_solved_stop(parts, pulse_s, None)
         if command is not None:
@@ -211,7 +257,27 @@ def over_pulse(parts: Parts, pulse_s: float) -> tuple[Impulses, bool]:
 
 
 def over_distance(parts: Parts, wanted_s: float) -> tuple[Impulses, bool]:
-    """Return the command that travels ``wanted_s`` times the speed."""
+    """Return the command that travels a distance, as in `over_pulse`.
+
+    Parameters
+    ----------
+    parts
+        Start and stop.
+    wanted_s
+        Distance over the speed, > 0 [s].
+
+    Returns
+    -------
+    Impulses
+        The whole move, of sum 0.
+    bool
+        True if start and stop were solved as one problem.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If no move was found.
+    """
     pulse_s = wanted_s - parts.lead_s()
     if pulse_s >= parts.shortest_pulse_s:
         for _ in range(PULSE_ITERATIONS):
@@ -227,9 +293,21 @@ def over_distance(parts: Parts, wanted_s: float) -> tuple[Impulses, bool]:
 
 
 def faster_as_one(parts: Parts, apart: Impulses) -> Impulses | None:
-    """Return the move solved as one if it is faster than start and stop apart; None if not.
+    """Return the move solved as one if it is faster than its parts apart.
 
     Both travel as far.
+
+    Parameters
+    ----------
+    parts
+        Start and stop.
+    apart
+        The move of both, solved apart.
+
+    Returns
+    -------
+    Impulses or None
+        None where the move solved as one is slower, or was not found.
     """
     pulse_s = float(apart.times_s[parts.start.times_s.size])
     try:
@@ -317,6 +395,11 @@ def _travelling(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Impul
 
     A shaper that knows no actuator is solved with ideal lags, while the distance is met with the
     actuator given: the travel asked of the ideal one is corrected until it is (secant method).
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If the travel does not converge, or no such move is found.
     """
     target_s, last_s, last_miss_s = wanted_s, 0.0, wanted_s
     for _ in range(TRAVEL_ITERATIONS):

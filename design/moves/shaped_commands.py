@@ -43,7 +43,7 @@ def shaped_command(
     actuator: Actuator,
     claims: tuple[Claim, ...] | None = None,
 ) -> ShapedCommand:
-    """Return a command as a shaper makes it, held against what the shaper claims.
+    """Return a command through a shaper, held against the shaper's claims.
 
     Each step of the command may leave its height times what the shaper claims of a unit step; where
     all of them together leave more, a warning has the figure.
@@ -59,6 +59,16 @@ def shaped_command(
     claims
         What the shaper claims, where that is not what its certificate says: on samples it proves
         the residual that is left, whatever that is.
+
+    Returns
+    -------
+    ShapedCommand
+        The steps that are sent, with a warning where they break a claim.
+
+    Raises
+    ------
+    InvalidInputError
+        If all steps of the shaped command cancel.
     """
     claims = found.certificate.claims if claims is None else claims
     played = convolved(command, found.impulses)

@@ -54,6 +54,11 @@ def curve_sheet(
         One or more.
     level
         In the unit of y.
+
+    Returns
+    -------
+    Figure
+        One panel.
     """
     with house_style():
         figure = Figure(figsize=(7.2, 4.6))

@@ -76,6 +76,11 @@ def figure_bytes(figure: Figure, image_format: Literal["png", "svg"]) -> bytes:
         A figure of this package.
     image_format
         ``png``, 150 dots per inch, or ``svg``, with text as outlines.
+
+    Returns
+    -------
+    bytes
+        Without a date or version in them.
     """
     # Neither the time nor the version of the program belongs in the file.
     metadata = {"Date": None} if image_format == "svg" else {"Software": None}

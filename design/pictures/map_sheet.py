@@ -91,6 +91,20 @@ def map_sheet(case: MapCase, x: Axis, y: Axis | None, found: Map) -> Figure:
     """Draw a map: a panel, or without y a curve, for each of its layers.
 
     A residual has lines at 1, 5 and 20 %, that at 5 % heavier.
+
+    Parameters
+    ----------
+    case
+        What is mapped.
+    x, y
+        The axes; without y, curves over x.
+    found
+        The map, of shape (len(y), len(x), k).
+
+    Returns
+    -------
+    Figure
+        A panel for each layer; not a number is left blank.
     """
     look = LOOKS[found.quantity]
     names = _layer_names(found)
@@ -111,7 +125,9 @@ def map_sheet(case: MapCase, x: Axis, y: Axis | None, found: Map) -> Figure:
 def panel_sheet(
     title: str, x: Axis, y: Axis, panels: dict[str, FloatArray], quantity: Quantity
 ) -> Figure:
-    """Draw maps of one quantity over the same fields side by side, in the same colours.
+    """Draw maps of one quantity side by side, in the same colours.
+
+    All are over the same fields.
 
     Parameters
     ----------
@@ -124,6 +140,11 @@ def panel_sheet(
         left blank.
     quantity
         What is told.
+
+    Returns
+    -------
+    Figure
+        One panel, or two to a row.
     """
     look = LOOKS[quantity]
     shown = {name: look.unit * values for name, values in panels.items()}

@@ -23,7 +23,19 @@ BAND_TOP = 0.9
 
 
 def draw_sensitivity(axes: Axes, sensitivity: Sensitivity, nominal_residual: float) -> None:
-    """Draw the residual over the frequency ratio, with the tolerance and its band."""
+    """Draw the residual over the frequency ratio.
+
+    The tolerance and its band are drawn as well.
+
+    Parameters
+    ----------
+    axes
+        An empty panel.
+    sensitivity
+        The curve.
+    nominal_residual
+        Residual at the nominal frequency [-].
+    """
     name_panel(axes, "sensitivity", "Sensitivity")
     ratios, residuals = sensitivity.frequency_ratios, 100 * sensitivity.residuals
     axes.set_xlim(float(ratios[0]), float(ratios[-1]))

@@ -67,14 +67,27 @@ def house_style() -> Iterator[None]:
 
 
 def name_panel(axes: Axes, name: str, title: str) -> None:
-    """Give a panel its name (label and SVG id) and its title, top left."""
+    """Give a panel its name (label and SVG id) and its title, top left.
+
+    Parameters
+    ----------
+    axes
+        The panel.
+    name
+        Label and SVG id.
+    title
+        Text at the top left.
+    """
     axes.set_label(name)
     axes.set_gid(name)
     axes.set_title(title)
 
 
 def legend_above(axes: Axes) -> None:
-    """Put the legend on the line of the title, to the right, where no curve can meet it."""
+    """Put the legend on the line of the title, where no curve meets it.
+
+    It stands to the right.
+    """
     axes.legend(
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
@@ -89,6 +102,16 @@ def legend_above(axes: Axes) -> None:
 
 def percent(share: float) -> str:
     """Return a share as a percentage of three digits.
+
+    Parameters
+    ----------
+    share
+        Share [-].
+
+    Returns
+    -------
+    str
+        Of three digits.
 
     Examples
     --------

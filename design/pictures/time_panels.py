@@ -26,9 +26,21 @@ LABEL_WIDTH = (0.05, 0.0095)
 
 
 def time_grid(impulses: Impulses, mode: Mode, actuator: Actuator) -> FloatArray:
-    """Return the times to draw, shape (n,) [s]: even, and either side of every switch.
+    """Return the times to draw: even, and either side of every switch.
 
     From just before the first switch until the plant has swung and the actuator has settled.
+
+    Parameters
+    ----------
+    impulses
+        The command.
+    mode, actuator
+        The plant's mode and its drive.
+
+    Returns
+    -------
+    FloatArray
+        Shape (n,), rising [s].
     """
     first, last = float(impulses.times_s[0]), float(impulses.times_s[-1])
     settling = max(
@@ -44,7 +56,17 @@ def time_grid(impulses: Impulses, mode: Mode, actuator: Actuator) -> FloatArray:
 
 
 def draw_impulses(axes: Axes, impulses: Impulses, times_s: FloatArray) -> None:
-    """Draw amplitude against time, a stem each, with its time beside its tip."""
+    """Draw a stem for each impulse, with its time beside its tip.
+
+    Parameters
+    ----------
+    axes
+        An empty panel.
+    impulses
+        The shaper, n impulses.
+    times_s
+        Times to draw, of which the first and last bound the panel [s].
+    """
     name_panel(axes, "impulses", "Impulses")
     axes.axhline(0, color=GREY, linewidth=0.8)
     for label, chosen, colour, fill in (
@@ -98,7 +120,21 @@ def _label_times(axes: Axes, impulses: Impulses, times_s: FloatArray) -> int:
 def draw_command(
     axes: Axes, impulses: Impulses, mode: Mode, actuator: Actuator, times_s: FloatArray
 ) -> None:
-    """Draw the commanded velocity and the actuator's, as shares of full speed."""
+    """Draw the commanded velocity and the actuator's.
+
+    Both are shares of full speed.
+
+    Parameters
+    ----------
+    axes
+        An empty panel.
+    impulses
+        The command.
+    mode, actuator
+        The plant's mode and its drive.
+    times_s
+        Times to draw, shape (n,) [s].
+    """
     name_panel(axes, "command", "Command and actuator")
     moves = history(impulses, mode, actuator, times_s)
     axes.plot(
@@ -118,7 +154,23 @@ def draw_payload(
     residual: float,
     times_s: FloatArray,
 ) -> None:
-    """Draw the payload's deflection with and without the shaper, and what rings on."""
+    """Draw the payload's deflection with and without the shaper.
+
+    What rings on is drawn as well. The unit is the amplitude of the unshaped step.
+
+    Parameters
+    ----------
+    axes
+        An empty panel.
+    impulses
+        The shaper.
+    mode, actuator
+        The plant's mode and its drive.
+    residual
+        Residual vibration of the shaper [-].
+    times_s
+        Times to draw, shape (n,) [s].
+    """
     name_panel(axes, "payload", "Payload")
     start, last = impulses.times_s[:1], float(impulses.times_s[-1])
     step = Impulses(times_s=start, amplitudes=np.ones(1))
@@ -158,7 +210,15 @@ def draw_payload(
 
 
 def mark_switches(axes: Axes, impulses: Impulses) -> None:
-    """Draw a line through a panel at every switch, the last one darker."""
+    """Draw a line through a panel at every switch, the last one darker.
+
+    Parameters
+    ----------
+    axes
+        A panel over time.
+    impulses
+        The command.
+    """
     for time in impulses.times_s[:-1].tolist():
         axes.axvline(time, color=PALE, linewidth=0.9, zorder=0.8)
     axes.axvline(

@@ -26,7 +26,7 @@ LABEL_SPACING = 0.08
 
 
 def vibration_vectors(impulses: Impulses, mode: Mode, actuator: Actuator) -> ComplexArray:
-    """Return what each change of the actuator's reference adds to the residual vibration.
+    """Return what each change of the reference adds to the residual.
 
     Parameters
     ----------
@@ -56,7 +56,19 @@ def vibration_vectors(impulses: Impulses, mode: Mode, actuator: Actuator) -> Com
 
 
 def draw_vectors(axes: Axes, impulses: Impulses, mode: Mode, actuator: Actuator) -> None:
-    """Draw the vibration vectors head to tail: a shaper without vibration comes back to 0."""
+    """Draw the vibration vectors head to tail.
+
+    The chain of a shaper without vibration comes back to 0.
+
+    Parameters
+    ----------
+    axes
+        An empty panel.
+    impulses
+        The command.
+    mode, actuator
+        The plant's mode and its drive.
+    """
     name_panel(axes, "vectors", "Vibration vectors, head to tail")
     vectors = vibration_vectors(impulses, mode, actuator)
     corners = np.concatenate(([0.0], np.cumsum(vectors)))

@@ -85,7 +85,10 @@ class Designed:
 
     @property
     def warnings(self) -> tuple[DesignWarning, ...]:
-        """What to know of it: its own tolerance on samples is not what was asked, a verdict is."""
+        """Warnings of the design, except for its own tolerance on samples.
+
+        A verdict says whether the tolerance that was asked for is kept.
+        """
         return tuple(one for one in self.found.warnings if one.code != "tolerance_not_kept")
 
 
@@ -99,9 +102,23 @@ class Refused:
 
 
 def designed(choice: Choice, question: Question, budget: Budget) -> Designed | Refused:
-    """Design one shaper and tell what it leaves, or why there is none.
+    """Design one shaper and measure its residual, or say why there is none.
 
     What that takes is spent from the budget; none is searched where that is spent already.
+
+    Parameters
+    ----------
+    choice
+        Kind and parameters.
+    question
+        What is asked.
+    budget
+        Work that is left.
+
+    Returns
+    -------
+    Designed or Refused
+        The shaper with what it leaves, or the reason of the refusal in words.
     """
     kind, asked = choice.kind, question.requirements
     if question.actuator.kind not in kind.actuators:
@@ -191,7 +208,22 @@ def _own(one: Designed) -> float:
 
 
 def with_tolerance(choice: Choice, tolerance: float) -> Choice:
-    """Return the choice for another tolerance, whose lower bound is none of the question."""
+    """Return the choice for another tolerance.
+
+    Its lower bound is none of the question.
+
+    Parameters
+    ----------
+    choice
+        Kind and parameters, a tolerance among them.
+    tolerance
+        The other one [-].
+
+    Returns
+    -------
+    Choice
+        With ``bound_holds`` False.
+    """
     return replace(
         choice,
         options={**choice.options, "tolerance": tolerance},
@@ -201,10 +233,22 @@ def with_tolerance(choice: Choice, tolerance: float) -> Choice:
 
 
 def effort(choice: Choice, question: Question) -> float:
-    """Return about how much it takes to search a shaper, to begin with those that take least [-].
+    """Return about how much work the search for a shaper takes [-].
 
     Closed forms take least, then equations by the number of their unknowns, then what needs
     programs; of convolved ones, those of the fewest impulses.
+
+    Parameters
+    ----------
+    choice
+        Kind and parameters.
+    question
+        What is asked.
+
+    Returns
+    -------
+    float
+        In no unit: for ordering alone; 0 for what is refused at once.
     """
     modes, actuator = question.designed_for, question.actuator
     kind = choice.kind
@@ -246,7 +290,27 @@ def _periods(half_width: float, tolerance: float) -> float:
 
 
 def made(choice: Choice, question: Question, budget: Budget) -> Designed:
-    """Design one shaper and measure what it leaves; raises what the design does."""
+    """Design one shaper and measure what it leaves.
+
+    Parameters
+    ----------
+    choice
+        Kind and parameters.
+    question
+        What is asked.
+    budget
+        Work that is left; the design spends from it.
+
+    Returns
+    -------
+    Designed
+        The shaper, on samples where a sample time is asked.
+
+    Raises
+    ------
+    DesignError
+        As the design, or its way to the samples, does.
+    """
     modes = question.designed_for
     plant: Plant = modes[0] if len(modes) == 1 else Modes(modes=modes)
     asked, actuator = question.requirements, question.actuator

@@ -46,15 +46,41 @@ TELLING = ("base", "amplitudes", "max_velocity_ratio")
 
 
 def serves(kind: ShaperKind, question: Question) -> bool:
-    """Whether a kind is for as many modes as the plant has.
+    """Return whether a kind is for as many modes as the plant has.
 
-    Those for several serve one too, but are there what they are made of: `zv`, `umzv`, their bases.
+    Kinds for several modes serve one too; for a plant of one mode the kinds that they are made of
+    (`zv`, `umzv`, their bases) stand in their place.
+
+    Parameters
+    ----------
+    kind
+        Kind of the shaper.
+    question
+        What is asked.
+
+    Returns
+    -------
+    bool
+        Whether the kind is designed for the question.
     """
     return (len(question.nominal) > 1) == kind.serves_several
 
 
 def choices(kind: ShaperKind, question: Question) -> Iterator[Choice]:
-    """Yield the ways in which one kind may serve, its own parameters first."""
+    """Yield the ways in which one kind may serve, its own parameters first.
+
+    Parameters
+    ----------
+    kind
+        Kind of the shaper.
+    question
+        What is asked.
+
+    Yields
+    ------
+    Choice
+        With the tolerance and band of the question, within the bounds of the kind.
+    """
     names = {option.name: option for option in dataclasses.fields(kind.options)}
     asked = question.requirements
     common: dict[str, Any] = {}

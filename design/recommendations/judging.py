@@ -106,7 +106,7 @@ class Candidate:
 
     @property
     def width(self) -> float:
-        """Width of its insensitivity: 0 where it has none, infinite where that has no end [-]."""
+        """Width of the insensitivity; 0 without any, inf without an end [-]."""
         if self.insensitivity is None:
             return 0.0
         width = self.insensitivity.width
@@ -114,7 +114,20 @@ class Candidate:
 
 
 def judged(designed: Designed, question: Question) -> Candidate:
-    """Measure a shaper and hold it against every requirement."""
+    """Measure a shaper and hold it against every requirement.
+
+    Parameters
+    ----------
+    designed
+        The shaper and its warnings.
+    question
+        What is asked.
+
+    Returns
+    -------
+    Candidate
+        With a verdict for each requirement.
+    """
     impulses, actuator = designed.found.impulses, question.actuator
     tolerance = question.requirements.tolerance
     intervals = [insensitivity(impulses, mode, actuator, tolerance) for mode in question.nominal]

@@ -43,11 +43,27 @@ def unmet(
     refused: Sequence[Refused],
     budget: Budget,
 ) -> InfeasibleDesignError:
-    """Return the error that no shaper meets the requirements, with the nearest ones.
+    """Return the error that no shaper meets the requirements.
 
     For each limit it tells what can be met if that one alone is given up. Where a longest duration
     is asked, kinds that are designed for a band are designed anew for larger tolerances, to find
     the least that can be left in that time.
+
+    Parameters
+    ----------
+    question
+        What is asked.
+    ranked
+        Shapers that were designed, in the order of the answer; each misses a requirement.
+    refused
+        Shapers that could not be designed.
+    budget
+        Work that is left for easier ones.
+
+    Returns
+    -------
+    InfeasibleDesignError
+        With the nearest shapers; to be raised by the caller.
     """
     if not ranked:
         reasons = [f"{one.choice.name}: {one.reason}" for one in refused[:MOST_REASONS]]
@@ -148,7 +164,22 @@ def _limits(question: Question) -> Iterator[_Limit]:
 
 
 def shortest_possible(question: Question, ranked: Sequence[Candidate]) -> Iterator[str]:
-    """Yield what is proven of the duration of any shaper of a class, shortest first."""
+    """Yield what is proven of the duration of all shapers of a class.
+
+    The shortest bound comes first.
+
+    Parameters
+    ----------
+    question
+        What is asked.
+    ranked
+        Shapers that were designed, some of them with a lower bound of their class.
+
+    Yields
+    ------
+    str
+        A sentence with the bound [s].
+    """
     asked = question.requirements
     bounds: dict[str, float] = {}
     for candidate in ranked:

@@ -62,11 +62,25 @@ class Recommendation:
 
 
 def recommend(plant: Plant, actuator: Actuator, requirements: Requirements) -> Recommendation:
-    """Return the fastest shaper that meets the requirements, and all others with reasons.
+    """Return the fastest shaper that meets the requirements.
+
+    All other shapers follow, with the reasons.
 
     Every kind of the registry is designed for the middle of what the plant may be and judged by the
     largest residual over all of it, with the actuator given. Kinds for one mode are asked for a
     plant of one, those for several for a plant of several.
+
+    Parameters
+    ----------
+    plant, actuator
+        What moves, and what drives it.
+    requirements
+        What is asked.
+
+    Returns
+    -------
+    Recommendation
+        Ranked, the recommended first.
 
     Raises
     ------
@@ -83,7 +97,7 @@ def recommend(plant: Plant, actuator: Actuator, requirements: Requirements) -> R
     >>> known_well = Requirements(half_width=0.02, sign="positive")
     >>> [one.name for one in recommend(crane, Ideal(), known_well).candidates[:3]]
     ['si', 'zv', 'mzv']
-    """
+    """  # noqa: DOC501 - `unmet` returns an InfeasibleDesignError
     question = question_of(plant, actuator, requirements)
     found: list[Candidate] = []
     refused: list[Refused] = []

@@ -173,14 +173,14 @@ class Question:
 
     @property
     def own_band(self) -> tuple[float, float]:
-        """Ends of the band, ratios of the frequencies that shapers are designed for [-]."""
+        """Ends of the band over the frequencies shapers are designed for [-]."""
         middle = self.designed_for[0].natural_frequency_rad_s
         over = self.nominal[0].natural_frequency_rad_s / middle
         return self.band[0] * over, self.band[1] * over
 
     @property
     def half_width(self) -> float:
-        """Half the band's width over its middle, as a request for a shaper would say it [-]."""
+        """Half the band's width over its middle, as a shaper's option [-]."""
         return round((self.band[1] - self.band[0]) / (self.band[1] + self.band[0]), 12)
 
 
@@ -189,6 +189,18 @@ def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) ->
 
     Shapers are designed for the middle of the band, and of the damping range: there the same
     shaper bears more on either side.
+
+    Parameters
+    ----------
+    plant, actuator
+        What moves, and what drives it.
+    requirements
+        What is asked.
+
+    Returns
+    -------
+    Question
+        For the modes in the middle of all that the plant may be.
 
     Raises
     ------

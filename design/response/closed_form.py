@@ -46,7 +46,7 @@ class LagStates:
 def lag_states(
     changes: Reference, first_s: FloatArray, second_s2: FloatArray, model: Model
 ) -> LagStates:
-    """Return the states of lags just before each change of their reference.
+    """Return the states of lags just before each change they follow.
 
     Parameters
     ----------
@@ -57,6 +57,11 @@ def lag_states(
         Coefficients, columns accel and decel, shape (m, 2) or (1, 2) [s], [s^2].
     model
         Of all actuators.
+
+    Returns
+    -------
+    LagStates
+        Of m commands or actuators, n changes each; at rest before the first change.
     """
     times, ramps = np.atleast_2d(changes.times_s), np.atleast_2d(changes.ramps_s)
     many = max(len(times), len(first_s))
@@ -74,7 +79,20 @@ def lag_states(
 
 
 def states_of(changes: Reference, actuator: Actuator) -> LagStates:
-    """Return the `lag_states` of one actuator."""
+    """Return the `lag_states` of one actuator.
+
+    Parameters
+    ----------
+    changes
+        What its lags follow, n changes.
+    actuator
+        The actuator.
+
+    Returns
+    -------
+    LagStates
+        Arrays of shape (1, n, 2).
+    """
     return lag_states(changes, *_coefficients(actuator), actuator.model)
 
 
@@ -119,7 +137,9 @@ def _flows(first_s: FloatArray, second_s2: FloatArray, elapsed_s: FloatArray) ->
 
 
 def travel(impulses: Impulses, actuator: Actuator) -> float:
-    """Return the distance of a rest-to-rest command at full speed 1: the integral of v [s].
+    """Return the distance of a rest-to-rest command at full speed 1 [s].
+
+    The integral of the velocity.
 
     Exact in both models; times the speed it is a distance.
 
@@ -129,6 +149,11 @@ def travel(impulses: Impulses, actuator: Actuator) -> float:
         A command that ends at level 0: its amplitudes sum to 0.
     actuator
         The actuator; it comes to rest after the last step.
+
+    Returns
+    -------
+    float
+        Times the speed it is a distance [s]; negative for a move backward.
 
     Raises
     ------
@@ -170,9 +195,25 @@ def travel(impulses: Impulses, actuator: Actuator) -> float:
 def ringing_of_lag(
     lag: Lag, errors: FloatArray, rates_s: FloatArray, pole_rad_s: complex
 ) -> ComplexArray:
-    """Return what a lag's state will have left in the mode once it is at rest [-].
+    """Return what a lag's state leaves in the mode once it is at rest.
 
-    ``G (second s e' - e)``: its free motion from there, seen at the pole.
+    ``G (second s e' - e)``: its free motion from there, seen at the pole s.
+
+    Parameters
+    ----------
+    lag
+        The lag, of transfer function G.
+    errors
+        Velocity less reference e, shape (n,) [-].
+    rates_s
+        Rate of the velocity e', shape (n,) [1/s].
+    pole_rad_s
+        Upper pole of the mode, no pole of the lag [rad/s].
+
+    Returns
+    -------
+    ComplexArray
+        Modal coordinate, shape (n,) [-].
     """
     left: ComplexArray = (lag.second_s2 * pole_rad_s * rates_s - errors) / lag.denominator(
         pole_rad_s
@@ -204,7 +245,7 @@ class History:
 
 
 def history(impulses: Impulses, mode: Mode, actuator: Actuator, times_s: FloatArray) -> History:
-    """Return the time history of a command, exact at each of ``times_s``.
+    """Return the time history of a command in closed form.
 
     Parameters
     ----------
@@ -214,6 +255,11 @@ def history(impulses: Impulses, mode: Mode, actuator: Actuator, times_s: FloatAr
         The plant's mode and its drive; no set may have its own pole at the plant's.
     times_s
         Times, shape (n,) [s]; before the first step all is at rest.
+
+    Returns
+    -------
+    History
+        All of shape (n,).
 
     Notes
     -----

@@ -164,7 +164,7 @@ def ringing_after(
     damping_ratio: float | FloatArray,
     initial: FloatArray | None = None,
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Return the free vibration that a command leaves, and that of an unshaped step.
+    """Return the vibration that a command and an unshaped step leave.
 
     Parameters
     ----------
@@ -238,7 +238,9 @@ def _left_eigenvectors(
 def simulated_history(
     impulses: Impulses, mode: Mode, actuator: Actuator, times_s: FloatArray
 ) -> History:
-    """Return what `design.response.closed_form.history` does, by this route.
+    """Return the time history of a command by matrix exponential.
+
+    The second route to what `design.response.closed_form.history` returns.
 
     Parameters
     ----------
@@ -248,6 +250,11 @@ def simulated_history(
         The plant's mode and its drive.
     times_s
         Times, shape (n,) [s]; before the first step all is at rest.
+
+    Returns
+    -------
+    History
+        All of shape (n,).
     """
     dynamics = _dynamics(actuator, np.array([mode.natural_frequency_rad_s]), mode.damping_ratio)
     changes = reference(impulses, actuator)

@@ -28,7 +28,7 @@ def exact_positive(
     *,
     slope: bool = False,
 ) -> Impulses:
-    """Return amplitudes on neighbouring samples that leave exactly nothing.
+    """Return amplitudes on neighbouring samples that leave exactly zero.
 
     Of all amplitudes that keep sign and sum and make V (and dV/dw) zero, close to the nearest ones
     to the linear split, in the sense of least squares, on the fewest samples around each impulse.
@@ -44,6 +44,11 @@ def exact_positive(
         Sample time, > 0, at most the whole duration [s].
     slope
         Whether dV/dw is to be zero too.
+
+    Returns
+    -------
+    Impulses
+        Of the same sum and sign, on whole samples around each impulse, as few as do it.
 
     Raises
     ------

@@ -75,7 +75,25 @@ class ListedHalves:
 def list_halves(
     impulses: Impulses, mode: Mode, actuator: Actuator, sample_time_s: float
 ) -> ListedHalves:
-    """Return the halves of all commands that are at most one period longer than the impulses."""
+    """Return the halves of all commands of level 0 or 1 on samples.
+
+    The commands are at most one period longer than the impulses.
+
+    Parameters
+    ----------
+    impulses
+        The shaper, whose duration counts.
+    mode, actuator
+        The plant's mode and its drive.
+    sample_time_s
+        Sample time, > 0 [s].
+
+    Returns
+    -------
+    ListedHalves
+        By number of impulses, sorted for `match_halves`; on every second, third, ... sample where
+        there are too many.
+    """
     longest_s = impulses.duration_s + ADDED_PERIODS * mode.period_s
     longest = math.floor(longest_s / sample_time_s)
     stride = -(-longest // MOST_POSITIONS)
@@ -126,10 +144,26 @@ def _levels(count: int) -> IntArray:
 
 
 def match_halves(listed: ListedHalves, count: int, *, slope: bool, tolerance: float) -> IntArray:
-    """Return positions of commands of ``count`` impulses in a net just wide enough, shape (m, n).
+    """Return positions of commands that leave least.
 
-    The net holds every command that leaves less than its width (superposed, on the positions).
-    Those come first that leave least.
+    The net that catches halves holds every command that leaves less than its width (superposed, on
+    the positions), and is just wide enough. Those come first that leave least.
+
+    Parameters
+    ----------
+    listed
+        The halves.
+    count
+        Number of impulses n of the commands.
+    slope
+        Whether the slope in frequency counts too.
+    tolerance
+        Width of the net at first, >= 0 [-].
+
+    Returns
+    -------
+    IntArray
+        Numbers of positions, shape (m, n), rising; of shape (0, n) where none was caught.
     """
     halves = [
         (first, listed.seconds[count - before])

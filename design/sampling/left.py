@@ -29,9 +29,24 @@ WANTED = 100
 
 
 def cuts_ramps(impulses: Impulses, actuator: Actuator, sample_time_s: float) -> bool:
-    """Return whether steps moved by a sample may begin before the ramp of the last one is over.
+    """Return whether steps moved by a sample may cut a ramp.
 
-    Or a step reverses the command, whose two ramps a formula of many commands does not know.
+    A step then begins before the ramp of the one before is over, or reverses the command, whose two
+    ramps a formula of many commands does not know.
+
+    Parameters
+    ----------
+    impulses
+        The shaper, before its steps are moved.
+    actuator
+        The drive; without limits nothing is cut.
+    sample_time_s
+        Sample time [s].
+
+    Returns
+    -------
+    bool
+        Whether such commands must be computed one by one.
     """
     accelerating, braking = unit_ramps_s(actuator)
     if max(accelerating, braking) == 0:
@@ -57,7 +72,26 @@ def left_of_many(
     slope: bool,
     band: Band | None = None,
 ) -> FloatArray:
-    """Return what `unity_on_grid` minimises of many shapers, times of shape (m, n): shape (m,)."""
+    """Return what `unity_on_grid` minimises, of many shapers.
+
+    Parameters
+    ----------
+    times_s
+        Times of the steps, shape (m, n) [s].
+    amplitudes
+        Their heights, the same for all, shape (n,) [-].
+    mode, actuator
+        The plant's mode and its drive.
+    slope
+        Whether ``0.05 |dV/d ln w|`` is added; it is not over a band.
+    band
+        Ends of a band of which the largest residual counts [-]; None for the nominal frequency.
+
+    Returns
+    -------
+    FloatArray
+        Shape (m,) [-].
+    """
     lag = actuator.accel_lag
 
     def vibration(ratio: float) -> ComplexArray:
@@ -98,9 +132,26 @@ def _largest_at(
 def left_over_band(
     times_s: FloatArray, amplitudes: FloatArray, mode: Mode, actuator: Actuator, band: Band
 ) -> FloatArray:
-    """Return the largest residual over a band of those shapers that may leave least, inf of others.
+    """Return the largest residual over a band of the best shapers.
 
-    What one leaves at three frequencies it leaves at all of them, at least.
+    What a shaper leaves at three frequencies it leaves over the band, at least. Those that cannot
+    be the best by this are not looked at.
+
+    Parameters
+    ----------
+    times_s
+        Times of the steps, shape (m, n) [s].
+    amplitudes
+        Their heights, the same for all, shape (n,) [-].
+    mode, actuator
+        The plant's mode and its drive.
+    band
+        Lowest and highest ratio of true and nominal frequency [-].
+
+    Returns
+    -------
+    FloatArray
+        Shape (m,) [-]; inf for those not looked at.
     """
     least = _largest_at(times_s, amplitudes, mode, actuator, np.linspace(*band, 3))
     order = np.argsort(least, kind="stable")

@@ -36,7 +36,10 @@ SHORT_REACH = 2
 
 
 def is_unity(impulses: Impulses) -> bool:
-    """Return whether the amplitudes are a, -a, a, ..., a: at all times level 0 or a."""
+    """Return whether the amplitudes are a, -a, a, ..., a.
+
+    Such a command is at level 0 or a at all times.
+    """
     first = float(impulses.amplitudes[0])
     signs = (-1.0) ** np.arange(impulses.amplitudes.size)
     return impulses.amplitudes.size % 2 == 1 and bool(np.all(impulses.amplitudes == first * signs))
@@ -51,7 +54,7 @@ def more_impulses_on_grid(
     slope: bool,
     tolerance: float,
 ) -> Iterator[Impulses]:
-    """Yield the best commands of unity magnitude with 2, 4 and 6 impulses more, on whole samples.
+    """Yield the best unity-magnitude commands with 2, 4 and 6 impulses more.
 
     Searched is every command of level 0 or 1 on each sample that is at most one period longer than
     the shaper: it leaves a sum of what its two halves leave, so that halves are listed and matched

@@ -25,7 +25,7 @@ MOST_SAMPLES = 1_000_000
 
 
 def nearest(impulses: Impulses, sample_time_s: float) -> Impulses:
-    """Return the impulses, each at the sample nearest to it; half a sample rounds up.
+    """Return the impulses, each at its nearest sample; halves round up.
 
     Parameters
     ----------
@@ -33,6 +33,11 @@ def nearest(impulses: Impulses, sample_time_s: float) -> Impulses:
         The shaper.
     sample_time_s
         Sample time, > 0, at most the shortest gap between two impulses [s].
+
+    Returns
+    -------
+    Impulses
+        Of unchanged amplitudes.
 
     Raises
     ------
@@ -51,7 +56,7 @@ def nearest(impulses: Impulses, sample_time_s: float) -> Impulses:
 
 
 def carried(impulses: Impulses, sample_time_s: float) -> Impulses:
-    """Return the impulses rounded in turn, each with the rounding error of the one before.
+    """Return the impulses rounded in turn, each with the last one's error.
 
     With ``x_i`` the time of an impulse in samples and ``k_i`` the sample that it is given,
     ``k_i = round(x_i + x_(i-1) - k_(i-1))``: equations 7 and 8 of the source for three impulses.
@@ -62,6 +67,11 @@ def carried(impulses: Impulses, sample_time_s: float) -> Impulses:
         The shaper.
     sample_time_s
         Sample time, > 0, at most the shortest gap between two impulses [s].
+
+    Returns
+    -------
+    Impulses
+        Of unchanged amplitudes, no two at one sample.
 
     Raises
     ------
@@ -96,7 +106,7 @@ def carried(impulses: Impulses, sample_time_s: float) -> Impulses:
 
 
 def split(impulses: Impulses, sample_time_s: float) -> Impulses:
-    """Return the impulses, each shared linearly between the two samples around it.
+    """Return the impulses, each shared by the two samples around it.
 
     Sum and mean time of the amplitudes are kept. Amplitudes of unity magnitude are not.
 
@@ -106,6 +116,11 @@ def split(impulses: Impulses, sample_time_s: float) -> Impulses:
         The shaper.
     sample_time_s
         Sample time, > 0, at most the whole duration [s].
+
+    Returns
+    -------
+    Impulses
+        At most two for each impulse; those of height 0 are left out.
 
     Raises
     ------
@@ -156,19 +171,50 @@ def shared(impulses: Impulses, sample_time_s: float, *, reach: int) -> tuple[Int
 
 
 def on_samples(samples: IntArray, amplitudes: FloatArray, sample_time_s: float) -> Impulses:
-    """Return the impulses at these samples, those of height 0 left out."""
+    """Return the impulses at these samples; those of height 0 are left out.
+
+    Parameters
+    ----------
+    samples
+        Numbers of samples, shape (n,), rising.
+    amplitudes
+        Heights, shape (n,), not all 0 [-].
+    sample_time_s
+        Sample time [s].
+
+    Returns
+    -------
+    Impulses
+        At whole multiples of the sample time.
+    """
     used = amplitudes != 0
     return Impulses(times_s=samples[used] * sample_time_s, amplitudes=amplitudes[used])
 
 
 def rounded(positions: FloatArray) -> IntArray:
-    """Return the nearest whole numbers, halves up: `numpy.rint` would round them to even."""
+    """Return the nearest whole numbers; halves round up.
+
+    `numpy.rint` would round them to even.
+    """
     whole: IntArray = np.floor(positions + 0.5).astype(int)
     return whole
 
 
 def require_gaps(impulses: Impulses, sample_time_s: float) -> None:
-    """Raise InvalidInputError unless every impulse has a sample of its own."""
+    """Check that every impulse has a sample of its own.
+
+    Parameters
+    ----------
+    impulses
+        The shaper.
+    sample_time_s
+        Sample time [s].
+
+    Raises
+    ------
+    InvalidInputError
+        If the sample time is not > 0, or longer than the shortest gap between two impulses.
+    """
     shortest = float(np.min(np.diff(impulses.times_s), initial=math.inf))
     _require_grid(impulses, sample_time_s, shortest, "the shortest gap between two impulses")
 

@@ -51,14 +51,38 @@ def sampled_design(
     *,
     tolerance: float | None = None,
 ) -> tuple[Design, Sampled]:
-    """Return a design brought to a sample grid, its certificate proving what it tells.
+    """Return a design brought to a sample grid, with a certificate of its own.
 
     The residual of a sampled shaper, at the nominal frequency and over the band of the shaper's own
     claim if it has one, is computed by formula; the judge recomputes it by simulation, for the
     actuator of the shaper's own certificate. One that holds for an ideal actuator only does so on
     samples, and a warning has the figure with the one given. Another says where the residual is
-    above what the shaper claims, or for one that claims zero, above the sample tolerance. The
-    parameters are those of `sample`.
+    above what the shaper claims, or for one that claims zero, above the sample tolerance.
+
+    Parameters
+    ----------
+    continuous
+        The shaper between the samples.
+    mode, actuator
+        The plant's mode and its drive.
+    sample_time_s
+        Sample time, bounded as in `sample` [s].
+    tolerance
+        What unity magnitude may leave before impulses are added, 0 to 1 [-]; None adds none.
+
+    Returns
+    -------
+    Design
+        The shaper on samples.
+    Sampled
+        How it came there, and what other ways leave.
+
+    Raises
+    ------
+    InvalidInputError
+        As `sample` does.
+    SolverFailedError
+        If simulation does not confirm the residual that the formula gives.
     """
     kept = continuous.certificate.over_band
     sampled = sample(
@@ -138,7 +162,9 @@ def _lost_on_samples(
 
 
 def claims_on_samples(continuous: Design, tolerance: float | None) -> tuple[Claim, ...]:
-    """Return what a shaper claims, where it claims a zero residual with what samples may leave.
+    """Return what a shaper claims on samples.
+
+    A residual that is claimed to be zero is claimed to be within the sample tolerance.
 
     Parameters
     ----------
@@ -146,6 +172,11 @@ def claims_on_samples(continuous: Design, tolerance: float | None) -> tuple[Clai
         The shaper between the samples.
     tolerance
         The sample tolerance [-]; `SAMPLE_TOLERANCE` if None.
+
+    Returns
+    -------
+    tuple of Claim
+        In the order of the shaper's certificate.
     """
     for_zero = SAMPLE_TOLERANCE if tolerance is None else tolerance
     return tuple(

@@ -36,7 +36,9 @@ def unity_on_grid(
     slope: bool,
     band: Band | None = None,
 ) -> Impulses:
-    """Return the impulses with amplitudes unchanged, at the best whole samples around them.
+    """Return the impulses at the best whole samples around them.
+
+    The amplitudes are unchanged.
 
     Compared is every choice of samples, up to four on each side of the nearest (fewer for more
     than five impulses, or where ramps are cut), in order. The first impulse stays at its nearest

@@ -40,7 +40,25 @@ class ToleranceOptions(ShaperOptions):
 
 
 def extra_insensitive(case: DesignCase[ToleranceOptions], *, seed: str) -> Formulation:
-    """Formulate one of the shapers of this module, by the name of its undamped form."""
+    """Formulate an extra-insensitive shaper by its undamped form.
+
+    Parameters
+    ----------
+    case
+        Mode and options.
+    seed
+        Name of its undamped form, as in `design.formulations.humps.UNDAMPED`.
+
+    Returns
+    -------
+    Formulation
+        A closed form.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If the mode is damped too much for the tolerance.
+    """
     mode, options = case.mode, case.options
     found = humped(seed, mode.damping_ratio, options.tolerance)
     return ClosedForm(

@@ -132,13 +132,33 @@ class KindOf(Generic[Options]):
     def case(
         self, modes: tuple[Mode, ...], actuator: Actuator, options: Options | None = None
     ) -> DesignCase[Options]:
-        """Return a case of this kind, its options the usual ones if not given."""
+        """Return a case of this kind.
+
+        Parameters
+        ----------
+        modes
+            The modes of the plant.
+        actuator
+            What it is designed for.
+        options
+            Parameters of the kind; the usual ones if not given.
+
+        Returns
+        -------
+        DesignCase
+            What `formulate` takes.
+        """
         return DesignCase(
             modes=modes, actuator=actuator, options=self.options() if options is None else options
         )
 
     def formulate(self, case: DesignCase[Options]) -> Formulation:
         """Return the closed form, or the problem, of a case.
+
+        Returns
+        -------
+        Formulation
+            A closed form or a problem.
 
         Raises
         ------
@@ -160,7 +180,7 @@ class KindOf(Generic[Options]):
         return self.formulation(case)
 
     def require_damping(self, modes: tuple[Mode, ...]) -> None:
-        """Raise InvalidInputError for the first of several modes that is damped too much."""
+        """Raise InvalidInputError for the first mode that is damped too much."""
         for number, mode in enumerate(modes):
             field_name = "plant" if len(modes) == 1 else f"plant.modes.{number}"
             require_damping(self.name, self.damping, mode, field_name)
@@ -173,7 +193,24 @@ ShaperKind = KindOf[Any]
 def require_damping(
     name: str, damping: DampingBound, mode: Mode, field_name: str = "plant"
 ) -> None:
-    """Raise InvalidInputError where a mode is damped more than a kind of shaper serves."""
+    """Check that a mode is damped no more than a kind of shaper serves.
+
+    Parameters
+    ----------
+    name
+        Name of the kind.
+    damping
+        Its bound.
+    mode
+        The mode.
+    field_name
+        Dotted path of the mode, for the error.
+
+    Raises
+    ------
+    InvalidInputError
+        If the damping ratio is above the bound.
+    """
     if mode.damping_ratio > damping.most:
         raise InvalidInputError(
             f"{field_name}.damping_ratio",

@@ -65,7 +65,9 @@ class NegativeOptions(ShaperOptions):
 
 
 def sna_zv(case: DesignCase[NegativeOptions]) -> Formulation:
-    """Formulate three impulses of which the second is given and none is above 1.
+    """Formulate three impulses of which the second is given.
+
+    None is above 1.
 
     The first and third swing alike at the end: undamped the fastest of all their shares, damped by
     less than 0.05 % slower up to z = 0.1, 0.6 % at 0.5. Where the first would be above 1 it is 1,
@@ -104,6 +106,11 @@ def _isosceles(b: float, damping_ratio: float, ratio: complex) -> float:
         c = (1 + b) / (1 + exp(-2 k x)),    (1 + b) cos x = b a exp(k p) cosh(k x)
 
     whose left side falls from x = 0 to a quarter turn while its right side does not.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If there is no such x within a quarter turn.
     """
     k = damping_ratio / math.sqrt(1 - damping_ratio**2)
     pull = b * abs(ratio) * math.exp(k * cmath.phase(ratio))
@@ -123,7 +130,9 @@ def _isosceles(b: float, damping_ratio: float, ratio: complex) -> float:
 
 
 def sna_zvd(case: DesignCase[NegativeOptions]) -> Formulation:
-    """Formulate five impulses of which the second and fourth are given, flat in frequency.
+    """Formulate five impulses, the second and fourth given.
+
+    The residual is flat in frequency.
 
     Undamped and behind an actuator that follows its command it is its own mirror image: amplitudes
     a, -b, c, -b, a at 0, y - x, y, y + x, 2 y. The conditions ``V = dV/dw = 0`` leave one of a, c,

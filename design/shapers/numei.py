@@ -102,7 +102,9 @@ class AlternatingHumps:
         return 2 * self.humps + 3
 
     def expressions(self) -> Expressions:
-        """Build the equations of `formulations.humps`, with the actuator's own gains and slopes.
+        """Build the equations of `formulations.humps` with an actuator.
+
+        Gains and slopes are the actuator's own.
 
         With V(r) the residual's vector at the ratio r of true and nominal frequency::
 
@@ -136,10 +138,27 @@ class AlternatingHumps:
 
 
 def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
-    """Formulate the minimum-time shaper whose curve has one hump of the tolerance, or two.
+    """Formulate the fastest shaper with one hump of the tolerance, or two.
 
-    Zeros and peaks are at frequencies that are unknown as well, but for the middle one, which is at
-    the nominal frequency.
+    Zeros and peaks are at frequencies that are unknown as well, except for the middle one, which is
+    at the nominal frequency.
+
+    Parameters
+    ----------
+    case
+        Mode, actuator and options.
+    humps
+        Number of humps, 1 or 2.
+
+    Returns
+    -------
+    Formulation
+        A problem in gaps and in ratios of frequency.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If settling before each switch takes longer than the longest shaper asked for.
     """
     mode, actuator, options = case.mode, case.actuator, case.options
     model = AlternatingHumps(

@@ -124,11 +124,21 @@ class UnityBandOptions(SettleOptions):
 
 
 def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
-    """Formulate the minimum-time shaper whose residual is within a tolerance over a band.
+    """Formulate the fastest shaper within a tolerance over a band.
 
     ``|V(r)| <= tolerance`` for every ratio ``r`` of true and nominal frequency within the half
     width of 1, by the actuator's own gains at each pole; in the superposed model or the switched.
     No proof is known that a shorter one does not exist: the problem is not convex.
+
+    Returns
+    -------
+    Formulation
+        A search over problems, one for each number of impulses.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If settling before each switch takes longer than the longest shaper asked for.
     """
     mode, actuator, options = case.mode, case.actuator, case.options
     counts = COUNTS if options.impulses is None else (options.impulses,)

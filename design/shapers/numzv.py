@@ -23,12 +23,24 @@ SOURCE = "Kim, master thesis (2011), chapter 3"
 
 
 def numzv(case: DesignCase[PeakOptions]) -> Formulation:
-    """Formulate the three-impulse shaper that knows both sets of the actuator.
+    """Formulate the three-impulse shaper that knows both sets.
 
     Undamped, superposed steps: the closed vector diagram, `undamped_times_rad`. Damped or
     switched: its equations at the plant's pole, solved. Its first pulse is as high as
     ``max_velocity_ratio`` v says, amplitudes v, -v, 1 (Kim 2011, appendix B: UMZVc2); the negative
     of a stop has 1, -v, v.
+
+    Returns
+    -------
+    Formulation
+        A closed form for an undamped mode and superposed steps, else a problem in two gaps.
+
+    Raises
+    ------
+    InvalidInputError
+        If a peak other than 1 is asked for behind a rate-limited actuator.
+    InfeasibleDesignError
+        If no vector diagram closes within the longest duration asked for, settling included.
     """
     mode, actuator, options = case.mode, case.actuator, case.options
     peak = options.max_velocity_ratio
@@ -65,7 +77,7 @@ def numzv(case: DesignCase[PeakOptions]) -> Formulation:
 
 
 def numzvd(case: DesignCase[SettleOptions]) -> Formulation:
-    """Formulate the five-impulse minimum-time shaper, robust in frequency.
+    """Formulate the fastest five-impulse shaper flat in frequency.
 
     V = 0 and dV/dw = 0, the actuator's own slope included, which the thesis leaves out.
     """

@@ -22,7 +22,10 @@ USUAL_TOLERANCE = 0.05
 
 
 def tolerance_field(description: str) -> float:
-    """Return the field of a tolerance between `SMALLEST_TOLERANCE` and `LARGEST_TOLERANCE`."""
+    """Return the field of a tolerance, with default and bounds.
+
+    The bounds are `SMALLEST_TOLERANCE` and `LARGEST_TOLERANCE`.
+    """
     return field(
         default=USUAL_TOLERANCE,
         metadata={
@@ -47,7 +50,14 @@ class ShaperOptions:
     BAND_FIELDS: ClassVar[tuple[str, ...]] = ()
 
     def with_band(self, half_width: float) -> Self:  # noqa: ARG002
-        """Return these parameters with a band of a half width around 1; as they are without one.
+        """Return these parameters with a band of a half width around 1.
+
+        A kind without a band returns them as they are.
+
+        Returns
+        -------
+        Self
+            Parameters of the same kind.
 
         Raises
         ------

@@ -35,7 +35,7 @@ UNDAMPED_PARTIAL_SUMS_RAD = PERIOD_RAD * np.array([0.0, 0.152406, 0.277396, 0.63
 
 
 def ps_zv(case: DesignCase[NoOptions]) -> Formulation:
-    """Formulate the three impulses 1, -2, 2, whose sums are 1 in magnitude.
+    """Formulate the impulses 1, -2, 2, of sums 1 in magnitude.
 
     The second step takes the command from 1 to -1: which set of an asymmetric actuator drives which
     part of it no model of steps can say. So the actuator is taken to follow its command.
@@ -58,7 +58,7 @@ def ps_zv(case: DesignCase[NoOptions]) -> Formulation:
 
 
 def ps_zvd(case: DesignCase[NoOptions]) -> Formulation:
-    """Formulate the five impulses 1, -2, 2, -2, 2, whose residual is flat in frequency.
+    """Formulate the impulses 1, -2, 2, -2, 2, flat in frequency.
 
     For an actuator that follows its command, for the reason of `ps_zv`.
     """

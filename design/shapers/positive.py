@@ -50,7 +50,10 @@ MZV_DURATION = 0.75
 
 
 def served(actuator: Actuator) -> Actuator:
-    """Return the actuator for which a positive shaper is exact: the one given but for limits."""
+    """Return the actuator for which a positive shaper is exact.
+
+    It is the one given, or an ideal one in place of a rate-limited one.
+    """
     return Ideal() if isinstance(actuator, RateLimited) else actuator
 
 
@@ -61,6 +64,22 @@ def evenly(
 
     Their swings at the last impulse are to each other as the weights: impulse i is smaller by
     ``exp(-z spacing i / sqrt(1 - z^2))``, as a swing that began with the first has decayed by then.
+
+    Parameters
+    ----------
+    mode
+        The mode.
+    actuator
+        What it is designed for.
+    weights
+        Of the undamped shaper, n of them [-].
+    spacing_rad
+        Damped phase from one impulse to the next [rad].
+
+    Returns
+    -------
+    ClosedForm
+        Of n impulses, of sum 1.
     """
     z = mode.damping_ratio
     damped = math.sqrt(1 - z * z)
@@ -78,7 +97,22 @@ def evenly(
 
 
 def damping_bound(weights: tuple[float, ...], spacing_rad: float) -> DampingBound:
-    """Return up to which damping ratio the last impulse of `evenly` is more than rounding."""
+    """Return the largest damping ratio that `evenly` serves.
+
+    Beyond it the last impulse is only rounding.
+
+    Parameters
+    ----------
+    weights
+        Of the undamped shaper [-].
+    spacing_rad
+        Damped phase from one impulse to the next [rad].
+
+    Returns
+    -------
+    DampingBound
+        With the reason.
+    """
     low, high = 0.0, 1.0
     for _ in range(HALVINGS):
         z = (low + high) / 2
@@ -206,6 +240,16 @@ def mzv(case: DesignCase[MzvOptions]) -> Formulation:
     With x the turn from one impulse to the next, ``V`` is a polynomial in x. Its n - 1 roots lie on
     the unit circle, evenly from the nominal phase ``p = 2 pi t / (n - 1)`` to ``2 pi - p``: so the
     zeros go on at equal distances in frequency, the first of them at the nominal one.
+
+    Returns
+    -------
+    Formulation
+        A closed form of n impulses.
+
+    Raises
+    ------
+    InvalidInputError
+        If the duration asked for makes an impulse negative, or the mode is damped too much.
     """
     mode, options = case.mode, case.options
     phase = 2 * math.pi * options.duration_periods / (options.n - 1)
@@ -223,7 +267,20 @@ def mzv(case: DesignCase[MzvOptions]) -> Formulation:
 
 @lru_cache(maxsize=256)
 def mzv_weights(n: int, phase: float) -> tuple[float, ...]:
-    """Return the coefficients of the polynomial whose roots are those of `mzv`, shape (n,)."""
+    """Return the coefficients of the polynomial whose roots `mzv` has.
+
+    Parameters
+    ----------
+    n
+        Number of impulses, >= 3.
+    phase
+        Phase of the first root [rad].
+
+    Returns
+    -------
+    tuple of float
+        n weights [-].
+    """
     step = 2 * (math.pi - phase) / (n - 2)
     polynomial: list[complex] = [1.0]
     for number in range(n - 1):

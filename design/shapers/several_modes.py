@@ -51,6 +51,25 @@ def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> Joi
 
     Positive steps share the acceleration set's G in each mode, so they are exact for every actuator
     that follows steps; steps up and down are for one that follows its command.
+
+    Parameters
+    ----------
+    modes
+        The modes of the plant, one or more.
+    actuator
+        What is given; without limits where steps are positive.
+    positive
+        Whether all steps are above 0; else the command stays within 0 to 1.
+
+    Returns
+    -------
+    JointProblem
+        In phases of the slowest mode.
+
+    Raises
+    ------
+    InvalidInputError
+        If one of several modes decays too fast beside the slowest.
     """
     w = min(mode.natural_frequency_rad_s for mode in modes)
     for number, mode in enumerate(modes):
@@ -127,7 +146,7 @@ class ConvolvedOptions(ShaperOptions):
 
 
 def impulses_of(parts: tuple[Formulation, ...]) -> int:
-    """Return how many impulses shapers have when they are convolved, before any is solved for."""
+    """Return how many impulses convolved shapers have, before they are solved."""
     counts = [
         part.impulses.times_s.size if isinstance(part, ClosedForm) else part.amplitudes.size
         for part in parts
@@ -160,7 +179,19 @@ def _require_provable(
 
 
 def convolved(case: DesignCase[ConvolvedOptions]) -> Convolution:
-    """Formulate a shaper for each mode, each shaping the steps of the one before."""
+    """Formulate a shaper for each mode, each shaping the one before.
+
+    Returns
+    -------
+    Convolution
+        A part for each mode.
+
+    Raises
+    ------
+    InvalidInputError
+        If a mode is damped more than the base serves, or too many impulses would have to be
+        certified.
+    """
     modes, actuator, options = case.modes, case.actuator, case.options
     base = BASES[options.base]
     base.require_damping(modes)

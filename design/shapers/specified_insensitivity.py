@@ -176,12 +176,17 @@ class BandOptions(ShaperOptions):
 
 
 def specified_insensitivity(case: DesignCase[BandOptions]) -> BandProblem:
-    """Formulate the minimum-time shaper whose residual stays within a tolerance over a band.
+    """Formulate the fastest convex shaper within a tolerance over a band.
 
     Positive amplitudes use the acceleration set alone, whose G is then a common factor: the shaper
     holds behind every actuator without limits to its rate. Amplitudes of both signs need a G in
     common, so that the two sets must be equal: else the problem is not convex, and no bound to its
     duration can be proved.
+
+    Returns
+    -------
+    BandProblem
+        In phases of the mode.
 
     Raises
     ------

@@ -47,7 +47,7 @@ def umzv(case: DesignCase[NoOptions]) -> Formulation:
 
 
 def umzvd(case: DesignCase[NoOptions]) -> Formulation:
-    """Formulate the unity-magnitude shaper with zero slope: `umzv`, robust in frequency."""
+    """Formulate `umzv` with zero slope, robust in frequency."""
     mode = case.mode
     return unity_magnitude_problem(
         ZERO_VIBRATION_DERIVATIVE,

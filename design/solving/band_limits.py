@@ -23,7 +23,22 @@ FAR_BEYOND = 1.5
 
 
 def excluded(problem: BandProblem, obstacle: Obstacle, budget: Budget) -> bool:
-    """Return whether an obstacle proves that no shaper is as short as its duration."""
+    """Return whether an obstacle proves that no shaper is so short.
+
+    Parameters
+    ----------
+    problem
+        What is to be kept over the band.
+    obstacle
+        Frequencies and vectors for a duration.
+    budget
+        That of the search, which notes the attempt.
+
+    Returns
+    -------
+    bool
+        False is no proof of the contrary.
+    """
     proved = excludes(
         problem.unit_pole,
         obstacle.ratios,
@@ -46,7 +61,20 @@ def excluded(problem: BandProblem, obstacle: Obstacle, budget: Budget) -> bool:
 
 
 def require_long_enough(problem: BandProblem, budget: Budget) -> None:
-    """Raise InfeasibleDesignError where a horizon is far too short, by a separate proof."""
+    """Check that a horizon is not far too short, by a separate proof.
+
+    Parameters
+    ----------
+    problem
+        What is to be kept over the band, and its horizon.
+    budget
+        That of the search.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If no shaper within the horizon keeps the tolerance; says which tolerance can be met.
+    """
     needed = first_duration_rad(problem)
     if needed < FAR_BEYOND * problem.horizon_rad:
         return
@@ -64,9 +92,21 @@ def require_long_enough(problem: BandProblem, budget: Budget) -> None:
 
 
 def require_more_than_waiting(problem: BandProblem, budget: Budget) -> None:
-    """Raise InfeasibleDesignError where nothing is faster than to wait for the mode's damping.
+    """Check that something may be faster than to wait for the mode's damping.
 
-    A step and one of no height after it: what rings has decayed by then.
+    Waiting is a step and one of no height after it: what rings has decayed by then.
+
+    Parameters
+    ----------
+    problem
+        What is to be kept over the band.
+    budget
+        That of the search; where it does not do for the proof nothing is checked.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If it is proven that nothing is faster.
     """
     decay, lower = -problem.unit_pole.real, problem.band[0]
     if decay == 0:
@@ -84,7 +124,22 @@ def require_more_than_waiting(problem: BandProblem, budget: Budget) -> None:
 
 
 def require_in_time(problem: BandProblem, found: Bounded, budget: Budget) -> None:
-    """Raise InfeasibleDesignError where what was found is longer than the horizon."""
+    """Check that what was found is within the horizon.
+
+    Parameters
+    ----------
+    problem
+        What is to be kept over the band, and its horizon.
+    found
+        The fastest shaper, with its bound.
+    budget
+        That of the search.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If it is longer than the horizon; says what can be met instead.
+    """
     duration = float(found.times_rad[-1])
     if duration <= problem.horizon_rad:
         return

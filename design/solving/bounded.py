@@ -51,6 +51,11 @@ class Bounded:
             What solved the programs.
         seed
             Name of its start.
+
+        Returns
+        -------
+        Solution
+            With its lower bound in seconds.
         """
         return Solution(
             impulses=Impulses(

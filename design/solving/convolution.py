@@ -22,6 +22,11 @@ def convolved(solved: list[Solution]) -> Solution:
     solved
         The solutions, in the order of the modes; at least one.
 
+    Returns
+    -------
+    Solution
+        Of all modes; its report adds up the iterations and starts of the parts.
+
     Raises
     ------
     InfeasibleDesignError

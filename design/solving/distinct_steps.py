@@ -16,10 +16,10 @@ what came before has decayed.
 
 
 def distinct_steps(impulses: Impulses) -> Impulses:
-    """Join steps at the same time but for rounding, and leave out those that are rounding.
+    """Join steps at the same time, and leave out those that are rounding.
 
-    Left out are the smallest steps as long as they are less than `NO_STEP` of all together, so
-    that what the others claim to be zero stays so.
+    The same time is one up to rounding. Left out are the smallest steps as long as they are less
+    than `NO_STEP` of all together, so that what the others claim to be zero stays so.
     """
     times, amplitudes = impulses.times_s, impulses.amplitudes
     apart = np.diff(times, prepend=-np.inf) > SAME_TIME * impulses.duration_s

@@ -22,7 +22,19 @@ from design.trace import TraceStep
 
 
 def solve_jointly(problem: JointProblem, budget: Budget) -> Iterator[Solution]:
-    """Yield the fastest command without vibration in any mode, with its bound.
+    """Yield the fastest command without vibration in any mode.
+
+    Parameters
+    ----------
+    problem
+        The modes, and the sign of the steps.
+    budget
+        What the search may do.
+
+    Yields
+    ------
+    Solution
+        With its bound; the next if one is not certified.
 
     Raises
     ------
@@ -56,6 +68,18 @@ def solve_jointly(problem: JointProblem, budget: Budget) -> Iterator[Solution]:
 
 def solve_over_band(problem: BandProblem, budget: Budget) -> Iterator[Solution]:
     """Yield the fastest shaper over a band, with its bound.
+
+    Parameters
+    ----------
+    problem
+        What is to be kept over the band.
+    budget
+        What the search may do.
+
+    Yields
+    ------
+    Solution
+        With its bound; the next if one is not certified.
 
     Raises
     ------

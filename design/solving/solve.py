@@ -34,6 +34,11 @@ def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[So
     budget
         What the search may do; that of one design if not given.
 
+    Yields
+    ------
+    Solution
+        With the report of its solver.
+
     Raises
     ------
     InfeasibleDesignError

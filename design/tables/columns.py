@@ -9,17 +9,40 @@ from design.types import FloatArray
 
 
 def names_of(head: TableHead, kind: str) -> list[str]:
-    """Return the names of the columns of one kind, in order."""
+    """Return the names of the columns of one kind, in order.
+
+    Parameters
+    ----------
+    head
+        The table's head.
+    kind
+        ``field``, ``result``, ``status`` or ``reason``.
+
+    Returns
+    -------
+    list of str
+        In the order of the table.
+    """
     return [column.name for column in head.columns if column.kind == kind]
 
 
 def varied_paths(head: TableHead) -> list[Path]:
-    """Return the paths of the varied fields, in the order of their columns."""
+    """Return the paths of the varied fields, in the columns' order."""
     return [tuple(name.split(".")) for name in names_of(head, "field")]
 
 
 def times_of(head: TableHead, rows: Rows) -> FloatArray:
-    """Return the times of the impulses in every row, shape (m, impulses) [s].
+    """Return the times of the impulses in every row.
+
+    Parameters
+    ----------
+    head, rows
+        The table's head and one of its runs, of m rows.
+
+    Returns
+    -------
+    FloatArray
+        Shape (m, impulses) [s]; not a number in a row without a design.
 
     Raises
     ------
@@ -31,9 +54,19 @@ def times_of(head: TableHead, rows: Rows) -> FloatArray:
 
 
 def amplitudes_of(head: TableHead, rows: Rows) -> FloatArray:
-    """Return the heights of the impulses in every row, shape (m, impulses) [-].
+    """Return the heights of the impulses in every row.
 
     Those of the head where all rows share them.
+
+    Parameters
+    ----------
+    head, rows
+        The table's head and one of its runs, of m rows.
+
+    Returns
+    -------
+    FloatArray
+        Shape (m, impulses) [-].
 
     Raises
     ------

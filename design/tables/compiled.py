@@ -11,7 +11,9 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def compiled(function: Function) -> Function:
-    """Return a function compiled at its first call, without the interpreter's lock.
+    """Return a function compiled at its first call.
+
+    It runs without the interpreter's lock.
 
     The machine code is kept beside the source or, where that is read-only, in the user's cache
     directory; NUMBA_CACHE_DIR names another. Without any it is compiled anew in every process.
@@ -27,7 +29,9 @@ def compiled(function: Function) -> Function:
 
 
 def inlined(function: Function) -> Function:
-    """Return a function as `compiled` does, that becomes part of those that call it.
+    """Return a function compiled as part of those that call it.
+
+    The rest is as in `compiled`.
 
     Only so do loops over it become vector instructions.
     """

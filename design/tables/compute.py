@@ -145,7 +145,24 @@ def compute_rows(specification: TableSpecification, start: int, stop: int) -> Ro
 def counted_rows(
     specification: TableSpecification, start: int, stop: int
 ) -> tuple[Rows, RowCounts]:
-    """Return what `compute_rows` does, and how the rows came about."""
+    """Return rows of a table, and how they came about.
+
+    The rows are those of `compute_rows`.
+
+    Parameters
+    ----------
+    specification
+        The table.
+    start, stop
+        Numbers of the first row and of the one after the last, from 0.
+
+    Returns
+    -------
+    Rows
+        ``stop - start`` rows, each with its status.
+    RowCounts
+        How many rows were designed in which way.
+    """
     specification = counted(specification)
     values = specification.field_values(start, stop)
     table = _empty(specification, len(values))
@@ -183,7 +200,14 @@ def counted_rows(
 
 
 def counted(specification: TableSpecification) -> TableSpecification:
-    """Return a specification that says how many impulses a row has, by its one design if need be.
+    """Return a specification that says how many impulses a row has.
+
+    Its first row is designed where the kind does not say.
+
+    Returns
+    -------
+    TableSpecification
+        With ``impulses``.
 
     Raises
     ------

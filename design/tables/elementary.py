@@ -105,7 +105,18 @@ def sine_and_cosine(x: float) -> tuple[float, float]:
 
 @compiled
 def near_angle(x: float, y: float) -> float:
-    """Return the angle of a vector within 2e-5 [rad]."""
+    """Return the angle of a vector within 2e-5 [rad].
+
+    Parameters
+    ----------
+    x, y
+        Vector, not 0.
+
+    Returns
+    -------
+    float
+        From -pi to pi [rad].
+    """
     long, short = max(abs(x), abs(y)), min(abs(x), abs(y))
     slope = short / long
     square = slope * slope
@@ -117,7 +128,18 @@ def near_angle(x: float, y: float) -> float:
 
 @compiled
 def angle(x: float, y: float) -> float:
-    """Return the angle of a vector [rad]."""
+    """Return the angle of a vector [rad].
+
+    Parameters
+    ----------
+    x, y
+        Vector, not 0.
+
+    Returns
+    -------
+    float
+        From -pi to pi [rad].
+    """
     near = near_angle(x, y)
     sine, cosine = sine_and_cosine(near)
     # What is left is so little that its sine tells it by two terms.

@@ -93,7 +93,17 @@ def _write(block: FloatArray, run: int, lane: int, real: float, imaginary: float
 
 @compiled
 def enter(block: FloatArray, lane: int, row: FloatArray) -> None:
-    """Write a design's parameters, and what follows from them, into its lane."""
+    """Write a design's parameters, and what follows from them, into its lane.
+
+    Parameters
+    ----------
+    block
+        Working memory of all lanes, shape (LENGTH,).
+    lane
+        Number of the lane, from 0.
+    row
+        Parameters of the design, as `design.tables.kernel.rows_of_problems` has them, shape (8,).
+    """
     for k in range(5):
         block[PARAMETERS + k * LANES + lane] = row[k]
     z, first_a, second_a, first_d, second_d = row[0], row[1], row[2], row[3], row[4]
@@ -125,7 +135,20 @@ def enter(block: FloatArray, lane: int, row: FloatArray) -> None:
 
 @inlined
 def free_motion(gap: float, first: float, second: float) -> tuple[float, float, float, float]:
-    """Return the matrix [a, b; c, d] that moves a lag's error and rate over a gap."""
+    """Return the matrix that moves a lag's error and rate over a gap.
+
+    Parameters
+    ----------
+    gap
+        Phase of the plant, >= 0 [rad].
+    first, second
+        Coefficients of the lag in units of the plant's frequency [-].
+
+    Returns
+    -------
+    tuple of float
+        ``a, b, c, d`` of the matrix ``[a, b; c, d]`` [-].
+    """
     at_once = second == 0.0
     corner = 1.0 / math.sqrt(1.0 if at_once else second)
     damping = first * corner / 2.0
@@ -280,6 +303,15 @@ def evaluate(block: FloatArray, switched: Switched, unknowns: Unknowns) -> None:
     ``V = sum v_i g_i exp(s L_i)`` with L_i the time from step i to the last. Each gap lengthens the
     L of all steps before it: derivatives are sums over those. A switched actuator's state before a
     step depends on all gaps before it, too.
+
+    Parameters
+    ----------
+    block
+        Working memory of all lanes, shape (LENGTH,), with a design and unknowns in each.
+    switched
+        True for a switched actuator, None for superposed steps.
+    unknowns
+        As many zeros as unknowns.
     """
     size = len(unknowns)
     _turn(block, unknowns)

@@ -112,12 +112,19 @@ class Interpolant:
 
 
 def interpolant(head: TableHead, rows: Rows) -> Interpolant:
-    """Make an interpolant of a table over a grid, and try it in the middle of every cell.
+    """Make an interpolant of a table over a grid, and try it in every cell.
+
+    It is tried in the middle of each.
 
     Parameters
     ----------
     head, rows
         The whole table, as one run.
+
+    Returns
+    -------
+    Interpolant
+        With the largest residual that was found.
 
     Raises
     ------

@@ -107,7 +107,7 @@ def _close_triangles(rows: FloatArray, gaps: FloatArray, ends: IntArray) -> None
 
 
 def rows_of_problems(lags: FloatArray, longest_periods: FloatArray, *, settle: bool) -> FloatArray:
-    """Return the kernel's rows of parameters, shape (m, 8).
+    """Return the kernel's rows of parameters.
 
     Parameters
     ----------
@@ -117,6 +117,12 @@ def rows_of_problems(lags: FloatArray, longest_periods: FloatArray, *, settle: b
         Longest shaper in periods, shape (m,) [-].
     settle
         Whether each step must settle before the next.
+
+    Returns
+    -------
+    FloatArray
+        Shape (m, 8): ``lags`` [-], the shortest gap after a rising and after a falling step, and
+        the longest shaper [rad].
     """
     rows = np.empty((len(lags), 8))
     rows[:, :5] = lags
@@ -130,7 +136,22 @@ def rows_of_problems(lags: FloatArray, longest_periods: FloatArray, *, settle: b
 
 
 def closed_triangles(rows: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return the gaps of undamped three-impulse shapers of superposed steps, and how rows ended."""
+    """Return the gaps of undamped three-impulse shapers in closed form.
+
+    Steps are superposed.
+
+    Parameters
+    ----------
+    rows
+        As `rows_of_problems` returns them, shape (m, 8).
+
+    Returns
+    -------
+    FloatArray
+        Gaps, shape (m, 2) [rad].
+    IntArray
+        How each row ended, shape (m,).
+    """
     gaps, ends = np.empty((len(rows), 2)), np.empty(len(rows), dtype=np.int8)
     _close_triangles(rows, gaps, ends)
     return gaps, ends

@@ -65,7 +65,21 @@ def _solve(block: FloatArray, unknowns: Unknowns) -> None:
 def newton_step(
     block: FloatArray, switched: Switched, unknowns: Unknowns, longest_rad: float
 ) -> None:
-    """Take a step of Newton's method in every lane, shortened where an unknown's is longer."""
+    """Take a step of Newton's method in every lane.
+
+    A step in which an unknown moves by more than ``longest_rad`` is shortened.
+
+    Parameters
+    ----------
+    block
+        Working memory of all lanes, shape (LENGTH,), with a design and unknowns in each.
+    switched
+        True for a switched actuator, None for superposed steps.
+    unknowns
+        As many zeros as unknowns.
+    longest_rad
+        Longest move of an unknown [rad]; inf for full steps.
+    """
     size = len(unknowns)
     evaluate(block, switched, unknowns)
     _solve(block, unknowns)

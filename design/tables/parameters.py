@@ -82,6 +82,11 @@ def row_parameters(specification: TableSpecification, values: FloatArray) -> Row
         Of a plant with one mode and an actuator of lags.
     values
         Varied fields of the rows, shape (m, f).
+
+    Returns
+    -------
+    RowParameters
+        Of m rows; those that break a rule are marked.
     """
     field = _Fields(specification, values)
     with np.errstate(all="ignore"):  # unlawful rows are marked, not computed with
@@ -146,6 +151,9 @@ def _lags(specification: TableSpecification, field: _Fields, w: FloatArray) -> l
 
 
 def of_one_mode_and_lags(specification: TableSpecification) -> bool:
-    """Whether `row_parameters` serves a table: one mode, an actuator of lags, no more fields."""
+    """Return whether `row_parameters` serves a table.
+
+    It serves one mode and an actuator of lags, without further fields.
+    """
     known = type(specification.actuator) in {Ideal, FirstOrder, SecondOrder}
     return known and type(specification.plant) in {Mode, Pendulum}

@@ -338,7 +338,7 @@ def proven(
     switched: bool,
     slopes: bool,
 ) -> FloatArray:
-    """Return what alternating unit steps leave, for many plants and actuators.
+    """Return what alternating unit steps leave, for plants and actuators.
 
     Parameters
     ----------

@@ -95,7 +95,23 @@ class Subject:
     def at(
         self, paths: Iterable[Sequence[str]], values: Iterable[float]
     ) -> tuple[Plant, Actuator, Any]:
-        """Return plant, actuator and options with numbers, named by their paths, replaced.
+        """Return plant, actuator and options with some numbers replaced.
+
+        Parameters
+        ----------
+        paths
+            A path for each number, from ``plant``, ``actuator`` or ``shaper`` down.
+        values
+            The numbers, as many, each in its field's unit.
+
+        Returns
+        -------
+        Plant
+            What moves.
+        Actuator
+            What drives it.
+        Any
+            The options of the kind of shaper.
 
         Raises
         ------
@@ -158,6 +174,11 @@ class TableHead:
 
 def subject_of(head: TableHead) -> Subject:
     """Return what the rows of a table are designs of.
+
+    Returns
+    -------
+    Subject
+        Plant, actuator, kind and options.
 
     Raises
     ------

@@ -230,7 +230,18 @@ class TableSpecification:
         return first, min(first + self.chunk_rows, self.rows)
 
     def field_values(self, start: int, stop: int) -> FloatArray:
-        """Return the values of the varied fields in some rows, shape (stop - start, f)."""
+        """Return the values of the varied fields in some rows.
+
+        Parameters
+        ----------
+        start, stop
+            Numbers of the first row and of the one after the last, from 0.
+
+        Returns
+        -------
+        FloatArray
+            Shape (stop - start, f), each in its field's unit.
+        """
         if self.listed is not None:
             return self.listed[start:stop]
         sizes = [axis.values.size for axis in self.axes]
@@ -246,6 +257,20 @@ class TableSpecification:
         ----------
         values
             Of the varied fields, shape (f,).
+
+        Returns
+        -------
+        Plant
+            What moves.
+        Actuator
+            What drives it.
+        Any
+            The options of the kind of shaper.
+
+        Raises
+        ------
+        InvalidInputError
+            If a value breaks its rule.
         """
         return self.subject.at(self.fields, values.tolist())
 
@@ -258,7 +283,18 @@ class TableSpecification:
 
 
 def require_rows(rows: int) -> None:
-    """Raise InvalidInputError if a table would have too many rows; says what to do instead."""
+    """Raise InvalidInputError if a table would have too many rows.
+
+    Parameters
+    ----------
+    rows
+        Number of rows.
+
+    Raises
+    ------
+    InvalidInputError
+        If there are more than ``MOST_ROWS``; its rule says what to do instead.
+    """
     if rows > MOST_ROWS:
         raise InvalidInputError(
             "axes",
@@ -269,10 +305,29 @@ def require_rows(rows: int) -> None:
 
 
 def amplitudes_of(kind: ShaperKind, options: Any, damping_ratio: float = 0.0) -> tuple[float, ...]:  # noqa: ANN401
-    """Return the amplitudes of a kind of shaper behind a symmetric actuator [-].
+    """Return a kind's amplitudes behind a symmetric actuator [-].
 
     Those of unity magnitude do not depend on plant and actuator, and all rows of a table share
     them; others do, and stand in columns of their own.
+
+    Parameters
+    ----------
+    kind
+        Kind of the shaper.
+    options
+        Its parameters.
+    damping_ratio
+        Of the mode [-].
+
+    Returns
+    -------
+    tuple of float
+        In order of time; of unity magnitude, or as they are for this damping ratio [-].
+
+    Raises
+    ------
+    InvalidInputError
+        If the kind's number of impulses changes with plant or band, or an option breaks its rule.
     """
     actuator: Actuator = Ideal()
     if actuator.kind not in kind.actuators:
@@ -297,7 +352,21 @@ def amplitudes_of(kind: ShaperKind, options: Any, damping_ratio: float = 0.0) ->
 
 
 def impulses_of(plant: Plant, kind: ShaperKind, options: Any) -> int:  # noqa: ANN401
-    """Return how many impulses the designs of a table have, whatever the row.
+    """Return how many impulses each design of a table has.
+
+    Parameters
+    ----------
+    plant
+        What moves.
+    kind
+        Kind of the shaper.
+    options
+        Its parameters; None for the kind's own.
+
+    Returns
+    -------
+    int
+        Number of impulses.
 
     Raises
     ------
@@ -319,7 +388,20 @@ def impulses_of(plant: Plant, kind: ShaperKind, options: Any) -> int:  # noqa: A
 
 
 def undamped_amplitudes(kind: ShaperKind, options: Any) -> tuple[float, ...]:  # noqa: ANN401
-    """Return the amplitudes of `amplitudes_of`; none where not even their number is known."""
+    """Return `amplitudes_of` an undamped mode, or none.
+
+    Parameters
+    ----------
+    kind
+        Kind of the shaper.
+    options
+        Its parameters.
+
+    Returns
+    -------
+    tuple of float
+        Empty where not even their number is known [-].
+    """
     try:
         return amplitudes_of(kind, options)
     except InvalidInputError:
@@ -327,7 +409,20 @@ def undamped_amplitudes(kind: ShaperKind, options: Any) -> tuple[float, ...]:  #
 
 
 def shared_amplitudes(kind: ShaperKind, options: Any) -> tuple[float, ...]:  # noqa: ANN401
-    """Return the amplitudes that all rows of a table share; none where each row has its own."""
+    """Return the amplitudes that all rows of a table share, or none.
+
+    Parameters
+    ----------
+    kind
+        Kind of the shaper.
+    options
+        Its parameters.
+
+    Returns
+    -------
+    tuple of float
+        Empty where each row has its own [-].
+    """
     try:
         undamped, damped = (amplitudes_of(kind, options, ratio) for ratio in (0.0, SOME_DAMPING))
     except InvalidInputError:  # not even their number is the same
@@ -337,6 +432,11 @@ def shared_amplitudes(kind: ShaperKind, options: Any) -> tuple[float, ...]:  # n
 
 def columns_of(specification: TableSpecification) -> tuple[Column, ...]:
     """Return the columns of a table: fields, results, status, reason.
+
+    Returns
+    -------
+    tuple of Column
+        Those of results in the order that is asked for.
 
     Raises
     ------

@@ -77,7 +77,24 @@ def _shortest(row: FloatArray, index: int) -> float:
 
 @compiled
 def within(row: FloatArray, gaps: FloatArray, margin: float) -> bool:
-    """Whether gaps are at least the shortest and end within the horizon, with a margin."""
+    """Return whether gaps are within their bounds by a margin.
+
+    They are at least the shortest, and end within the horizon.
+
+    Parameters
+    ----------
+    row
+        Parameters of the design, shape (8,).
+    gaps
+        The unknowns, shape (n,) [rad].
+    margin
+        Margin of both bounds [rad].
+
+    Returns
+    -------
+    bool
+        False for gaps that are not numbers.
+    """
     total = 0.0
     for k in range(gaps.size):
         if not gaps[k] >= _shortest(row, k) + margin:
@@ -123,7 +140,23 @@ def nearest_to_seeds(
     gaps: FloatArray,
     ends: IntArray,
 ) -> None:
-    """Write where full Newton steps end from the first seed that leads within bounds."""
+    """Write where full Newton steps end from the first seed within bounds.
+
+    Parameters
+    ----------
+    unknowns
+        As many zeros as unknowns.
+    table
+        The seeds, in the order in which they are tried.
+    switched
+        True for a switched actuator, None for superposed steps.
+    rows
+        Parameters of the designs, shape (m, 8).
+    gaps
+        Written: the gaps found, shape (m, n) [rad].
+    ends
+        Written: how each row ended, shape (m,).
+    """
     block = np.ones(LENGTH)
     row_in = np.full(LANES, IDLE)
     tried, steps = np.zeros(LANES, dtype=np.int64), np.zeros(LANES, dtype=np.int64)
@@ -187,6 +220,26 @@ def fastest(
     """Write the fastest root that the starts lead to; return its duration.
 
     A start ends at a root, by its last step to rounding, or astray.
+
+    Parameters
+    ----------
+    unknowns
+        As many zeros as unknowns.
+    switched
+        True for a switched actuator, None for superposed steps.
+    row
+        Parameters of the design, shape (8,).
+    unit
+        Starts as shares of the time that the shortest gaps leave, shape (k, n) [-].
+    horizon
+        Longest shaper [rad].
+    best
+        Written: the gaps of the fastest root, shape (n,) [rad].
+
+    Returns
+    -------
+    float
+        Duration of that root [rad]; inf if there is none.
     """
     size = len(unknowns)
     block = np.ones(LENGTH)

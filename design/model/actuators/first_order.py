@@ -46,7 +46,7 @@ class FirstOrder:
 
     @property
     def in_words(self) -> tuple[str, str]:
-        """What a picture says of it: its name, and its parameters on one or two lines."""
+        """Name and parameters for a picture, these on one or two lines."""
         return (
             "first order",
             f"accel time constant {self.accel_time_constant_s:.3g} s\n"

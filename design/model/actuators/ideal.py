@@ -22,7 +22,7 @@ class Ideal:
 
     @property
     def in_words(self) -> tuple[str, str]:
-        """What a picture says of it: its name, and its parameters on one or two lines."""
+        """Name and parameters for a picture, these on one or two lines."""
         return "ideal", "follows its command at once"
 
     @property

@@ -64,7 +64,7 @@ class RateLimited:
 
     @property
     def in_words(self) -> tuple[str, str]:
-        """What a picture says of it: its name, and its parameters on one or two lines."""
+        """Name and parameters for a picture, these on one or two lines."""
         limits = f"{self.accel_limit_m_s2:.3g} and {self.decel_limit_m_s2:.3g} m/s²"
         return f"ramps, {self.then.kind.replace('_', ' ')}", f"limits {limits}"
 

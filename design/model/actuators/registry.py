@@ -7,12 +7,28 @@ Actuator = Unlimited | RateLimited
 
 
 def unit_ramps_s(actuator: Actuator) -> tuple[float, float]:
-    """Return the time that the reference takes to full speed and from it; 0 without limits [s]."""
+    """Return the times that the reference takes to full speed and from it [s].
+
+    Both are 0 without limits to the rate of the command.
+    """
     return actuator.unit_ramps_s if isinstance(actuator, RateLimited) else (0.0, 0.0)
 
 
 def require_speed(actuator: Actuator, speed_m_s: float) -> None:
-    """Raise InvalidInputError if the limits of a rate-limited actuator are for another speed."""
+    """Check that the limits of a rate-limited actuator are for this speed.
+
+    Parameters
+    ----------
+    actuator
+        Any actuator; one without limits serves every speed.
+    speed_m_s
+        Full speed of a move, of either sign [m/s].
+
+    Raises
+    ------
+    InvalidInputError
+        If the actuator's own ``speed_m_s`` is another.
+    """
     if isinstance(actuator, RateLimited) and abs(speed_m_s) != actuator.speed_m_s:
         raise InvalidInputError(
             "speed_m_s", speed_m_s, f"the actuator's own speed_m_s, {actuator.speed_m_s!r}"

@@ -74,7 +74,7 @@ class SecondOrder:
 
     @property
     def in_words(self) -> tuple[str, str]:
-        """What a picture says of it: its name, and its parameters on one or two lines."""
+        """Name and parameters for a picture, these on one or two lines."""
         accel, decel = (
             f"{part.natural_frequency_rad_s:.3g} rad/s, damping {part.damping_ratio:.3g}"
             for part in (self.accel, self.decel)

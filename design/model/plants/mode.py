@@ -42,7 +42,7 @@ class Mode:
 
     @property
     def unit_pole(self) -> complex:
-        """Upper pole of the mode over its natural frequency, ``-z + j sqrt(1 - z^2)`` [-]."""
+        """Upper pole over the natural frequency, ``-z + j sqrt(1 - z^2)`` [-]."""
         return complex(-self.damping_ratio, math.sqrt(1 - self.damping_ratio**2))
 
     @property

@@ -47,7 +47,10 @@ class Scheduled:
 
     @property
     def middle(self) -> Mode:
-        """The mode in the middle of the range of frequencies, for which shapers are designed."""
+        """The mode in the middle of the range, for which shapers are designed.
+
+        Its frequency is the mean of the lowest and the highest.
+        """
         ends = [end.mode.natural_frequency_rad_s for end in (self.first, self.last)]
         return Mode(
             natural_frequency_rad_s=sum(ends) / 2, damping_ratio=self.first.mode.damping_ratio
