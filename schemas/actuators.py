@@ -1,6 +1,6 @@
 """Wire form of the actuators."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -16,6 +16,9 @@ from design.model.actuators.second_order import (
 )
 from design.types import LARGEST
 from schemas.base import Positive, Wire, named
+
+Example = dict[str, Any]
+"""A request's value, as JSON has it."""
 
 TimeConstant = Annotated[
     float, Field(ge=0, le=LARGEST, description="Time constant, 0 or at least 1e-12 [s].")
@@ -37,6 +40,8 @@ DeadTime = Annotated[
 class IdealIn(Wire):
     """An actuator that follows its command at once."""
 
+    EXAMPLE: ClassVar[Example] = {"kind": "ideal"}
+
     kind: Literal["ideal"]
 
     def to_design(self) -> Ideal:
@@ -46,6 +51,12 @@ class IdealIn(Wire):
 
 class FirstOrderIn(Wire):
     """First-order lag, its time constant by direction."""
+
+    EXAMPLE: ClassVar[Example] = {
+        "kind": "first_order",
+        "accel_time_constant_s": 0.1,
+        "decel_time_constant_s": 0.05,
+    }
 
     kind: Literal["first_order"]
     accel_time_constant_s: TimeConstant
@@ -88,6 +99,12 @@ class SecondOrderSetIn(Wire):
 class SecondOrderIn(Wire):
     """Second-order actuator, its parameters by direction."""
 
+    EXAMPLE: ClassVar[Example] = {
+        "kind": "second_order",
+        "accel": {"natural_frequency_rad_s": 20, "damping_ratio": 0.8},
+        "decel": {"natural_frequency_rad_s": 50, "damping_ratio": 1.5},
+    }
+
     kind: Literal["second_order"]
     accel: SecondOrderSetIn
     decel: SecondOrderSetIn
@@ -105,6 +122,14 @@ class SecondOrderIn(Wire):
 
 class RateLimitedIn(Wire):
     """Limits to acceleration and deceleration, and what follows the limited command."""
+
+    EXAMPLE: ClassVar[Example] = {
+        "kind": "rate_limited",
+        "accel_limit_m_s2": 30.0,
+        "decel_limit_m_s2": 5e4,
+        "speed_m_s": 0.2,
+        "then": SecondOrderIn.EXAMPLE,
+    }
 
     kind: Literal["rate_limited"]
     accel_limit_m_s2: Annotated[

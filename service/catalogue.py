@@ -1,8 +1,9 @@
 """Every kind of shaper, with parameters, an example and its source."""
 
-from typing import get_args
+from typing import Any, get_args
 
 from design.shapers.registry import SHAPERS
+from schemas.actuators import ActuatorIn, SecondOrderIn
 from schemas.catalogue import Catalogue, CatalogueEntry
 from schemas.plants import PlantIn
 from schemas.shapers import MODELS
@@ -10,11 +11,7 @@ from service.version import version
 
 THESIS_CRANE = {
     "plant": {"kind": "pendulum", "cable_length_m": 0.8, "gravity_m_s2": 9.81},
-    "actuator": {
-        "kind": "second_order",
-        "accel": {"natural_frequency_rad_s": 20, "damping_ratio": 0.8},
-        "decel": {"natural_frequency_rad_s": 50, "damping_ratio": 1.5},
-    },
+    "actuator": SecondOrderIn.EXAMPLE,
 }
 """The crane of Kim 2011: the example of the catalogue and of the demo."""
 
@@ -29,38 +26,19 @@ TWO_MODES = {
 """The example of shapers for several modes."""
 
 
-EXAMPLE_ACTUATORS = {
-    "ideal": {"kind": "ideal"},
-    "first_order": {
-        "kind": "first_order",
-        "accel_time_constant_s": 0.1,
-        "decel_time_constant_s": 0.05,
-    },
-    "second_order": THESIS_CRANE["actuator"],
-    "rate_limited": {
-        "kind": "rate_limited",
-        "accel_limit_m_s2": 30.0,
-        "decel_limit_m_s2": 5e4,
-        "speed_m_s": 0.2,
-        "then": THESIS_CRANE["actuator"],
-    },
-}
+def kinds_of(union: object) -> dict[str, type[Any]]:
+    """Return the models of a union of the wire by their kinds, in its order."""
+    models = get_args(get_args(union)[0])
+    return {get_args(model.model_fields["kind"].annotation)[0]: model for model in models}
 
 
-def _plants() -> list[str]:
-    """Return every kind of plant that the wire takes, in its order."""
-    models = get_args(get_args(PlantIn)[0])
-    return [get_args(model.model_fields["kind"].annotation)[0] for model in models]
-
-
-def _richest(kinds: tuple[str, ...]) -> str:
-    """Return the last of the actuator kinds that there is an example of."""
-    return [kind for kind in kinds if kind in EXAMPLE_ACTUATORS][-1]
+EXAMPLE_ACTUATORS = {kind: model.EXAMPLE for kind, model in kinds_of(ActuatorIn).items()}
+"""Each kind of actuator has an example."""
 
 
 def shaper_catalogue() -> Catalogue:
     """Return every kind of shaper, with parameters, example and source."""
-    plants = _plants()
+    plants = list(kinds_of(PlantIn))
     return Catalogue(
         shapers=[
             CatalogueEntry(
@@ -74,7 +52,7 @@ def shaper_catalogue() -> Catalogue:
                 parameters=MODELS[kind.name].model_json_schema(),
                 example={
                     "plant": TWO_MODES if kind.serves_several else THESIS_CRANE["plant"],
-                    "actuator": EXAMPLE_ACTUATORS[_richest(kind.actuators)],
+                    "actuator": EXAMPLE_ACTUATORS[kind.actuators[-1]],
                     "shaper": {"kind": kind.name},
                 },
             )

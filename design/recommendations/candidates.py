@@ -20,7 +20,7 @@ from design.recommendations.choices import Choice
 from design.recommendations.requirements import Question
 from design.sampling.left import cuts_ramps
 from design.sampling.sampled_design import SAMPLE_TOLERANCE, sampled_design
-from design.shapers.several_modes import FREQUENCIES_A_RADIAN, PROOF_WORK, impulses_of
+from design.shapers.several_modes import FREQUENCIES_A_RADIAN, impulses_of
 from design.solvers.budget import Budget
 
 TIGHTENED, TIGHTENED_ON_SAMPLES = 6, 2
@@ -350,7 +350,7 @@ def _work_of_worst(found: Design, question: Question) -> float:
     radians = (band[1] - band[0]) * duration * sum(
         mode.natural_frequency_rad_s for mode in question.designed_for
     )  # fmt: skip
-    return PROOF_WORK[question.actuator.kind] * impulses * FREQUENCIES_A_RADIAN * radians * lines
+    return question.actuator.PROOF_WORK * impulses * FREQUENCIES_A_RADIAN * radians * lines
 
 
 def _worst(found: Design, question: Question) -> float:

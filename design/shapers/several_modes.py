@@ -32,9 +32,6 @@ Steps of shapers for asymmetric actuators would change their sets.
 FREQUENCIES_A_RADIAN = 10.0
 """Frequencies at which a band is simulated, a radian of the turn of the last impulse over it."""
 
-PROOF_WORK = {"ideal": 1.0, "first_order": 3.5, "second_order": 3.5, "rate_limited": 8.0}
-"""Work of an impulse at one frequency, by kind of actuator, in units of `design.solvers.budget`."""
-
 MOST_DECAY = 24.0
 """Nepers that a mode may decay by within half a period of the slowest: 4e-11 of a swing is left.
 
@@ -167,7 +164,7 @@ def _require_provable(
         if claim.band is not None
     )
     impulses, frequencies = impulses_of(parts), FREQUENCIES_A_RADIAN * radians
-    each = PROOF_WORK[actuator.kind]
+    each = actuator.PROOF_WORK
     if each * impulses * frequencies > MOST_OVER_A_BAND:
         raise InvalidInputError(
             "shaper.base",

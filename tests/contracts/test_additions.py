@@ -31,8 +31,6 @@ NAMED_IN = {
         "design/model/actuators/rate_limited.py",
         "schemas/actuators.py",
         "design/shapers/kind.py",  # which shapers serve every actuator
-        "design/shapers/several_modes.py",  # the work of a proof by actuator
-        "service/catalogue.py",  # an example of each actuator
     },
     "simulation": {"service/operations/table.py"},
 }

@@ -1,6 +1,7 @@
 """A first-order lag whose acceleration and deceleration may differ."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from design.errors import InvalidInputError
 from design.model.actuators.model import Model
@@ -25,6 +26,9 @@ class FirstOrder:
     dead_time_s
         Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
     """
+
+    PROOF_WORK: ClassVar[float] = 3.5
+    """Work of proving an impulse at one frequency [units of `design.solvers.budget`]."""
 
     accel_time_constant_s: float
     decel_time_constant_s: float

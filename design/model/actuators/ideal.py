@@ -1,6 +1,7 @@
 """An actuator that follows its command at once."""
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from design.model.actuators.model import Model
 from design.model.lags import Lag
@@ -11,6 +12,9 @@ IDEAL_LAG = Lag()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ideal:
     """An actuator that follows its command at once."""
+
+    PROOF_WORK: ClassVar[float] = 1.0
+    """Work of proving an impulse at one frequency [units of `design.solvers.budget`]."""
 
     model: Model = field(default="superposed", init=False)
     dead_time_s: float = field(default=0.0, init=False)

@@ -1,6 +1,7 @@
 """Limits to the rate of a command, and what follows the limited command."""
 
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from design.errors import InvalidInputError
 from design.model.actuators.first_order import FirstOrder
@@ -36,6 +37,9 @@ class RateLimited:
     dead_time_s
         Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
     """
+
+    PROOF_WORK: ClassVar[float] = 8.0
+    """Work of proving an impulse at one frequency [units of `design.solvers.budget`]."""
 
     accel_limit_m_s2: float
     decel_limit_m_s2: float

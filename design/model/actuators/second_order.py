@@ -1,6 +1,7 @@
 """A second-order lag whose acceleration and deceleration may differ."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from design.model.actuators.model import Model
 from design.model.lags import Lag
@@ -58,6 +59,9 @@ class SecondOrder:
     dead_time_s
         Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
     """
+
+    PROOF_WORK: ClassVar[float] = 3.5
+    """Work of proving an impulse at one frequency [units of `design.solvers.budget`]."""
 
     accel: SecondOrderSet
     decel: SecondOrderSet
