@@ -5,6 +5,7 @@ RUN python -m venv /opt/shapersmith
 COPY requirements.lock requirements-dev.lock ./
 RUN /opt/shapersmith/bin/pip install --no-cache-dir --require-hashes -r requirements.lock
 COPY pyproject.toml README.md LICENSE ./
+COPY shapersmith shapersmith
 COPY design design
 COPY schemas schemas
 COPY service service

@@ -1,7 +1,10 @@
 """Every kind of shaper, with parameters, an example and its source."""
 
+from typing import get_args
+
 from design.shapers.registry import SHAPERS
 from schemas.catalogue import Catalogue, CatalogueEntry
+from schemas.plants import PlantIn
 from schemas.shapers import MODELS
 from service.version import version
 
@@ -44,7 +47,10 @@ EXAMPLE_ACTUATORS = {
 }
 
 
-PLANTS = ["mode", "modes", "pendulum", "spring_mass", "scheduled"]
+def _plants() -> list[str]:
+    """Return every kind of plant that the wire takes, in its order."""
+    models = get_args(get_args(PlantIn)[0])
+    return [get_args(model.model_fields["kind"].annotation)[0] for model in models]
 
 
 def _richest(kinds: tuple[str, ...]) -> str:
@@ -54,6 +60,7 @@ def _richest(kinds: tuple[str, ...]) -> str:
 
 def shaper_catalogue() -> Catalogue:
     """Return every kind of shaper, with parameters, example and source."""
+    plants = _plants()
     return Catalogue(
         shapers=[
             CatalogueEntry(
@@ -61,7 +68,7 @@ def shaper_catalogue() -> Catalogue:
                 summary=kind.summary,
                 source=kind.source,
                 claims=list(kind.claims),
-                plants=PLANTS,
+                plants=plants,
                 most_modes=kind.most_modes,
                 actuators=list(kind.actuators),
                 parameters=MODELS[kind.name].model_json_schema(),

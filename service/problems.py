@@ -1,6 +1,7 @@
 """The one table from errors to problem documents, for HTTP and the command line alike."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
 from itertools import zip_longest
@@ -113,6 +114,14 @@ class Problem:
     retry_after_s: int = 1
     trace: tuple[TraceStep, ...] = ()
 
+    @property
+    def headers(self) -> dict[str, str]:
+        """Headers of its answer over HTTP: when to ask again, of what passes.
+
+        A problem may come from a worker, whose kinds are equal to these and not the same.
+        """
+        return {"retry-after": str(self.retry_after_s)} if self.kind == OVERLOADED else {}
+
     def document(self, request_id: str | None = None) -> ProblemDocument:
         """Return the problem document."""
         return ProblemDocument(
@@ -124,6 +133,28 @@ class Problem:
             request_id=request_id,
             trace=[TraceStepOut.from_design(step) for step in self.trace] or None,
         )
+
+
+class ProblemError(Exception):
+    """A problem on the way to an answer, raised where it is known and answered in one place.
+
+    Parameters
+    ----------
+    problem
+        What is wrong.
+    headers
+        Headers that the answer over HTTP has.
+
+    Attributes
+    ----------
+    problem, headers
+        The same.
+    """
+
+    def __init__(self, problem: Problem, headers: Mapping[str, str] | None = None) -> None:
+        super().__init__(problem.detail)
+        self.problem = problem
+        self.headers = headers or {}
 
 
 def problem_of_design(error: DesignError) -> Problem:

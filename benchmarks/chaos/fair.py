@@ -36,6 +36,7 @@ async def _over_http(port: int, seconds: float) -> list[int]:
 
 async def _at_the_pool(seconds: float) -> list[int]:
     pool = WorkerPool(workers=1, time_limit_s=HUNG_S, max_pending=256, memory_bytes=2 * 1024**3)
+    pool.start()
     bodies = request_bodies()
 
     async def ask() -> Answer:

@@ -5,10 +5,19 @@ from collections.abc import Iterator
 
 import uvloop
 
-from benchmarks.chaos.trial import Trial, at_least, at_most, designs, folder, none_of, served
-from benchmarks.loops import Ask, closed_loop, latencies, open_loop, with_status
+from benchmarks.chaos.trial import (
+    Trial,
+    at_least,
+    at_most,
+    folder,
+    none_of,
+    request_bodies,
+    served,
+)
+from benchmarks.crowd import Crowd
+from benchmarks.loops import latencies, with_status
 from benchmarks.measure import Figure
-from benchmarks.wire import Client
+from benchmarks.wire import message
 
 CLIENTS = 32
 CAPACITY_S = 10.0
@@ -28,35 +37,36 @@ def figures(trial: Trial) -> Iterator[Figure]:
 
 
 async def _flooded(port: int, trial: Trial) -> list[Figure]:
-    client = Client(port)
-    ask = designs(client)
+    requests = (message("POST", "/v1/designs", body) for body in request_bodies())
+    crowd, neighbours = Crowd(port, requests), Crowd(port, requests)
 
     # What it can do, with always as many waiting as there are clients.
-    capacity_hz = await _capacity_hz(ask, trial)
+    capacity_hz = await _capacity_hz(crowd, trial)
 
     # How fast it is at half of that.
-    quiet = await open_loop(ask, rate_hz=capacity_hz / 2, seconds=trial.span_s(NORMAL_S))
+    quiet = await crowd.open_loop(rate_hz=capacity_hz / 2, seconds=trial.span_s(NORMAL_S))
     normal = latencies(with_status(quiet, 200))
     normal_ms = normal.percentile(99)
 
     # Three times that, and at once half of it again, while the last of the flood are answered.
     seconds = trial.span_s(FLOOD_S)
-    flood = asyncio.create_task(open_loop(ask, rate_hz=FLOOD * capacity_hz, seconds=seconds))
+    flood = asyncio.create_task(crowd.open_loop(rate_hz=FLOOD * capacity_hz, seconds=seconds))
     await asyncio.sleep(seconds)
-    after = await open_loop(
-        ask, rate_hz=capacity_hz / 2, seconds=RECOVERED_S + trial.span_s(NORMAL_S)
+    after = await neighbours.open_loop(
+        rate_hz=capacity_hz / 2, seconds=RECOVERED_S + trial.span_s(NORMAL_S)
     )
     flooded = await flood
     # Told, not judged by: it shows whether the machine has become faster or slower meanwhile.
-    after_hz = await _capacity_hz(ask, trial)
-    client.close()
+    after_hz = await _capacity_hz(crowd, trial)
+    crowd.close()
+    neighbours.close()
 
-    start_s = flooded[0].planned_s
+    start_s = min(one.planned_s for one in flooded)
     served_all = with_status(flooded, 200)
     refused = with_status(flooded, 503)
     in_time = [one for one in served_all if one.done_s <= start_s + seconds]
     others = len(flooded) - len(served_all) - len(refused)
-    recovered_s = after[0].planned_s + RECOVERED_S
+    recovered_s = min(one.planned_s for one in after) + RECOVERED_S
     recovered = latencies([one for one in after if one.planned_s >= recovered_s])
     return [
         Figure(
@@ -99,7 +109,7 @@ async def _flooded(port: int, trial: Trial) -> list[Figure]:
     ]
 
 
-async def _capacity_hz(ask: Ask, trial: Trial) -> float:
+async def _capacity_hz(crowd: Crowd, trial: Trial) -> float:
     seconds = trial.span_s(CAPACITY_S)
-    told = await closed_loop(ask, callers=CLIENTS, seconds=seconds)
-    return sum(len(with_status(mine, 200)) for mine in told) / seconds
+    told = await crowd.closed_loop(clients=CLIENTS, seconds=seconds)
+    return len(with_status(told, 200)) / seconds

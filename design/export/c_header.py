@@ -248,6 +248,6 @@ def _evaluator(fit: Fit, name: str) -> str:
     return f"{coefficients}\n{text}\n"
 
 
-C = Export(
+EXPORT = Export(
     name="c", media_type="text/x-c; charset=utf-8", suffix=".h", checks=check_program, write=write_c
 )

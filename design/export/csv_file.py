@@ -174,10 +174,11 @@ def _rows_of_cells(head: TableHead, first: int, cells: list[tuple[int, list[str]
     )
 
 
-CSV = Export(
+EXPORT = Export(
     name="csv",
     media_type="text/csv; charset=utf-8",
     suffix=".csv",
     checks=takes_all,
     write=write_csv,
+    read=read_csv,
 )

@@ -82,10 +82,11 @@ def _cells(line: str, number: int) -> list[str]:
         raise InvalidInputError(f"line {number}", line, "a row as a JSON array") from None
 
 
-JSON = Export(
+EXPORT = Export(
     name="json",
     media_type="application/json",
     suffix=".json",
     checks=takes_all,
     write=write_json,
+    read=read_json,
 )

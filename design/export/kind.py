@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from typing import BinaryIO
 
 from design.tables.rows import Rows, TableHead
 
@@ -23,6 +24,9 @@ class Export:
     write
         From the head and the runs of rows, in order, to the file's bytes in pieces. The same rows
         in the same runs always give the same bytes.
+    read
+        From an opened file to the head and the runs of rows; None of formats that do not hold a
+        table whole.
     """
 
     name: str
@@ -30,6 +34,7 @@ class Export:
     suffix: str
     checks: Callable[[TableHead], None]
     write: Callable[[TableHead, Iterable[Rows]], Iterator[bytes]]
+    read: Callable[[BinaryIO], tuple[TableHead, Iterator[Rows]]] | None = None
 
 
 def takes_all(head: TableHead) -> None:

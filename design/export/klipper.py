@@ -268,7 +268,7 @@ def _percent(claim: Claim) -> str:
     return f"{100 * claim.value:.4g} % {where}"
 
 
-KLIPPER = Export(
+EXPORT = Export(
     name="klipper",
     media_type="text/plain; charset=utf-8",
     suffix=".gcode",

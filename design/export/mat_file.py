@@ -133,10 +133,11 @@ def read_mat(file: BinaryIO) -> tuple[TableHead, Iterator[Rows]]:
     return head, iter((run,))
 
 
-MAT = Export(
+EXPORT = Export(
     name="mat",
     media_type="application/x-matlab-data",
     suffix=".mat",
     checks=check_mat,
     write=write_mat,
+    read=read_mat,
 )

@@ -166,10 +166,11 @@ def _code(name: str) -> int:
     return STATUSES.index(name)
 
 
-PARQUET = Export(
+EXPORT = Export(
     name="parquet",
     media_type="application/vnd.apache.parquet",
     suffix=".parquet",
     checks=takes_all,
     write=write_parquet,
+    read=read_parquet,
 )

@@ -1,21 +1,14 @@
 """Tables read back from the formats that hold them whole."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import BinaryIO
 
 from design.errors import InvalidInputError
-from design.export.csv_file import read_csv
-from design.export.json_file import read_json
-from design.export.mat_file import read_mat
-from design.export.parquet_file import read_parquet
+from design.export.registry import EXPORTS
 from design.tables.rows import Rows, TableHead
 
-READERS: dict[str, Callable[[BinaryIO], tuple[TableHead, Iterator[Rows]]]] = {
-    "csv": read_csv,
-    "json": read_json,
-    "mat": read_mat,
-    "parquet": read_parquet,
-}
+READERS = {name: one.read for name, one in sorted(EXPORTS.items()) if one.read is not None}
+"""Formats that hold a table whole."""
 
 
 def rows_of(format_name: str, file: BinaryIO) -> tuple[TableHead, Iterator[Rows]]:
@@ -24,7 +17,7 @@ def rows_of(format_name: str, file: BinaryIO) -> tuple[TableHead, Iterator[Rows]
     Parameters
     ----------
     format_name
-        ``csv``, ``json``, ``mat`` or ``parquet``.
+        One of `READERS`.
     file
         Its bytes, opened; it must stay open while the rows are read.
 

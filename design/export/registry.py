@@ -1,15 +1,11 @@
-"""Every format of table. One more: write its file, then list it here."""
+"""Every format of table, loaded."""
 
-from design.export.c_header import C
-from design.export.csv_file import CSV
-from design.export.json_file import JSON
+from importlib import import_module
+
+from design.export.formats import FORMATS
 from design.export.kind import Export
-from design.export.klipper import KLIPPER
-from design.export.mat_file import MAT
-from design.export.parquet_file import PARQUET
-from design.export.reprap import REPRAP
-from design.export.structured_text import STRUCTURED_TEXT
 
 EXPORTS: dict[str, Export] = {
-    export.name: export for export in (CSV, JSON, PARQUET, MAT, C, STRUCTURED_TEXT, KLIPPER, REPRAP)
+    name: import_module(f"design.export.{row.module}").EXPORT for name, row in FORMATS.items()
 }
+"""Exports by their name on the wire."""

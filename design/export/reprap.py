@@ -154,7 +154,7 @@ def _command(amplitudes: list[float], times_s: list[float]) -> str:
     return f'M593 P"custom" H{heights} T{times}'
 
 
-REPRAP = Export(
+EXPORT = Export(
     name="rrf",
     media_type="text/plain; charset=utf-8",
     suffix=".g",

@@ -266,7 +266,7 @@ def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
     )
 
 
-STRUCTURED_TEXT = Export(
+EXPORT = Export(
     name="st",
     media_type="text/plain; charset=utf-8",
     suffix=".st",

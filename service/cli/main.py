@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from design.export.formats import FORMATS
 from service.operations.table import TABLE as OPERATIONS
 from service.operations.table import load
 
@@ -26,10 +27,9 @@ COMMANDS = {row.command: name for name, row in OPERATIONS.items()}
 """Names of the operations, by command."""
 
 TABLE_HELP = "a table of designs over axes or a list, into a file (POST /v1/tables)"
-PROGRAMS = ("c", "st", "klipper", "rrf")
+PROGRAMS = tuple(name for name, row in FORMATS.items() if row.is_program)
 """Formats of a table that a single design has too."""
 
-FORMATS = ("csv", "json", "parquet", "mat", *PROGRAMS)
 MOST_WORKERS = 1024
 
 PICTURES = {".png": "png", ".svg": "svg"}
@@ -100,7 +100,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_format(command: argparse.ArgumentParser, more: tuple[str, ...] = ()) -> None:
-    programs = "; c, st, klipper, rrf: the shaper as a program or a line of firmware"
+    programs = f"; {', '.join(PROGRAMS)}: the shaper as a program or a line of firmware"
     command.add_argument(
         "--format",
         choices=("json", "table", "csv", *more),
@@ -115,7 +115,7 @@ def _add_table(table: argparse.ArgumentParser) -> None:
     )
     table.add_argument("-o", "--output", metavar="FILE", type=Path, help="the file to write")
     table.add_argument(
-        "--format", choices=FORMATS, help="of the file; by the end of its name if not given"
+        "--format", choices=tuple(FORMATS), help="of the file; by the end of its name if not given"
     )
     table.add_argument("--workers", metavar="N", type=int, help="processes; one a processor if not")
     table.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster to compute on")

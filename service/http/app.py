@@ -3,52 +3,51 @@
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from http import HTTPStatus
-from importlib.util import find_spec
-from pathlib import Path
-from typing import Any
 
-from fastapi import FastAPI, Request
-from fastapi.openapi.docs import get_swagger_ui_html
-from pydantic.json_schema import models_json_schema
-from starlette.exceptions import HTTPException
-from starlette.responses import Response
-from starlette.staticfiles import StaticFiles
+from fastapi import FastAPI
 
-from schemas.problems import ProblemDocument
 from schemas.tables import TableRequest
 from service.catalogue import shaper_catalogue
 from service.dispatch import OPERATIONS
-from service.http.bodies import problem_response
+from service.http.handlers import add_handlers
 from service.http.middleware import RequestMiddleware
+from service.http.openapi import document_bodies, serve_docs
 from service.http.routes import router
 from service.http.table_routes import router as table_router
-from service.jobs.service import JobService
-from service.problems import METHOD_NOT_ALLOWED, NOT_FOUND, Problem, ProblemKind
+from service.jobs.protocol import Jobs
 from service.settings import Settings
 from service.version import version
 from service.workers.memory import settle
 from service.workers.pool import WorkerPool
-
-ASSETS = "/assets/swagger-ui"
-SCHEMAS = "#/components/schemas/{model}"
+from service.workers.protocol import Pool
 
 
-def create_app(settings: Settings, jobs: JobService | None = None) -> FastAPI:
-    """Build the service; its workers start and end with the application's lifespan."""
+def create_app(
+    settings: Settings, *, jobs: Jobs | None = None, pool: Pool | None = None
+) -> FastAPI:
+    """Build the service; its jobs and its pool start and end with the application's lifespan.
 
-    @asynccontextmanager
-    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+    Parameters
+    ----------
+    settings
+        Limits, and the workers of a pool that is not given.
+    jobs
+        The table jobs; None in a process that has none.
+    pool
+        Answers the requests; None for one of worker processes.
+    """
+    if pool is None:
         pool = WorkerPool(
             workers=settings.workers,
             time_limit_s=settings.time_limit_s,
             max_pending=settings.max_pending,
             memory_bytes=settings.worker_memory_bytes,
         )
-        app.state.pool = pool
-        # Neither is made while others wait.
-        app.state.catalogue = shaper_catalogue().model_dump_json().encode()
-        app.openapi()
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        pool.start()
+        app.openapi()  # not while others wait
         if jobs is not None:
             jobs.start()
         settle()
@@ -67,68 +66,15 @@ def create_app(settings: Settings, jobs: JobService | None = None) -> FastAPI:
     )
     app.state.settings = settings
     app.state.jobs = jobs
+    app.state.pool = pool
+    app.state.catalogue = shaper_catalogue().model_dump_json().encode()
     app.state.stopping = lambda: False  # the server tells: streams must not hold it up
     if jobs is not None:
         jobs.stopping = lambda: app.state.stopping()
     app.include_router(router)
     app.include_router(table_router)
-    app.add_exception_handler(HTTPException, _http_problem)
+    add_handlers(app)
     app.add_middleware(RequestMiddleware)
-    _serve_docs(app)
-    _document_bodies(app)
+    serve_docs(app)
+    document_bodies(app, [*(case.request for case in OPERATIONS.values()), TableRequest])
     return app
-
-
-async def _http_problem(request: Request, error: Exception) -> Response:
-    """Answer what the framework itself refuses, as 404 and 405, by a problem document."""
-    status = error.status_code if isinstance(error, HTTPException) else 0
-    known: dict[int, tuple[ProblemKind, str]] = {
-        404: (NOT_FOUND, f"there is no {request.url.path}"),
-        405: (METHOD_NOT_ALLOWED, f"{request.url.path} does not take {request.method}"),
-    }
-    refused = ProblemKind("refused", HTTPStatus(status or 500), 1, "The request was refused")
-    kind, detail = known.get(status, (refused, str(error)))
-    response = problem_response(Problem(kind, detail), request.state.request_id)
-    if isinstance(error, HTTPException) and error.headers:
-        response.headers.update(error.headers)
-    return response
-
-
-def _serve_docs(app: FastAPI) -> None:
-    """Serve Swagger UI from its package: the machine may be offline."""
-    spec = find_spec("fastapi_offline")
-    if spec is None or spec.origin is None:
-        raise RuntimeError("the package fastapi-offline, which holds Swagger UI, is not installed")
-    app.mount(ASSETS, StaticFiles(directory=Path(spec.origin).parent / "static"))
-
-    @app.get("/docs", include_in_schema=False)
-    async def docs() -> Response:
-        return get_swagger_ui_html(
-            openapi_url="/openapi.json",
-            title="shapersmith",
-            swagger_js_url=f"{ASSETS}/swagger-ui-bundle.js",
-            swagger_css_url=f"{ASSETS}/swagger-ui.css",
-            swagger_favicon_url=f"{ASSETS}/favicon.png",
-        )
-
-
-def _document_bodies(app: FastAPI) -> None:
-    """Add the request models to the schema: bodies are validated in the workers, not by routes."""
-    generated = app.openapi
-
-    def openapi() -> dict[str, Any]:
-        if app.openapi_schema is None:
-            schema = generated()
-            requests = [*(case.request for case in OPERATIONS.values()), TableRequest]
-            models = [(request, "validation") for request in requests]
-            _, definitions = models_json_schema(
-                [*models, (ProblemDocument, "serialization")],  # type: ignore[list-item]
-                ref_template=SCHEMAS,
-            )
-            schemas = schema.setdefault("components", {}).setdefault("schemas", {})
-            for name, definition in definitions["$defs"].items():
-                schemas.setdefault(name, definition)
-            app.openapi_schema = schema
-        return app.openapi_schema
-
-    app.openapi = openapi  # type: ignore[method-assign]

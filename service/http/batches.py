@@ -4,10 +4,10 @@ import asyncio
 from collections import deque
 
 from service.dispatch import Answer, answer_lines
-from service.problems import TIME_LIMIT, Problem
+from service.problems import TIME_LIMIT, Problem, ProblemError
 from service.workers.costs import shape_of
-from service.workers.pool import WorkerPool
-from service.workers.runs import SplitError, TaskError
+from service.workers.protocol import Pool
+from service.workers.runs import SplitError
 
 PART_S = 0.05
 """What a part of a batch is expected to take, so that batches share workers [s]."""
@@ -31,9 +31,7 @@ class Batch:
         How long all of it may take [s]; lines without an answer by then have a problem each.
     """
 
-    def __init__(
-        self, pool: WorkerPool, lines: list[bytes], *, client: str, limit_s: float
-    ) -> None:
+    def __init__(self, pool: Pool, lines: list[bytes], *, client: str, limit_s: float) -> None:
         self._pool = pool
         self._lines = lines
         self._client = client
@@ -58,7 +56,7 @@ class Batch:
             part = self._next()
             try:
                 await self._answer(part)
-            except (SplitError, TaskError):
+            except (SplitError, ProblemError):
                 for number in part:
                     await self._answer_alone(number)
 
@@ -95,7 +93,7 @@ class Batch:
                 kind="batch",
                 shape=self._shape(number),
             )
-        except TaskError as error:
+        except ProblemError as error:
             self._answers[number] = Answer(error.problem, 0.0)
 
     def _shape(self, number: int) -> object:

@@ -12,7 +12,13 @@ from starlette.responses import Response
 from starlette.types import Scope
 
 from service.dispatch import Answer
-from service.problems import OVERLOADED, REQUEST_TIMEOUT, TOO_LARGE, UNSUPPORTED_MEDIA_TYPE, Problem
+from service.problems import (
+    REQUEST_TIMEOUT,
+    TOO_LARGE,
+    UNSUPPORTED_MEDIA_TYPE,
+    Problem,
+    ProblemError,
+)
 
 BODY_WAIT_S = 20.0
 """Longest wait for a body [s]."""
@@ -23,26 +29,18 @@ WATCHED_AFTER_S = 0.25
 Answered = TypeVar("Answered")
 
 
-class BodyError(Exception):
-    """A body that cannot be read."""
-
-    def __init__(self, problem: Problem) -> None:
-        super().__init__(problem.detail)
-        self.problem = problem
-
-
 async def read_body(request: Request, *, limit_bytes: int, media_types: tuple[str, ...]) -> bytes:
     """Return the body, read no further than its limit.
 
     Raises
     ------
-    BodyError
+    ProblemError
         If it is longer or late, or says that it is something else than JSON.
     """
     media_type = request.headers.get("content-type", media_types[0]).split(";")[0].strip().lower()
     if media_type not in media_types:
         accepted = " or ".join(media_types)
-        raise BodyError(
+        raise ProblemError(
             Problem(UNSUPPORTED_MEDIA_TYPE, f"content-type must be {accepted}, got {media_type!r}")
         )
     body = bytearray()
@@ -52,10 +50,10 @@ async def read_body(request: Request, *, limit_bytes: int, media_types: tuple[st
                 body += part
                 if len(body) > limit_bytes:
                     detail = f"the body must be at most {limit_bytes} bytes"
-                    raise BodyError(Problem(TOO_LARGE, detail))
+                    raise ProblemError(Problem(TOO_LARGE, detail))
     except TimeoutError:
         detail = f"the body did not arrive within {BODY_WAIT_S:g} s"
-        raise BodyError(Problem(REQUEST_TIMEOUT, detail)) from None
+        raise ProblemError(Problem(REQUEST_TIMEOUT, detail)) from None
     return bytes(body)
 
 
@@ -134,7 +132,7 @@ def problem_response(problem: Problem, request_id: str | None) -> Response:
         problem.document(request_id).model_dump_json(),
         status_code=problem.kind.http.value,
         media_type="application/problem+json",
-        headers={"retry-after": str(problem.retry_after_s)} if problem.kind is OVERLOADED else None,
+        headers=problem.headers,
     )
 
 

@@ -10,8 +10,7 @@ from typing import BinaryIO
 from starlette.datastructures import Headers
 from starlette.responses import Response, StreamingResponse
 
-from service.http.telling import ProblemError
-from service.problems import RANGE_NOT_SATISFIABLE, Problem
+from service.problems import RANGE_NOT_SATISFIABLE, Problem, ProblemError
 
 RANGE = re.compile(r"bytes=(\d{1,18})-(\d{0,18})\Z|bytes=-(\d{1,18})\Z", re.ASCII | re.IGNORECASE)
 """One range; what has more of them, or more digits than a file has bytes, is ignored."""

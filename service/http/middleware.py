@@ -10,8 +10,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.http.bodies import client_of
 from service.operations.table import TABLE
-from service.problems import INTERNAL, OVERLOADED, Problem
-from service.workers.pool import WorkerPool
+from service.problems import INTERNAL, Problem
+from service.workers.protocol import Pool
 
 REQUEST_ID = re.compile(rb"[A-Za-z0-9._-]{1,64}\Z")
 """Ids of clients that are taken over; others are replaced."""
@@ -44,7 +44,7 @@ class RequestMiddleware:
         """
         if scope["method"] != "POST" or scope["path"] not in PATHS:
             return None
-        pool: WorkerPool = scope["app"].state.pool
+        pool: Pool = scope["app"].state.pool
         return pool.refusal(client_of(scope))
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -102,8 +102,7 @@ async def _send_problem(problem: Problem, request_id: str, send: Send) -> None:
         (b"content-type", b"application/problem+json"),
         (b"content-length", str(len(body)).encode()),
     ]
-    if problem.kind is OVERLOADED:
-        headers.append((b"retry-after", str(problem.retry_after_s).encode()))
+    headers += [(name.encode(), value.encode()) for name, value in problem.headers.items()]
     await send({
         "type": "http.response.start",
         "status": problem.kind.http.value,

@@ -8,24 +8,23 @@ from fastapi.routing import APIRoute
 from starlette.responses import JSONResponse, Response
 
 from schemas.catalogue import Catalogue
+from schemas.designs import DesignRequest
 from service.dispatch import OPERATIONS, Answer, answer
 from service.http.batches import Batch
 from service.http.bodies import (
-    BodyError,
     answer_line,
     answer_response,
     client_of,
-    problem_response,
     read_body,
     while_connected,
 )
+from service.http.openapi import OPERATION_TEXTS, body_of, problems
 from service.operations.table import TABLE
-from service.problems import NOT_JSON, OVERLOADED, TOO_LARGE, Problem
+from service.problems import NOT_JSON, OVERLOADED, TOO_LARGE, Problem, ProblemError
 from service.settings import Settings
 from service.version import version
 from service.workers.costs import shape_of
-from service.workers.pool import WorkerPool
-from service.workers.runs import TaskError
+from service.workers.protocol import Pool
 
 JSON = ("application/json",)
 JSON_LINES = (
@@ -35,31 +34,9 @@ JSON_LINES = (
     "application/json",
 )
 
-PROBLEMS: dict[int | str, dict[str, Any]] = {
-    code: {
-        "description": text,
-        "content": {
-            "application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDocument"}}
-        },
-    }
-    for code, text in {
-        400: "Not JSON",
-        413: "Too large",
-        415: "Not declared as JSON",
-        422: "A field breaks its rule, or no such shaper was found",
-        500: "Nothing verified was found, or the service failed",
-        503: "Overloaded",
-        504: "Time limit",
-    }.items()
-}
+PROBLEMS = problems(OPERATION_TEXTS, 400, 413, 415, 422, 500, 503, 504)
 
 router = APIRouter()
-
-
-def _documented(operation: str, media_type: str = JSON[0]) -> dict[str, Any]:
-    name = OPERATIONS[operation].request.__name__
-    schema = {"$ref": f"#/components/schemas/{name}"}
-    return {"requestBody": {"required": True, "content": {media_type: {"schema": schema}}}}
 
 
 def _settings(request: Request) -> Settings:
@@ -67,8 +44,8 @@ def _settings(request: Request) -> Settings:
     return settings
 
 
-def _pool(request: Request) -> WorkerPool:
-    pool: WorkerPool = request.app.state.pool
+def _pool(request: Request) -> Pool:
+    pool: Pool = request.app.state.pool
     return pool
 
 
@@ -76,23 +53,19 @@ def _answering(operation: str) -> Callable[[Request], Coroutine[Any, Any, Respon
     """Return the route of an operation: read the body, have a worker answer it, return."""
 
     async def answering(request: Request) -> Response:
-        request_id: str = request.state.request_id
-        try:
-            body = await read_body(
-                request, limit_bytes=_settings(request).max_body_bytes, media_types=JSON
-            )
-            work = _pool(request).run(
-                answer,
-                operation,
-                body,
-                client=client_of(request),
-                shape=shape_of(operation, body),
-                key=(operation, body),
-            )
-            done: Answer = await while_connected(request, work)
-        except (BodyError, TaskError) as error:
-            return problem_response(error.problem, request_id)
-        return answer_response(done, request_id)
+        body = await read_body(
+            request, limit_bytes=_settings(request).max_body_bytes, media_types=JSON
+        )
+        work = _pool(request).run(
+            answer,
+            operation,
+            body,
+            client=client_of(request),
+            shape=shape_of(operation, body),
+            key=(operation, body),
+        )
+        done: Answer = await while_connected(request, work)
+        return answer_response(done, request.state.request_id)
 
     return answering
 
@@ -113,7 +86,7 @@ for _name, _row in TABLE.items():
         name=_name,
         response_model=OPERATIONS[_name].response,
         responses=PROBLEMS,
-        openapi_extra=_documented(_name),
+        openapi_extra={"requestBody": body_of(OPERATIONS[_name].request, JSON[0])},
         summary=_row.summary,
         route_class_override=BareRoute,
     )
@@ -129,28 +102,22 @@ for _name, _row in TABLE.items():
             "content": {"application/jsonl": {}},
         },
     },
-    openapi_extra=_documented("design", JSON_LINES[0]),
+    openapi_extra={"requestBody": body_of(DesignRequest, JSON_LINES[0])},
     summary="Design up to 1,000 shapers, JSON Lines in and out",
 )
 async def designs_batch(request: Request) -> Response:
     """Answer each line as `POST /v1/designs` would."""
-    request_id: str = request.state.request_id
-    settings, pool = _settings(request), _pool(request)
-    try:
-        body = await read_body(
-            request, limit_bytes=settings.max_batch_bytes, media_types=JSON_LINES
-        )
-    except BodyError as error:
-        return problem_response(error.problem, request_id)
+    settings = _settings(request)
+    body = await read_body(request, limit_bytes=settings.max_batch_bytes, media_types=JSON_LINES)
     lines = body.rstrip(b"\r\n").split(b"\n")
     if lines == [b""]:
-        return problem_response(Problem(NOT_JSON, "the batch is empty"), request_id)
+        raise ProblemError(Problem(NOT_JSON, "the batch is empty"))
     if len(lines) > settings.max_batch_lines:
         detail = f"a batch must be at most {settings.max_batch_lines} lines, got {len(lines)}"
-        return problem_response(Problem(TOO_LARGE, detail), request_id)
-    batch = Batch(pool, lines, client=client_of(request), limit_s=settings.batch_limit_s)
+        raise ProblemError(Problem(TOO_LARGE, detail))
+    batch = Batch(_pool(request), lines, client=client_of(request), limit_s=settings.batch_limit_s)
     answers = await while_connected(request, batch.answers())
-    told = [answer_line(done, request_id) for done in answers]
+    told = [answer_line(done, request.state.request_id) for done in answers]
     return Response(b"\n".join(told) + b"\n", media_type=JSON_LINES[0])
 
 
@@ -169,11 +136,11 @@ async def live() -> dict[str, str]:
 @router.get(
     "/health/ready",
     summary="Whether designs are answered",
-    responses={503: PROBLEMS[503]},
+    responses=problems(OPERATION_TEXTS, 503),
 )
 async def ready(request: Request) -> Response:
     """Answer 200 while a worker lives whose solvers are built, and the queue has room."""
     if not _pool(request).ready:
         problem = Problem(OVERLOADED, "no worker is ready, or too much work is waiting")
-        return problem_response(problem, request.state.request_id)
+        raise ProblemError(problem)
     return JSONResponse({"status": "ready", "version": version()})

@@ -37,7 +37,7 @@ def serve(settings: Settings, *, host: str, port: int) -> None:
     # uvicorn raises the signal again once it has stopped: this makes that the end, with status 0.
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, _stop_quietly)
-    app = create_app(settings, JobService(settings))
+    app = create_app(settings, jobs=JobService(settings))
     config = uvicorn.Config(
         app,
         log_config=None,

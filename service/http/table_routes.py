@@ -2,7 +2,6 @@
 
 import re
 from pathlib import Path
-from typing import Any
 
 from fastapi import APIRouter, Request
 from starlette.responses import Response, StreamingResponse
@@ -10,27 +9,28 @@ from starlette.responses import Response, StreamingResponse
 from design.errors import InvalidInputError
 from design.export.registry import EXPORTS
 from schemas.problems import FieldFault
-from schemas.tables import TableJob, TableJobs
+from schemas.tables import TableJob, TableJobs, TableRequest
 from service.http.bodies import client_of, read_body, while_connected
 from service.http.byte_ranges import file_response
-from service.http.telling import ProblemError, telling
+from service.http.openapi import TABLE_TEXTS, body_of, problems
 from service.jobs.adding import KeyReusedError
 from service.jobs.plan import Plan, planned, told
+from service.jobs.protocol import Jobs
 from service.jobs.records import Job
-from service.jobs.results import export_of, write_result_of
-from service.jobs.service import JobService
+from service.jobs.results import export_of
 from service.problems import (
     CONFLICT,
     INVALID,
     NOT_FOUND,
     OVERLOADED,
     Problem,
+    ProblemError,
     problem_of_design,
 )
 from service.settings import Settings
 from service.version import version
 from service.workers.costs import shape_of
-from service.workers.pool import WorkerPool
+from service.workers.protocol import Pool
 
 JSON = ("application/json",)
 MOST_LISTED = 100
@@ -40,42 +40,18 @@ ID = re.compile(r"[0-9a-f]{32}\Z")
 KEY_HEADER = "Idempotency-Key"
 KEY = re.compile(r"[ -~]{1,255}\Z")
 
-PROBLEM = {
-    "content": {
-        "application/problem+json": {"schema": {"$ref": "#/components/schemas/ProblemDocument"}}
-    }
-}
-
-
-def _problems(*codes: int) -> dict[int | str, dict[str, Any]]:
-    texts = {
-        400: "Not JSON",
-        404: "No such table",
-        408: "The body did not arrive in time",
-        409: "Not in this state",
-        413: "Too large",
-        415: "Not declared as JSON",
-        416: "No such range",
-        422: "A field or a header breaks its rule",
-        500: "The service failed",
-        503: "Overloaded, or the job store does not answer",
-        504: "Time limit",
-    }
-    return {code: {"description": texts[code], **PROBLEM} for code in codes}
-
-
 router = APIRouter()
 
 
-def _jobs(request: Request) -> JobService:
-    jobs: JobService | None = request.app.state.jobs
+def _jobs(request: Request) -> Jobs:
+    jobs: Jobs | None = request.app.state.jobs
     if jobs is None:
         raise ProblemError(Problem(OVERLOADED, "this process has no job store"))
     return jobs
 
 
-def _pool(request: Request) -> WorkerPool:
-    pool: WorkerPool = request.app.state.pool
+def _pool(request: Request) -> Pool:
+    pool: Pool = request.app.state.pool
     return pool
 
 
@@ -99,7 +75,7 @@ def _answered(job: Job, status: int = 200) -> Response:
     "/v1/tables",
     status_code=202,
     response_model=TableJob,
-    responses=_problems(400, 408, 413, 415, 422, 500, 503, 504),
+    responses=problems(TABLE_TEXTS, 400, 408, 413, 415, 422, 500, 503, 504),
     openapi_extra={
         "parameters": [
             {
@@ -116,16 +92,10 @@ def _answered(job: Job, status: int = 200) -> Response:
                 },
             }
         ],
-        "requestBody": {
-            "required": True,
-            "content": {
-                "application/json": {"schema": {"$ref": "#/components/schemas/TableRequest"}}
-            },
-        },
+        "requestBody": body_of(TableRequest, JSON[0]),
     },
     summary="Begin a table of designs over axes or a list",
 )
-@telling
 async def begin(request: Request) -> Response:
     """Answer with the job's size and, in `Location`, where its state is."""
     settings: Settings = request.app.state.settings
@@ -139,7 +109,7 @@ async def begin(request: Request) -> Response:
     if isinstance(plan, Problem):
         raise ProblemError(plan)
     try:
-        job_id = await jobs.writing.ask(jobs.store.add, plan.job, key)
+        job_id = await jobs.add(plan.job, key)
     except KeyReusedError:
         raise _refused_key("not be one that began a table of another specification") from None
     response = _answered(await _found(request, job_id), 202)
@@ -162,13 +132,15 @@ def _refused_key(rule: str) -> ProblemError:
 
 
 @router.get(
-    "/v1/tables", response_model=TableJobs, responses=_problems(503), summary="The newest tables"
+    "/v1/tables",
+    response_model=TableJobs,
+    responses=problems(TABLE_TEXTS, 503),
+    summary="The newest tables",
 )
-@telling
 async def listed(request: Request) -> Response:
     """Answer with the newest jobs, newest first."""
     jobs = _jobs(request)
-    found = await jobs.reading.ask(jobs.store.jobs, MOST_LISTED)
+    found = await jobs.newest(MOST_LISTED)
     tables = TableJobs(tables=[told(job) for job in found])
     return Response(tables.model_dump_json(), media_type="application/json")
 
@@ -176,10 +148,9 @@ async def listed(request: Request) -> Response:
 @router.get(
     "/v1/tables/{id}",
     response_model=TableJob,
-    responses=_problems(404, 503),
+    responses=problems(TABLE_TEXTS, 404, 503),
     summary="State and progress of a table",
 )
-@telling
 async def state(request: Request, id: str) -> Response:
     """Answer with the state, rows done, rate and time left."""
     return _answered(await _found(request, id))
@@ -188,10 +159,9 @@ async def state(request: Request, id: str) -> Response:
 @router.delete(
     "/v1/tables/{id}",
     response_model=TableJob,
-    responses=_problems(404, 409, 503),
+    responses=problems(TABLE_TEXTS, 404, 409, 503),
     summary="Cancel a table, or delete one that has ended",
 )
-@telling
 async def delete(request: Request, id: str) -> Response:
     """Cancel an unfinished job; one that has ended is deleted with its rows and files.
 
@@ -201,14 +171,12 @@ async def delete(request: Request, id: str) -> Response:
     jobs = _jobs(request)
     job = await _found(request, id)
     if not job.ended:
-        if await jobs.writing.ask(jobs.store.cancel, id):
-            jobs.cleaner.wake()
+        if await jobs.cancel(id):
             return _answered(await _found(request, id))
         raise ProblemError(Problem(CONFLICT, "the table has ended by now: once more deletes it"))
-    if not await jobs.writing.ask(jobs.store.delete, id):
+    if not await jobs.delete(id):
         now = await _found(request, id)
         raise ProblemError(Problem(CONFLICT, f"the table is {now.state} by now: once more cancels"))
-    jobs.cleaner.wake()
     return _answered(job)
 
 
@@ -216,17 +184,16 @@ async def delete(request: Request, id: str) -> Response:
     "/v1/tables/{id}/resume",
     status_code=202,
     response_model=TableJob,
-    responses=_problems(404, 409, 503),
+    responses=problems(TABLE_TEXTS, 404, 409, 503),
     summary="Go on with a table that has failed",
 )
-@telling
 async def resume(request: Request, id: str) -> Response:
     """Try again what failed; the rows that are done are kept."""
     jobs = _jobs(request)
     job = await _found(request, id)
     if not job.sound:
         raise ProblemError(Problem(CONFLICT, f"the table cannot go on: {job.reason}"))
-    resumed = job.state == "failed" and await jobs.writing.ask(jobs.store.resume, id)
+    resumed = job.state == "failed" and await jobs.resume(id)
     job = await _found(request, id)
     if resumed:
         return _answered(job, 202)
@@ -245,7 +212,7 @@ async def resume(request: Request, id: str) -> Response:
     "/v1/tables/{id}/events",
     response_class=Response,
     responses={
-        **_problems(404, 503),
+        **problems(TABLE_TEXTS, 404, 503),
         200: {
             "description": "An event `progress` a change, then one named for the last state; "
             "`gone` where the table was deleted",
@@ -254,12 +221,11 @@ async def resume(request: Request, id: str) -> Response:
     },
     summary="Progress of a table as server-sent events",
 )
-@telling
 async def events(request: Request, id: str) -> Response:
     """Send the state whenever it changes, until the job has ended."""
     job = await _found(request, id)
     return StreamingResponse(
-        _jobs(request).watching.events(job),
+        _jobs(request).events(job),
         media_type="text/event-stream",
         headers={"cache-control": "no-store"},
     )
@@ -269,7 +235,7 @@ async def events(request: Request, id: str) -> Response:
     "/v1/tables/{id}/result",
     response_class=Response,
     responses={
-        **_problems(404, 409, 413, 416, 422, 500, 503, 504),
+        **problems(TABLE_TEXTS, 404, 409, 413, 416, 422, 500, 503, 504),
         200: {
             "description": "The file",
             "content": {export.media_type: {} for export in EXPORTS.values()},
@@ -279,7 +245,6 @@ async def events(request: Request, id: str) -> Response:
     },
     summary="The file of a table, in any format",
 )
-@telling
 async def result(request: Request, id: str, format: str = "csv") -> Response:
     """Answer with the file; takes Range, If-Range and If-None-Match."""
     jobs = _jobs(request)
@@ -316,15 +281,11 @@ async def _made(request: Request, job: Job, name: str, path: Path) -> None:
     """Have a worker make a file, once for all who ask for it, as long as one of them waits."""
     settings: Settings = request.app.state.settings
     work = _pool(request).run(
-        write_result_of,
-        _jobs(request).store.url,
-        job.id,
-        name,
-        str(path),
+        _jobs(request).writing_of(job.id, name),
         client=client_of(request),
         kind="background",
         shape=(name, job.rows.bit_length()),
-        key=(write_result_of, path),
+        key=path,
         limit_s=settings.export_limit_s,
     )
     problem: Problem | None = await while_connected(request, work)

@@ -11,6 +11,7 @@ from sqlalchemy.exc import DBAPIError
 from sqlalchemy.exc import TimeoutError as NoConnectionError
 
 from service.jobs.database import LOCK_WAIT_S, reason_of
+from service.problems import OVERLOADED, Problem, ProblemError
 
 LONGEST_WAIT_S = LOCK_WAIT_S + 1.0
 """How long a caller waits for an answer; a little more than the store for a lock [s]."""
@@ -21,8 +22,11 @@ Answer = TypeVar("Answer")
 ERRORS = logging.getLogger("shapersmith.error")
 
 
-class UnansweredError(Exception):
+class UnansweredError(ProblemError):
     """The job store does not answer just now; the message says why."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(Problem(OVERLOADED, reason))
 
 
 class Asking:

@@ -1,15 +1,15 @@
 """Where chunks are computed: processes here, or a Dask cluster given by its address."""
 
 import multiprocessing
-import os
 import re
 import signal
 import threading
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import forkserver
 from typing import cast
+
+from service.workers.own_path import ensure_fork_server
 
 CONNECT_WAIT_S = 20.0
 """How long a scheduler may take to answer [s]."""
@@ -67,10 +67,7 @@ Start = Callable[[], Started]
 
 def prepare() -> None:
     """Start the process that workers are forked from: it imports what they need meanwhile."""
-    # One thread of BLAS a worker: the workers are the parallelism.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    forkserver.set_forkserver_preload(["service.dispatch", "service.jobs.work"])
-    forkserver.ensure_running()
+    ensure_fork_server(["service.dispatch", "service.jobs.work"])
 
 
 def processes(workers: int) -> Started:

@@ -5,6 +5,7 @@ and recording rows, takes nothing from the loop that answers requests.
 """
 
 import logging
+import os
 import signal
 import subprocess
 import sys
@@ -12,6 +13,7 @@ import threading
 
 from service.jobs.running import STOP_WAIT_S
 from service.settings import Settings
+from service.workers import own_path
 
 LOG = logging.getLogger("shapersmith.jobs")
 
@@ -71,7 +73,9 @@ class Keeper:
         with self._changing:
             if self._stop.is_set():
                 return "was not wanted any more"
-            process = self._process = subprocess.Popen(COMMAND, stdin=subprocess.PIPE, bufsize=0)
+            process = self._process = subprocess.Popen(
+                COMMAND, stdin=subprocess.PIPE, bufsize=0, env=os.environ | own_path.variables()
+            )
         if process.stdin is None:
             raise OSError("it has no lifeline")
         try:

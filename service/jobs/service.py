@@ -1,6 +1,7 @@
 """Table jobs inside the service: their store, what runs them, where their files lie."""
 
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from functools import partial
 from pathlib import Path
 
 from sqlalchemy.exc import DBAPIError
@@ -9,10 +10,12 @@ from service.jobs.asking import Asking
 from service.jobs.cleaning import Cleaner
 from service.jobs.database import StoreError
 from service.jobs.keeping import Keeper
-from service.jobs.records import Job
+from service.jobs.records import Job, NewJob
+from service.jobs.results import write_result_of
 from service.jobs.running import STOP_WAIT_S, store_url
 from service.jobs.store import Store
 from service.jobs.watching import Watching
+from service.problems import Problem
 from service.settings import Settings
 
 DAY_S = 86_400.0
@@ -30,9 +33,7 @@ class JobService:
     Attributes
     ----------
     store
-        The store; from the event loop it is asked by way of ``reading`` and ``writing``.
-    watching
-        Shows jobs to streams of events.
+        The store, which from the event loop is asked by the methods that are awaited alone.
     cleaner
         Erases what is cancelled or deleted.
     stopping
@@ -47,10 +48,10 @@ class JobService:
             self.store = Store(store_url(settings), stalled_s=settings.stalled_s)
         except DBAPIError as error:
             raise StoreError(f"the job store does not answer: {error.orig}") from None
-        self.reading = Asking("store-reads", threads=READERS, most=MOST_READS)
-        self.writing = Asking("store-writes", threads=WRITERS, most=MOST_WRITES)
+        self._reading = Asking("store-reads", threads=READERS, most=MOST_READS)
+        self._writing = Asking("store-writes", threads=WRITERS, most=MOST_WRITES)
         self.stopping: Callable[[], bool] = lambda: False
-        self.watching = Watching(self.found, lambda: self.stopping())
+        self._watching = Watching(self.found, lambda: self.stopping())
         self._keeper = Keeper(settings)
         self.cleaner = Cleaner(self.store, self._files, keep_s=settings.keep_tables_days * DAY_S)
 
@@ -64,24 +65,52 @@ class JobService:
             self._keeper.start()
         self.cleaner.start()
 
-    async def found(self, job: str) -> Job | None:
-        """Return a job, or None.
+    async def add(self, job: NewJob, key: str | None) -> str:
+        """Add a job and return its id; see `Jobs.add`."""
+        return await self._writing.ask(self.store.add, job, key)
 
-        Raises
-        ------
-        UnansweredError
-            If the store does not answer.
-        """
-        return await self.reading.ask(self.store.job, job)
+    async def found(self, job: str) -> Job | None:
+        """Return a job, or None."""
+        return await self._reading.ask(self.store.job, job)
+
+    async def newest(self, most: int) -> list[Job]:
+        """Return the newest jobs, newest first."""
+        return await self._reading.ask(self.store.jobs, most)
+
+    async def cancel(self, job: str) -> bool:
+        """Cancel a job, and return whether it is cancelled now."""
+        cancelled = await self._writing.ask(self.store.cancel, job)
+        if cancelled:
+            self.cleaner.wake()
+        return cancelled
+
+    async def delete(self, job: str) -> bool:
+        """Delete a job that has ended, and return whether it had; its files go thereafter."""
+        deleted = await self._writing.ask(self.store.delete, job)
+        if deleted:
+            self.cleaner.wake()
+        return deleted
+
+    async def resume(self, job: str) -> bool:
+        """Let a failed job be tried again, and return whether it is unfinished now."""
+        return await self._writing.ask(self.store.resume, job)
+
+    def events(self, job: Job) -> AsyncIterator[str]:
+        """Yield a server-sent event for each state of a job, until its last."""
+        return self._watching.events(job)
 
     def path_of(self, job: str, name: str) -> Path:
         """Return where the file of a job in a format is, or is to be."""
         return self._files / f"{job}.{name}"
 
+    def writing_of(self, job: str, name: str) -> Callable[[], Problem | None]:
+        """Return the task that writes that file, for a worker; it returns why it could not."""
+        return partial(write_result_of, self.store.url, job, name, str(self.path_of(job, name)))
+
     def close(self) -> None:
         """Stop working; what is not done is left to the next start."""
         self._keeper.close()
         self.cleaner.close(STOP_WAIT_S)
-        self.reading.close()
-        self.writing.close()
+        self._reading.close()
+        self._writing.close()
         self.store.close()

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+from asyncio import get_running_loop
 from collections.abc import Callable, Coroutine
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Protocol
@@ -26,7 +27,7 @@ class Foreman(Protocol):
     def may_begin(self) -> None:
         """Hear that a worker is idle that was not."""
 
-    def told(self, worker: Worker, outcome: Outcome, result: Any) -> None:  # noqa: ANN401
+    def told(self, worker: Worker, outcome: Outcome, result: object) -> None:
         """Take what a busy worker tells; give it back or end it."""
 
     def lost(self, worker: Worker) -> Callable[[bool], None]:
@@ -54,7 +55,6 @@ class Crew:
         self._to_start = 0
         self._failed_starts = 0
         self._closed = False
-        self._loop = asyncio.get_running_loop()
         self._starter = ThreadPoolExecutor(1, thread_name_prefix="worker-starter")
         self._tasks: set[asyncio.Task[None]] = set()
 
@@ -104,7 +104,7 @@ class Crew:
             self._failed_starts += 1
             LOG.error("no worker could be started: %r", error)
         else:
-            late = self._loop.call_later(START_LIMIT_S, self._end_stuck, worker)
+            late = get_running_loop().call_later(START_LIMIT_S, self._end_stuck, worker)
             self._starting[worker] = late
         finally:
             self._to_start -= 1
@@ -114,7 +114,7 @@ class Crew:
 
     async def _made(self) -> Worker:
         """Return a new process; who is cancelled meanwhile does not forget it."""
-        making = self._loop.run_in_executor(
+        making = get_running_loop().run_in_executor(
             self._starter, Worker, self._memory_bytes, self._told, self._lost
         )
         try:
@@ -123,7 +123,7 @@ class Crew:
             (await making).kill()
             raise
 
-    def _told(self, worker: Worker, outcome: Outcome, result: Any) -> None:  # noqa: ANN401
+    def _told(self, worker: Worker, outcome: Outcome, result: object) -> None:
         starting = self._starting.pop(worker, None)
         if starting is None:
             self._foreman.told(worker, outcome, result)
@@ -169,7 +169,7 @@ class Crew:
         self.keep(self._wanted)
 
     def _soon(self, work: Coroutine[Any, Any, None]) -> None:
-        task = self._loop.create_task(work)
+        task = get_running_loop().create_task(work)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 

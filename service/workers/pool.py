@@ -10,19 +10,21 @@ milliseconds.
 import asyncio
 import logging
 import time
-from collections import Counter
+from asyncio import get_running_loop
 from collections.abc import Callable, Hashable
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import cast
 
-from service.problems import INTERNAL, OVERLOADED, TIME_LIMIT, TOO_LARGE, Problem
+from service.problems import INTERNAL, TIME_LIMIT, TOO_LARGE, Problem
 from service.workers.costs import SLICE_S, Costs
 from service.workers.crew import Crew
+from service.workers.large import oldest_overdue, youngest_overdue, youngest_second
 from service.workers.patience import Patience
 from service.workers.process import Outcome, Worker
+from service.workers.protocol import Arguments, Result
 from service.workers.queue import FairQueue, Flow, Kind, Ticket
-from service.workers.runs import Run, SplitError, TaskError, expected, refused
+from service.workers.runs import STOPPING, Run, SplitError, TaskError, expected, failure, refused
 
 MOST_CRASHES = 2
 """Workers that a task may crash: it is the task's fault then."""
@@ -35,8 +37,6 @@ LONGEST_WAIT_S = 30.0
 
 IDLING_S = 4 * SLICE_S
 """A task that takes so long is large whatever it costs: it waits for something [s]."""
-
-STOPPING = Problem(OVERLOADED, "the service is stopping; try again later")
 
 LOG = logging.getLogger("shapersmith.pool")
 
@@ -70,46 +70,27 @@ class WorkerPool:
         self._runs: dict[Ticket, Run] = {}
         self._shared: dict[Hashable, Run] = {}
         self._busy: dict[Worker, Run] = {}
-        self._loop = asyncio.get_running_loop()
         self._closed = False
         self._crew = Crew(self, memory_bytes)
-        self._crew.keep(workers)
+
+    def start(self) -> None:
+        """Start the workers, in the event loop that runs: the pool is of that loop from then on."""
+        self._crew.keep(self.workers)
 
     async def run(
         self,
-        task: Callable[..., Any],
-        *arguments: Any,  # noqa: ANN401
+        task: Callable[[*Arguments], Result],
+        *arguments: *Arguments,
         client: str = "",
         kind: Kind = "single",
         shape: Hashable = None,
         key: Hashable = None,
         limit_s: float | None = None,
         splits: bool = False,
-    ) -> Any:  # noqa: ANN401
+    ) -> Result:
         """Run a task in a worker; if the last of its callers is cancelled, it ends.
 
-        Parameters
-        ----------
-        task, arguments
-            A function of a module and what it takes, both as pickle has it.
-        client, kind
-            Whose work it is, and of what kind: those share the workers fairly.
-        shape
-            What tasks share that cost alike; None where that is not known.
-        key
-            Tasks of equal keys that are on their way at once are run once; None for each its own.
-        limit_s
-            Longest run, where not that of the pool [s].
-        splits
-            Whether it is given up where it takes longer than a slice.
-
-        Raises
-        ------
-        TaskError
-            If it would wait too long, or does; if the time limit or its memory ends it, its worker
-            crashes twice, or it fails.
-        SplitError
-            If it ``splits`` and takes longer than a slice.
+        See `Pool.run` for parameters and errors.
         """
         if self._closed:
             raise TaskError(STOPPING)
@@ -120,12 +101,12 @@ class WorkerPool:
                 task=task, arguments=arguments, client=client, kind=kind,
                 shape=shape if shape is not None else task.__qualname__, key=key,
                 limit_s=limit_s, splits=splits,
-                done=self._loop.create_future(), ticket=Ticket(Flow(), 0.0),
+                done=get_running_loop().create_future(), ticket=Ticket(Flow(), 0.0),
             )  # fmt: skip
             self._admit(run)
         run.callers += 1
         try:
-            return await asyncio.shield(run.done)
+            return cast("Result", await asyncio.shield(run.done))  # what the task has returned
         finally:
             run.callers -= 1
             if run.callers == 0 and not run.done.done():
@@ -138,7 +119,7 @@ class WorkerPool:
         """
         cost_s = self.costs.small_s
         wait_s = self._wait_s(Flow(client), cost_s)
-        if self._patience.refuses(self._loop.time(), wait_s, cost_s):
+        if self._patience.refuses(get_running_loop().time(), wait_s, cost_s):
             return expected(wait_s).problem
         return None
 
@@ -166,7 +147,9 @@ class WorkerPool:
             admitted = (
                 wait_s <= LONGEST_WAIT_S
                 if large
-                else self._patience.admits(self._loop.time(), wait_s, cost_s * self.costs.slowness)
+                else self._patience.admits(
+                    get_running_loop().time(), wait_s, cost_s * self.costs.slowness
+                )
             )
             if not admitted:
                 raise expected(wait_s)
@@ -187,7 +170,7 @@ class WorkerPool:
         self._runs[run.ticket] = run
         (self._large if flow.large else self._small).add(run.ticket, start)
         if run.kind != "batch":
-            run.timers.append(self._loop.call_later(LONGEST_WAIT_S, self._refuse_late, run))
+            run.timers.append(get_running_loop().call_later(LONGEST_WAIT_S, self._refuse_late, run))
 
     def _refuse_late(self, run: Run) -> None:
         late = f"no worker was free within {LONGEST_WAIT_S:g} s"
@@ -238,11 +221,11 @@ class WorkerPool:
             worker.make_way()
         worker.send(run.task, run.arguments)
         run.timers = [
-            self._loop.call_later(SLICE_S, self._look_again, run, SLICE_S),
-            self._loop.call_later(run.limit_s, self._end_late, run),
+            get_running_loop().call_later(SLICE_S, self._look_again, run, SLICE_S),
+            get_running_loop().call_later(run.limit_s, self._end_late, run),
         ]
 
-    def told(self, worker: Worker, outcome: Outcome, result: Any) -> None:  # noqa: ANN401
+    def told(self, worker: Worker, outcome: Outcome, result: object) -> None:
         """Take what a worker tells of its task."""
         run = self._busy.pop(worker)
         if outcome == "memory" or run.large:
@@ -260,8 +243,7 @@ class WorkerPool:
             self._fail(run, TaskError(Problem(TOO_LARGE, told)))
         else:
             LOG.error("a task failed: %s", result)
-            told = "the service failed; its log has the reason"
-            self._fail(run, TaskError(Problem(INTERNAL, told)))
+            self._fail(run, failure())
         self.may_begin()
 
     def _account(self, run: Run, spent_s: float) -> None:
@@ -272,7 +254,7 @@ class WorkerPool:
         if not run.splits:
             self.costs.record(run.client, run.shape, spent_s)
         if not run.large and run.kind != "batch":
-            self._patience.answered(self._loop.time())
+            self._patience.answered(get_running_loop().time())
 
     def _charge(self, run: Run, spent_s: float) -> None:
         """Charge what a task has cost to its flow."""
@@ -317,7 +299,9 @@ class WorkerPool:
         Until it ends nobody knows what it costs: as much again is the best guess. Small work on a
         machine that is busy with other things takes long too, and costs no more for it.
         """
-        run.timers.append(self._loop.call_later(after_s, self._look_again, run, 2 * after_s))
+        run.timers.append(
+            get_running_loop().call_later(after_s, self._look_again, run, 2 * after_s)
+        )
         starved = run.worker is not None and run.worker.spent_s() < SLICE_S / 2
         if starved and after_s < IDLING_S:
             return
@@ -356,7 +340,7 @@ class WorkerPool:
 
     def _promote(self) -> bool:
         """Give the oldest task that is overdue a place for large work, if there is one."""
-        run = self._oldest_overdue()
+        run = oldest_overdue(self._busy.values())
         if run is None or run.worker is None:
             return False
         run.large, run.overdue = True, False
@@ -365,30 +349,20 @@ class WorkerPool:
 
     def _end_an_overdue(self) -> None:
         """End the youngest task that is overdue, as others wait; it waits for its place."""
-        overdue = [run for run in self._busy.values() if run.overdue]
-        if overdue:
-            run = max(overdue, key=lambda one: one.begun)
+        run = youngest_overdue(self._busy.values())
+        if run is not None:
             self._end_worker(run, "its task is large and all places for such are taken")
             self._to_large(run, self.costs.of(run.client, run.shape))
 
     def _end_a_second(self) -> None:
         """End the youngest large task of a client that has several, as one waits who has none."""
-        large = [run for run in self._busy.values() if run.large]
-        holders = Counter(run.client for run in large)
-        if all(ticket.flow.client in holders for ticket in self._large):
-            return
-        several = [run for run in large if holders[run.client] > 1]
-        if several:
-            run = max(several, key=lambda one: one.begun)
+        run = youngest_second(self._busy.values(), self._large)
+        if run is not None:
             self._end_worker(run, "its client has another large task, and one waits who has none")
             ticket = run.ticket
             del self._runs[ticket]
             run.stop_timers()
             self._wait(run, replace(ticket.flow, large=True), self.costs.of(run.client, run.shape))
-
-    def _oldest_overdue(self) -> Run | None:
-        overdue = [run for run in self._busy.values() if run.overdue]
-        return min(overdue, key=lambda one: one.begun, default=None)
 
     # What dies.
 

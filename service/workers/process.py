@@ -17,12 +17,12 @@ import time
 import traceback
 from collections.abc import Callable
 from contextlib import suppress
-from multiprocessing import forkserver
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
+from service.workers.own_path import ensure_fork_server
 from service.workers.solvers import warm_solvers
 from service.workers.watchdog import end_with_parent
 
@@ -50,10 +50,8 @@ Outcome = Literal["ready", "done", "failed", "memory"]
 
 
 def prepare() -> None:
-    """Say what the fork server imports, whenever it is started."""
-    # One thread of BLAS a worker: the workers are the parallelism.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    forkserver.set_forkserver_preload(PRELOADED)
+    """Start the fork server if none is running."""
+    ensure_fork_server(PRELOADED)
 
 
 class Worker(asyncio.Protocol):
@@ -80,7 +78,7 @@ class Worker(asyncio.Protocol):
     def __init__(
         self,
         memory_bytes: int,
-        told: Callable[["Worker", Outcome, Any], None],
+        told: Callable[["Worker", Outcome, object], None],
         lost: Callable[["Worker"], None],
     ) -> None:
         self._told = told
@@ -135,7 +133,7 @@ class Worker(asyncio.Protocol):
         self._transport = None
         self._lost(self)
 
-    def send(self, task: Callable[..., Any], arguments: tuple[Any, ...]) -> None:
+    def send(self, task: Callable[..., object], arguments: tuple[object, ...]) -> None:
         """Send a task; its outcome is told, or the worker is lost."""
         message = pickle.dumps((task, arguments))
         if self._transport is not None:
@@ -227,7 +225,7 @@ def _work(pipe: Connection, memory_bytes: int) -> None:
         return  # the pool has closed its end
 
 
-def _outcome(task: Callable[..., Any], arguments: tuple[Any, ...]) -> bytes:
+def _outcome(task: Callable[..., object], arguments: tuple[object, ...]) -> bytes:
     """Do a task; return the pickle of how it ended, what it gave, and the processor time so far."""
     outcome: Outcome
     try:

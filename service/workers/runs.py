@@ -4,19 +4,16 @@ import asyncio
 import math
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field
-from typing import Any
 
-from service.problems import OVERLOADED, Problem
+from service.problems import INTERNAL, OVERLOADED, Problem, ProblemError
 from service.workers.process import Worker
 from service.workers.queue import Kind, Ticket
 
+STOPPING = Problem(OVERLOADED, "the service is stopping; try again later")
 
-class TaskError(Exception):
+
+class TaskError(ProblemError):
     """A task that has no answer."""
-
-    def __init__(self, problem: Problem) -> None:
-        super().__init__(problem.detail)
-        self.problem = problem
 
 
 class SplitError(Exception):
@@ -39,15 +36,15 @@ class Run:
         Whether it has one of the places for large work; whether it should.
     """
 
-    task: Callable[..., Any]
-    arguments: tuple[Any, ...]
+    task: Callable[..., object]
+    arguments: tuple[object, ...]
     client: str
     kind: Kind
     shape: Hashable
     key: Hashable | None
     limit_s: float
     splits: bool
-    done: "asyncio.Future[Any]"
+    done: "asyncio.Future[object]"
     ticket: Ticket
     callers: int = 0
     crashes: int = 0
@@ -76,3 +73,8 @@ def refused(detail: str, wait_s: float) -> TaskError:
 def expected(wait_s: float) -> TaskError:
     """Return that a task would wait too long [s]."""
     return refused(f"a worker is expected to be free in {wait_s:.2g} s only", wait_s)
+
+
+def failure() -> TaskError:
+    """Return that a task has failed by a fault of ours; the log has the reason."""
+    return TaskError(Problem(INTERNAL, "the service failed; its log has the reason"))

@@ -12,7 +12,7 @@ from design.curve_fit.fit import fit
 from design.curve_fit.fit_range import FitRange
 from design.curve_fit.polynomials import Fit
 from design.errors import InvalidInputError
-from design.export.c_header import C
+from design.export.c_header import EXPORT as C
 from design.shapers.registry import SHAPERS
 from design.tables.columns import times_of
 from design.tables.rows import Rows, TableHead, subject_of

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from design.errors import InvalidInputError
+from design.export.formats import FORMATS
 from design.export.mat_file import LARGEST_MATRIX_BYTES, check_mat
 from design.export.reading import READERS, rows_of
 from design.export.registry import EXPORTS
@@ -191,3 +192,7 @@ def test_a_specification_that_was_changed_in_the_file_is_refused(name: str) -> N
         match=r"specification_sha256 must be the hash of the file's specification",
     ):
         rows_of(name, io.BytesIO(text.encode()))
+
+
+def test_every_format_is_named_as_its_row() -> None:
+    assert [export.name for export in EXPORTS.values()] == list(FORMATS) == list(EXPORTS)

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from design.errors import InvalidInputError
-from design.export.klipper import KLIPPER
-from design.export.reprap import REPRAP
+from design.export.klipper import EXPORT as KLIPPER
+from design.export.reprap import EXPORT as REPRAP
 from design.model.actuators.ideal import Ideal
 from design.model.plants.mode import Mode
 from design.pipeline import design

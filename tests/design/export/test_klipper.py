@@ -11,7 +11,8 @@ from design.analysis.insensitivity import insensitivity
 from design.analysis.residual import residual_vibration
 from design.claims import Promise
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.export.klipper import KLIPPER, NAMES, READ_AS_ZERO
+from design.export.klipper import EXPORT as KLIPPER
+from design.export.klipper import NAMES, READ_AS_ZERO
 from design.export.klipper_shapers import (
     LARGEST_DAMPING_RATIOS,
     klipper_impulses,

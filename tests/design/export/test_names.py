@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from design.export.c_header import C
+from design.export.c_header import EXPORT as C
 from design.export.program import DEFAULT_TITLE, LONGEST_NAME, name_of
-from design.export.structured_text import STRUCTURED_TEXT
+from design.export.structured_text import EXPORT as STRUCTURED_TEXT
 from design.tables.rows import Rows, TableHead
 from schemas.tables import TableRequest
 from service.jobs.plan import plan_of

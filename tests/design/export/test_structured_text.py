@@ -7,7 +7,7 @@ from design.curve_fit.fit import fit
 from design.curve_fit.fit_range import FitRange
 from design.curve_fit.polynomials import Fit
 from design.errors import InvalidInputError
-from design.export.structured_text import STRUCTURED_TEXT
+from design.export.structured_text import EXPORT as STRUCTURED_TEXT
 from design.shapers.registry import SHAPERS
 from design.tables.columns import times_of
 from design.tables.rows import Rows, TableHead, subject_of

@@ -9,7 +9,7 @@ from starlette.datastructures import Headers
 from starlette.responses import Response, StreamingResponse
 
 from service.http.byte_ranges import PIECE_BYTES, file_response
-from service.http.telling import ProblemError
+from service.problems import ProblemError
 
 CONTENT = bytes(range(251)) * (3 * PIECE_BYTES // 251)
 SIZE = len(CONTENT)

@@ -11,7 +11,7 @@ import httpx
 import pytest
 
 from service.settings import Settings
-from tests.conftest import CRANE, running_service
+from tests.conftest import CRANE, Running, running_service
 from tests.processes import until
 
 TABLE: dict[str, Any] = {
@@ -155,34 +155,39 @@ def require_gone(client: httpx.Client, location: str) -> None:
     assert location.removeprefix("/v1/tables/") not in listed(client)
 
 
-def test_a_job_that_is_done_is_deleted_with_its_files(tmp_path: Path) -> None:
-    with running_service(tmp_path / "log", workers=1) as service, service.client() as client:
-        location = client.post("/v1/tables", json=TABLE).headers["location"]
-        job = ended(client, location)
-        for name in ("csv", "json"):
-            assert client.get(f"{location}/result", params={"format": name}).status_code == 200
-        files = tmp_path / "data" / "results"
-        assert sorted(path.suffix for path in files.iterdir()) == [".csv", ".json"]
-        deleted = client.delete(location)
-        assert (deleted.status_code, deleted.json()["verified"]) == (200, job["verified"])
-        require_gone(client, location)
-        until(lambda: not list(files.iterdir()), "its files are still there")
+def files_of(service: Running, location: str) -> list[Path]:
+    """Return the files of a table that a service keeps."""
+    return list((service.data / "results").glob(f"*{location.rpartition('/')[2]}*"))
 
 
-def test_a_client_that_has_a_file_is_told_so_without_making_it(tmp_path: Path) -> None:
-    files = tmp_path / "data" / "results"
-    with running_service(tmp_path / "log", workers=1) as service, service.client() as client:
-        location = client.post("/v1/tables", json=TABLE).headers["location"]
-        ended(client, location)
-        tag = client.get(f"{location}/result").headers["etag"]
-        for path in files.iterdir():
-            path.unlink()
-        for given in (tag, f"W/{tag}", f'"other", {tag}'):
-            held = client.get(f"{location}/result", headers={"if-none-match": given})
-            assert (held.status_code, held.headers["etag"]) == (304, tag)
-        assert not list(files.iterdir())
-        held = client.get(f"{location}/result", headers={"if-none-match": "*"})
-        assert held.status_code == 304
+def test_a_job_that_is_done_is_deleted_with_its_files(
+    service: Running, client: httpx.Client
+) -> None:
+    location = client.post("/v1/tables", json=TABLE).headers["location"]
+    job = ended(client, location)
+    for name in ("csv", "json"):
+        assert client.get(f"{location}/result", params={"format": name}).status_code == 200
+    assert sorted(path.suffix for path in files_of(service, location)) == [".csv", ".json"]
+    deleted = client.delete(location)
+    assert (deleted.status_code, deleted.json()["verified"]) == (200, job["verified"])
+    require_gone(client, location)
+    until(lambda: not files_of(service, location), "its files are still there")
+
+
+def test_a_client_that_has_a_file_is_told_so_without_making_it(
+    service: Running, client: httpx.Client
+) -> None:
+    location = client.post("/v1/tables", json=TABLE).headers["location"]
+    ended(client, location)
+    tag = client.get(f"{location}/result").headers["etag"]
+    for path in files_of(service, location):
+        path.unlink()
+    for given in (tag, f"W/{tag}", f'"other", {tag}'):
+        held = client.get(f"{location}/result", headers={"if-none-match": given})
+        assert (held.status_code, held.headers["etag"]) == (304, tag)
+    assert not files_of(service, location)
+    held = client.get(f"{location}/result", headers={"if-none-match": "*"})
+    assert held.status_code == 304
 
 
 def test_a_request_that_is_sent_again_with_its_key_begins_no_second_table(
@@ -339,24 +344,6 @@ def test_a_service_that_is_started_again_goes_on_with_its_jobs(tmp_path: Path) -
         service.process.kill()
     with running_service(tmp_path / "log", **settings) as service, service.client() as client:
         assert ended(client, location)["verified"] == 400
-
-
-def test_a_table_that_has_been_kept_long_enough_goes_with_its_file(tmp_path: Path) -> None:
-    kept_s = 5.0
-    settings: dict[str, Any] = {"workers": 1, "job_workers": 1}
-    files = tmp_path / "data" / "results"
-    with running_service(tmp_path / "log", **settings) as service, service.client() as client:
-        location = client.post("/v1/tables", json=TABLE).headers["location"]
-        ended(client, location)
-        assert client.get(f"{location}/result").status_code == 200
-    assert len(list(files.iterdir())) == 1
-    time.sleep(kept_s)
-    settings["keep_tables_days"] = kept_s / 86_400
-    with running_service(tmp_path / "log", **settings) as service, service.client() as client:
-        deadline = time.monotonic() + 300
-        while client.get(location).status_code != 404 or list(files.iterdir()):
-            assert time.monotonic() < deadline
-            time.sleep(0.1)
 
 
 def test_the_largest_body_is_answered(tmp_path: Path) -> None:

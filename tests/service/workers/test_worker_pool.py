@@ -39,6 +39,7 @@ async def pool(
         max_pending=max_pending,
         memory_bytes=memory_bytes,
     )
+    made.start()
     try:
         await until(lambda: made.ready)
         yield made
@@ -334,6 +335,7 @@ def test_a_pool_closed_while_workers_start_keeps_none_of_their_sockets() -> None
             made = WorkerPool(
                 workers=2, time_limit_s=HUNG_S, max_pending=10, memory_bytes=1024 * MEGABYTE
             )
+            made.start()
             await asyncio.sleep(moment / 4000)
             await made.close()
 

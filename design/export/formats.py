@@ -1,0 +1,36 @@
+"""Every format of table: a row names its module, which this table does not import.
+
+One more: write its file with an ``EXPORT``, then add its row here. The command line reads this
+table before it prints its help.
+"""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """One format.
+
+    Attributes
+    ----------
+    module
+        The module in `design.export` that writes it.
+    is_program
+        Whether it is a program or a line of firmware, which a single design has too.
+    """
+
+    module: str
+    is_program: bool = False
+
+
+FORMATS: dict[str, Format] = {
+    "csv": Format("csv_file"),
+    "json": Format("json_file"),
+    "parquet": Format("parquet_file"),
+    "mat": Format("mat_file"),
+    "c": Format("c_header", is_program=True),
+    "st": Format("structured_text", is_program=True),
+    "klipper": Format("klipper", is_program=True),
+    "rrf": Format("reprap", is_program=True),
+}
+"""Formats by their name on the wire."""

@@ -1,0 +1,34 @@
+"""What is raised on the way to an answer, answered by a problem document."""
+
+from http import HTTPStatus
+
+from fastapi import FastAPI, Request
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+
+from service.http.bodies import problem_response
+from service.problems import METHOD_NOT_ALLOWED, NOT_FOUND, Problem, ProblemError, ProblemKind
+
+
+def add_handlers(app: FastAPI) -> None:
+    """Have an app answer the problems that its routes raise, and what the framework refuses."""
+    # Starlette calls a handler with errors of its type alone.
+    app.add_exception_handler(ProblemError, _answer_problem)  # type: ignore[arg-type]
+    app.add_exception_handler(HTTPException, _answer_refusal)  # type: ignore[arg-type]
+
+
+async def _answer_problem(request: Request, error: ProblemError) -> Response:
+    response = problem_response(error.problem, request.state.request_id)
+    response.headers.update(error.headers)
+    return response
+
+
+async def _answer_refusal(request: Request, error: HTTPException) -> Response:
+    """Answer what the framework itself refuses, as 404 and 405."""
+    known: dict[int, tuple[ProblemKind, str]] = {
+        404: (NOT_FOUND, f"there is no {request.url.path}"),
+        405: (METHOD_NOT_ALLOWED, f"{request.url.path} does not take {request.method}"),
+    }
+    refused = ProblemKind("refused", HTTPStatus(error.status_code), 1, "The request was refused")
+    kind, detail = known.get(error.status_code, (refused, str(error)))
+    return await _answer_problem(request, ProblemError(Problem(kind, detail), error.headers))

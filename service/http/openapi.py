@@ -1,0 +1,113 @@
+"""The documentation that the service serves: what routes say of themselves, and Swagger UI."""
+
+from collections.abc import Iterable, Mapping
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.docs import get_swagger_ui_html
+from pydantic import BaseModel
+from pydantic.json_schema import models_json_schema
+from starlette.responses import Response
+from starlette.staticfiles import StaticFiles
+
+from schemas.problems import ProblemDocument
+
+Json = dict[str, Any]
+
+ASSETS = "/assets/swagger-ui"
+SCHEMAS = "#/components/schemas/{model}"
+
+_TEXTS = {
+    400: "Not JSON",
+    404: "No such table",
+    408: "The body did not arrive in time",
+    409: "Not in this state",
+    413: "Too large",
+    415: "Not declared as JSON",
+    416: "No such range",
+    504: "Time limit",
+}
+
+OPERATION_TEXTS = _TEXTS | {
+    422: "A field breaks its rule, or no such shaper was found",
+    500: "Nothing verified was found, or the service failed",
+    503: "Overloaded",
+}
+"""What a status says of a request that one operation answers."""
+
+TABLE_TEXTS = _TEXTS | {
+    422: "A field or a header breaks its rule",
+    500: "The service failed",
+    503: "Overloaded, or the job store does not answer",
+}
+"""What a status says of a request about tables."""
+
+
+def problems(texts: Mapping[int, str], *codes: int) -> dict[int | str, Json]:
+    """Return the documented responses of a route that are problem documents.
+
+    Parameters
+    ----------
+    texts
+        What each status says: `OPERATION_TEXTS` or `TABLE_TEXTS`.
+    codes
+        The statuses that the route answers with.
+    """
+    content = {"application/problem+json": {"schema": _reference(ProblemDocument)}}
+    return {code: {"description": texts[code], "content": content} for code in codes}
+
+
+def body_of(model: type[BaseModel], media_type: str) -> Json:
+    """Return the documented body of a route, which a worker reads and not the route."""
+    return {"required": True, "content": {media_type: {"schema": _reference(model)}}}
+
+
+def document_bodies(app: FastAPI, models: Iterable[type[BaseModel]]) -> None:
+    """Add to an app's schema the models that its routes refer to by `body_of`."""
+    generated = app.openapi
+
+    def openapi() -> Json:
+        if app.openapi_schema is None:
+            schema = generated()
+            bodies = [(model, "validation") for model in models]
+            _, definitions = models_json_schema(
+                [*bodies, (ProblemDocument, "serialization")],  # type: ignore[list-item]
+                ref_template=SCHEMAS,
+            )
+            schemas = schema.setdefault("components", {}).setdefault("schemas", {})
+            for name, definition in definitions["$defs"].items():
+                schemas.setdefault(name, definition)
+            app.openapi_schema = schema
+        return app.openapi_schema
+
+    app.openapi = openapi  # type: ignore[method-assign]
+
+
+def serve_docs(app: FastAPI) -> None:
+    """Serve Swagger UI from its package: the machine may be offline.
+
+    Raises
+    ------
+    RuntimeError
+        If the package is not installed.
+    """
+    spec = find_spec("fastapi_offline")
+    if spec is None or spec.origin is None:
+        raise RuntimeError("the package fastapi-offline, which holds Swagger UI, is not installed")
+    app.mount(ASSETS, StaticFiles(directory=Path(spec.origin).parent / "static"))
+
+    @app.get("/docs", include_in_schema=False)
+    async def docs() -> Response:
+        return get_swagger_ui_html(
+            openapi_url="/openapi.json",
+            title="shapersmith",
+            swagger_js_url=f"{ASSETS}/swagger-ui-bundle.js",
+            swagger_css_url=f"{ASSETS}/swagger-ui.css",
+            swagger_favicon_url=f"{ASSETS}/favicon.png",
+        )
+
+
+def _reference(model: type[BaseModel]) -> Json:
+    return {"$ref": SCHEMAS.format(model=model.__name__)}

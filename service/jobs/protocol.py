@@ -1,0 +1,59 @@
+"""What routes need of table jobs, whatever keeps them."""
+
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+from typing import Protocol
+
+from service.jobs.records import Job, NewJob
+from service.problems import Problem
+
+
+class Jobs(Protocol):
+    """Keeps table jobs and shows them; what is awaited raises UnansweredError if it cannot now.
+
+    Attributes
+    ----------
+    stopping
+        Whether the service stops; the server tells.
+    """
+
+    stopping: Callable[[], bool]
+
+    def start(self) -> None:
+        """Begin to work: unfinished jobs go on."""
+
+    def close(self) -> None:
+        """Stop working; what is not done is left to the next start."""
+
+    async def add(self, job: NewJob, key: str | None) -> str:
+        """Add a job, and return its id, or the id of the one that its key has begun.
+
+        Raises
+        ------
+        KeyReusedError
+            If the key began a job of another specification.
+        """
+
+    async def found(self, job: str) -> Job | None:
+        """Return a job, or None."""
+
+    async def newest(self, most: int) -> list[Job]:
+        """Return the newest jobs, newest first."""
+
+    async def cancel(self, job: str) -> bool:
+        """Cancel a job, and return whether it is cancelled now."""
+
+    async def delete(self, job: str) -> bool:
+        """Delete a job that has ended, and return whether it had."""
+
+    async def resume(self, job: str) -> bool:
+        """Let a failed job be tried again, and return whether it is unfinished now."""
+
+    def events(self, job: Job) -> AsyncIterator[str]:
+        """Yield a server-sent event for each state of a job, until its last."""
+
+    def path_of(self, job: str, name: str) -> Path:
+        """Return where the file of a job in a format is, or is to be."""
+
+    def writing_of(self, job: str, name: str) -> Callable[[], Problem | None]:
+        """Return the task that writes that file, for a worker; it returns why it could not."""

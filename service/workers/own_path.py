@@ -1,0 +1,46 @@
+"""Processes of the service find its packages, whatever modules the working folder holds.
+
+An interpreter that is started by `-m` or `-c` searches the working folder first. A user's own
+folder `service` there would take the place of ours.
+"""
+
+import os
+from collections.abc import Sequence
+from multiprocessing import forkserver
+from pathlib import Path
+
+HOME = Path(__file__).parents[2]
+"""The folder that holds our packages."""
+
+
+def variables() -> dict[str, str]:
+    """Return the environment variables by which an interpreter searches our packages first."""
+    inherited = os.environ.get("PYTHONPATH")
+    return {
+        "PYTHONSAFEPATH": "1",
+        "PYTHONPATH": os.pathsep.join([str(HOME), *([inherited] if inherited else [])]),
+    }
+
+
+def ensure_fork_server(preloaded: Sequence[str]) -> None:
+    """Start the process that workers are forked from, unless it runs already.
+
+    Parameters
+    ----------
+    preloaded
+        Names of the modules that it imports.
+    """
+    # One thread of BLAS a worker: the workers are the parallelism.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    forkserver.set_forkserver_preload(list(preloaded))
+    # It inherits the environment and takes no other; this process keeps its own.
+    kept = {name: os.environ.get(name) for name in variables()}
+    os.environ.update(variables())
+    try:
+        forkserver.ensure_running()
+    finally:
+        for name, value in kept.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
