@@ -26,7 +26,9 @@ class AlternatingBand:
     ramped: bool
 
     def expressions(self) -> BandExpressions:
-        """Build the residual's vector of `alternating_steps`, with parameters as there.
+        """Build the residual's vector of `alternating_steps`.
+
+        Parameters are as there.
 
         The residual, not only its zeros: in units of the unshaped step at the same frequency.
         """

@@ -129,17 +129,52 @@ class Problem:
         )
 
     def split(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the gaps and the ratios of unknowns, shape (..., n - 1 + r)."""
+        """Return the gaps and the ratios of unknowns.
+
+        Parameters
+        ----------
+        unknowns
+            Shape (..., n - 1 + r) [rad], [-].
+
+        Returns
+        -------
+        FloatArray
+            Gaps, shape (..., n - 1) [rad].
+        FloatArray
+            Ratios, shape (..., r) [-].
+        """
         count = self.shortest_gaps_rad.size
         return unknowns[..., :count], unknowns[..., count:]
 
     def start(self, gaps_rad: FloatArray) -> FloatArray:
-        """Return unknowns to start from, of gaps, shape (..., n - 1), and the usual ratios."""
+        """Return unknowns to start from: gaps, and the usual ratios.
+
+        Parameters
+        ----------
+        gaps_rad
+            Shape (..., n - 1) [rad].
+
+        Returns
+        -------
+        FloatArray
+            Shape (..., n - 1 + r) [rad], [-].
+        """
         usual = np.broadcast_to(self.ratios.usual, (*gaps_rad.shape[:-1], self.ratios.usual.size))
         return np.concatenate((gaps_rad, usual), axis=-1)
 
     def allows(self, unknowns: FloatArray) -> BoolArray:
-        """Tell whether unknowns, shape (..., n - 1 + r), are within bounds and horizon."""
+        """Return whether unknowns are within bounds and horizon.
+
+        Parameters
+        ----------
+        unknowns
+            Shape (..., n - 1 + r) [rad], [-].
+
+        Returns
+        -------
+        BoolArray
+            Shape (...).
+        """
         lowest, highest = self.bounds
         within = ((unknowns >= lowest) & (unknowns <= highest)).all(axis=-1)
         # Of what ran away the sum may be none.

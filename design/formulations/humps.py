@@ -70,6 +70,11 @@ def humped(seed: str, damping_ratio: float, tolerance: float) -> Humps:
     tolerance
         Height of the humps [-].
 
+    Returns
+    -------
+    Humps
+        Of the damped mode, in phases of its undamped frequency.
+
     Raises
     ------
     InfeasibleDesignError
@@ -112,7 +117,22 @@ def _ordered(humps: Humps) -> bool:
 
 
 def solved(start: Humps, damping_ratio: float, tolerance: float) -> Humps | None:
-    """Return the solution next to a start by Newton's method, None where it finds none."""
+    """Return the solution next to a start by Newton's method.
+
+    Parameters
+    ----------
+    start
+        Shaper, zeros and peaks of a mode nearby.
+    damping_ratio
+        Of the mode [-].
+    tolerance
+        Height of the humps [-].
+
+    Returns
+    -------
+    Humps or None
+        None where it finds none.
+    """
     pole = complex(-damping_ratio, math.sqrt(1 - damping_ratio**2))
     n, zeros = start.amplitudes.size, start.zeros.size
     parts = (start.amplitudes, start.phases_rad, start.zeros, start.peaks)
@@ -198,6 +218,16 @@ def _half_period(amplitudes: list[float], zeros: list[float], peaks: list[float]
 def one_hump(tolerance: float) -> Humps:
     """Return the undamped EI shaper, in closed form [1]_.
 
+    Parameters
+    ----------
+    tolerance
+        Height of the hump [-].
+
+    Returns
+    -------
+    Humps
+        Three impulses, two zeros, a peak.
+
     References
     ----------
     .. [1] W. Singhose, W. Seering, N. Singer, "Residual vibration reduction using vector diagrams
@@ -210,6 +240,16 @@ def one_hump(tolerance: float) -> Humps:
 
 def two_humps(tolerance: float) -> Humps:
     """Return the undamped two-hump EI shaper, in closed form [1]_.
+
+    Parameters
+    ----------
+    tolerance
+        Height of the humps [-].
+
+    Returns
+    -------
+    Humps
+        Four impulses.
 
     References
     ----------
@@ -229,7 +269,10 @@ def two_humps(tolerance: float) -> Humps:
 
 
 def three_humps(tolerance: float) -> Humps:
-    """Return the undamped three-hump EI shaper, in closed form, source as of `two_humps`."""
+    """Return the undamped three-hump EI shaper, in closed form.
+
+    The source is that of `two_humps`.
+    """
     outer = (1 + 3 * tolerance + 2 * math.sqrt(2 * tolerance * (tolerance + 1))) / 16
     inner = (1 - tolerance) / 4
     middle = 1 - 2 * (outer + inner)

@@ -63,9 +63,23 @@ class SymbolicSet:
         return Complex(1, 0) + s.scaled(self.first) + (s * s).scaled(self.second)
 
     def ringing(self, error: Any, rate: Any, s: Complex) -> Complex:  # noqa: ANN401
-        """Return, over G, what an error and its rate leave if this set stays in force.
+        """Return what an error and its rate leave over G.
 
-        It is ``second s rate - error``.
+        It is ``second s rate - error``, if this set stays in force.
+
+        Parameters
+        ----------
+        error
+            Velocity less reference [-].
+        rate
+            Its rate [-].
+        s
+            The plant's pole, in units of its frequency [-].
+
+        Returns
+        -------
+        Complex
+            Modal coordinate over G [-].
         """
         return s.scaled(self.second * rate) - Complex(error, 0)
 
@@ -76,7 +90,24 @@ class SymbolicSet:
         rate: Any,  # noqa: ANN401
         order: int,
     ) -> tuple[Any, Any]:
-        """Return error and rate after a gap, by the closed form for any damping."""
+        """Return error and rate after a gap.
+
+        The closed form is for any damping.
+
+        Parameters
+        ----------
+        gap
+            Phase of the plant [rad].
+        error, rate
+            State of the lag at the start of the gap [-].
+        order
+            Order of the lag, 1 or 2.
+
+        Returns
+        -------
+        tuple
+            Error and rate at the end [-].
+        """
         import casadi as ca  # noqa: PLC0415
 
         if order == 1:
@@ -111,9 +142,20 @@ class Ramp:
         self.left = (error, rate)
 
     def factor(self, s: Complex) -> Complex:
-        """Return ``(1 - exp(-s T)) / (s T)``, the mean of ``exp(-s t)`` over the ramp.
+        """Return ``(1 - exp(-s T)) / (s T)``, a ramp over a step.
 
-        By Gauss nodes: however short the ramp, value and slope keep their digits.
+        It is the mean of ``exp(-s t)`` over the ramp, by Gauss nodes: however short the ramp, value
+        and slope keep their digits.
+
+        Parameters
+        ----------
+        s
+            The plant's pole, in units of its frequency [-].
+
+        Returns
+        -------
+        Complex
+            Of the mean [-].
         """
         mean = Complex(0, 0)
         for node, weight in zip(*(part.tolist() for part in leggauss(RAMP_NODES)), strict=True):
@@ -148,7 +190,9 @@ def alternating_steps(
     switched_order: int,
     amplitudes: list[Any] | None = None,
 ) -> AlternatingSteps:
-    """Return what steps up and down in turn leave at the plant's pole, and how far they go.
+    """Return what steps up and down in turn leave at the plant's pole.
+
+    How far they go comes with it.
 
     A superposed step adds ``A_i G_i(s)``; where one actuator is switched from one set to the
     other, its state adds what it would leave under the new set less what it would have left under
@@ -164,6 +208,11 @@ def alternating_steps(
         Order of the lags of a switched actuator, 1 or 2; 0 for superposed steps of any order.
     amplitudes
         Heights of the steps, of either sign in turn; +1, -1, +1, ... if not given.
+
+    Returns
+    -------
+    AlternatingSteps
+        Vibration and travel.
     """
     import casadi as ca  # noqa: PLC0415
 
@@ -206,7 +255,9 @@ def alternating_steps(
 
 
 def with_swing(steps: AlternatingSteps, gaps: list[Any], lags: Any, swing: Any) -> AlternatingSteps:  # noqa: ANN401
-    """Add what the payload swings already at the first step: ``-(d' - conj(s) d)`` there.
+    """Add what the payload swings already at the first step.
+
+    It is ``-(d' - conj(s) d)`` there.
 
     Parameters
     ----------
@@ -217,6 +268,11 @@ def with_swing(steps: AlternatingSteps, gaps: list[Any], lags: Any, swing: Any) 
     swing
         Deflection times the plant's frequency over the speed, its rate over the speed, the power
         of w that both go by, and the phase until the actuator answers its first step, shape (4,).
+
+    Returns
+    -------
+    AlternatingSteps
+        The same travel; vibration with the swing.
     """
     import casadi as ca  # noqa: PLC0415
 
@@ -230,9 +286,22 @@ def with_swing(steps: AlternatingSteps, gaps: list[Any], lags: Any, swing: Any) 
 
 
 def over_unshaped(steps: AlternatingSteps, lags: Any) -> Complex:  # noqa: ANN401
-    """Return the vibration in units of the unshaped step, of which limits make a ramp.
+    """Return the vibration in units of the unshaped step.
 
-    Where it is zero it does not matter; at any other value it does.
+    Limits make a ramp of that step. Where the vibration is zero the unit does not matter; at any
+    other value it does.
+
+    Parameters
+    ----------
+    steps
+        What the steps leave.
+    lags
+        As in `alternating_steps`.
+
+    Returns
+    -------
+    Complex
+        Over the unshaped step [-].
     """
     import casadi as ca  # noqa: PLC0415
 
@@ -249,7 +318,20 @@ def _pole(z: Any, w: Any) -> Complex:  # noqa: ANN401
 
 
 def with_slopes(steps: AlternatingSteps, derivatives: int) -> list[Any]:
-    """Return the equations V = 0, and as many of its derivatives in w, at w = 1."""
+    """Return the equations V = 0 and some derivatives in w, at w = 1.
+
+    Parameters
+    ----------
+    steps
+        What the steps leave.
+    derivatives
+        Order of the highest derivative, >= 0.
+
+    Returns
+    -------
+    list
+        A pair of real and imaginary part for V and each derivative.
+    """
     import casadi as ca  # noqa: PLC0415
 
     equations = [ca.vertcat(steps.vibration.real, steps.vibration.imag)]

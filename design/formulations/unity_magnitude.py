@@ -83,7 +83,9 @@ class UnityMagnitude:
     swings: bool = False
 
     def expressions(self) -> Expressions:
-        """Build V = 0, and dV/dw = 0 with the actuator's own slope, at the plant's pole.
+        """Build V = 0 at the plant's pole, and its slope where it counts.
+
+        The slope dV/dw = 0 has the actuator's own slope in it.
 
         ``V(w) = sum v_i exp(s (t_n - t_i)) / G_accel(s)``, ``s = w (-z + j sqrt(1 - z^2))``: the
         vibration in units of the unshaped step, referred to the last impulse. Where V is zero its
@@ -117,7 +119,7 @@ ZERO_VIBRATION_DERIVATIVE = UnityMagnitude(impulses=5, derivatives=1)
 
 
 def switched_order(actuator: Actuator) -> int:
-    """Return the order of a switched actuator's lags, 0 for superposed steps."""
+    """Return the order of a switched actuator's lags; 0 for superposed steps."""
     if actuator.model == "superposed":
         return 0
     return 2 if actuator.accel_lag.second_s2 > 0 else 1
@@ -128,10 +130,20 @@ LAG_PARAMETERS = {False: 5, True: 11}
 
 
 def lag_parameters(mode: Mode, actuator: Actuator) -> FloatArray:
-    """Return what describes plant and actuator at w = 1, sets in order accel, decel [-].
+    """Return what describes plant and actuator at w = 1.
 
-    z, then ``first, second`` of either set; with limits also the duration of either unit ramp, and
-    error and rate that either leaves in its own lag: shape (5,) or (11,).
+    z, then ``first, second`` of either set, accel before decel; with limits also the duration of
+    either unit ramp, and error and rate that either leaves in its own lag.
+
+    Parameters
+    ----------
+    mode, actuator
+        The plant's mode and its drive.
+
+    Returns
+    -------
+    FloatArray
+        Shape (5,), or with limits (11,) [-].
     """
     w = mode.natural_frequency_rad_s
     lags = (actuator.accel_lag, actuator.decel_lag)
@@ -149,12 +161,19 @@ ACCEL_TO_DECEL = {1: 3, 2: 4, 5: 6, 7: 9, 8: 10}
 
 
 def with_equal_sets(parameters: FloatArray) -> FloatArray:
-    """Return `lag_parameters`, and what follows them, of an actuator that brakes as it accelerates.
+    """Return `lag_parameters` of an actuator that brakes as it accelerates.
+
+    What follows them stays.
 
     Parameters
     ----------
     parameters
         Of lags without limits and of at most one more number, or with limits, shape (p,).
+
+    Returns
+    -------
+    FloatArray
+        Shape (p,).
     """
     equal = parameters.copy()
     ramped = parameters.size >= LAG_PARAMETERS[True]
@@ -165,7 +184,20 @@ def with_equal_sets(parameters: FloatArray) -> FloatArray:
 
 
 def swing_parameters(mode: Mode, swing: FreeSwing | None) -> FloatArray:
-    """Return the four of `with_swing`, shape (4,), or none, shape (0,)."""
+    """Return the four parameters of `with_swing`, or none.
+
+    Parameters
+    ----------
+    mode
+        The plant's mode.
+    swing
+        What the payload swings at the first step.
+
+    Returns
+    -------
+    FloatArray
+        Shape (4,), or (0,) without a swing.
+    """
     if swing is None:
         return np.zeros(0)
     w = mode.natural_frequency_rad_s
@@ -175,7 +207,20 @@ def swing_parameters(mode: Mode, swing: FreeSwing | None) -> FloatArray:
 
 
 def damped_periods(mode: Mode, periods: float) -> float:
-    """Return in undamped periods how long some damped ones are [-]."""
+    """Return in undamped periods how long some damped ones are [-].
+
+    Parameters
+    ----------
+    mode
+        The mode.
+    periods
+        Number of damped periods [-].
+
+    Returns
+    -------
+    float
+        Number of undamped periods [-].
+    """
     return periods / math.sqrt(1 - mode.damping_ratio**2)
 
 
@@ -185,9 +230,19 @@ def alternating(impulses: int) -> FloatArray:
 
 
 def decel_over_accel(mode: Mode, actuator: Actuator) -> complex:
-    """Return G_decel / G_accel at the plant's pole: ``alpha exp(-j beta)`` (Kim 2011, 3.50).
+    """Return G_decel / G_accel at the plant's pole (Kim 2011, 3.50).
 
-    A ramp, where limits make one, is part of G.
+    It is ``alpha exp(-j beta)``. A ramp, where limits make one, is part of G.
+
+    Parameters
+    ----------
+    mode, actuator
+        The plant's mode and its drive.
+
+    Returns
+    -------
+    complex
+        1 behind equal sets [-].
     """
     pole = mode.pole_rad_s
     lags = actuator.accel_lag.denominator(pole) / actuator.decel_lag.denominator(pole)
@@ -198,10 +253,24 @@ def decel_over_accel(mode: Mode, actuator: Actuator) -> complex:
 
 
 def settling_gaps_rad(mode: Mode, actuator: Actuator, impulses: int, *, settle: bool) -> FloatArray:
-    """Return the shortest gaps, shape (impulses - 1,): just ordered, or settled to 80 % [rad].
+    """Return the shortest gaps: just ordered, or settled to 80 %.
 
     After a step up the acceleration set has to settle before the next, after a step down the
     deceleration set (Kim 2011, eq. 3.40). A ramp, where limits make one, is over before.
+
+    Parameters
+    ----------
+    mode, actuator
+        The plant's mode and its drive.
+    impulses
+        Number of impulses n.
+    settle
+        Whether each step must settle.
+
+    Returns
+    -------
+    FloatArray
+        Shape (n - 1,) [rad].
     """
     w = mode.natural_frequency_rad_s
     ramps = unit_ramps_s(actuator)
@@ -225,10 +294,32 @@ def unity_magnitude_problem(
     amplitudes: FloatArray | None = None,
     seeds: tuple[Seed, ...] = (),
 ) -> Problem:
-    """Formulate a shaper of steps up and down for one mode behind one actuator.
+    """Formulate a shaper of steps up and down for one mode.
 
-    Their amplitudes are +1, -1, +1, ..., if not given. Of others the undamped triangle is the seed
-    if they are three, and of more their seeds have to be given.
+    Parameters
+    ----------
+    model
+        Number of impulses and order of the equations.
+    mode, actuator
+        The plant's mode and its drive.
+    settle
+        Whether each step must settle to 80 % before the next.
+    max_duration_periods
+        Longest shaper in undamped periods [-].
+    amplitudes
+        Heights, +1, -1, +1, ... if not given. Of three others the undamped triangle is the seed.
+    seeds
+        Starts; needed for more than three other amplitudes.
+
+    Returns
+    -------
+    Problem
+        In the gaps.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If settling before each switch takes longer than the longest shaper.
     """
     w = mode.natural_frequency_rad_s
     shortest = settling_gaps_rad(mode, actuator, model.impulses, settle=settle)
@@ -307,7 +398,7 @@ def undamped_times_rad(
     horizon_rad: float,
     amplitudes: FloatArray | None = None,
 ) -> FloatArray:
-    """Return the fastest three-impulse times of an undamped mode, shape (3,) [rad].
+    """Return the fastest three-impulse times of an undamped mode.
 
     The three vectors ``1, -alpha exp(-j (t2 + beta)), exp(-j t3)`` close when::
 
@@ -321,6 +412,22 @@ def undamped_times_rad(
 
     (Kim 2011, appendix B, eqs. 1, 2, 4, 5). Of both signs and all whole n and m, the fastest whose
     gaps are at least ``shortest``.
+
+    Parameters
+    ----------
+    ratio
+        ``alpha exp(-j beta)``, see `decel_over_accel` [-].
+    shortest
+        Shortest gaps, shape (2,) [rad].
+    horizon_rad
+        Longest duration [rad].
+    amplitudes
+        Heights a, -b, c, shape (3,); 1, -1, 1 if not given [-].
+
+    Returns
+    -------
+    FloatArray
+        Times from 0, shape (3,) [rad].
 
     Raises
     ------

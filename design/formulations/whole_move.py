@@ -125,6 +125,11 @@ def whole_move_problem(
         Starts, each with ``steps - 1`` gaps.
     swing
         What the payload swings already at the first step.
+
+    Returns
+    -------
+    Problem
+        In the gaps between all steps.
     """
     w = mode.natural_frequency_rad_s
     return Problem(
@@ -150,10 +155,20 @@ def whole_move_problem(
 
 
 def pulse_trains(problem: Problem) -> list[FloatArray]:
-    """Return starts for a short move: evenly spaced pulses, each shape (steps - 1,) [rad].
+    """Return starts for a short move: evenly spaced pulses.
 
     A pulse much shorter than the period is an impulse to the mode: binomial widths make it the ZV
     or ZVD shaper of positive impulses, which needs half a period from one to the next.
+
+    Parameters
+    ----------
+    problem
+        The move, of n steps.
+
+    Returns
+    -------
+    list of FloatArray
+        Gaps, shape (n - 1,) each [rad].
     """
     pulses = problem.amplitudes.size // 2
     _, first_accel, _, first_decel, *_, travel = problem.parameters.tolist()
