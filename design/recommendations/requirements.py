@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from design.analysis.workable import require_workable
+from design.band import ends_of, require_said_once
 from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
@@ -15,9 +16,6 @@ from design.types import LARGEST, require_between, require_scale
 
 Sign = Literal["any", "positive", "unity"]
 """Amplitudes allowed: all; above zero; +1, -1, +1, ... as an on-off drive takes them."""
-
-USUAL_HALF_WIDTH = 0.15
-"""Half width of the band if none is given, as of `si` [-]."""
 
 WIDEST_HALF_WIDTH = 0.95
 SMALLEST_RATIO, LARGEST_RATIO = 0.05, 10.0
@@ -97,12 +95,8 @@ class Requirements:
             raise InvalidInputError("max_high_mode_gain", self.max_high_mode_gain, "> 0")
 
     def _require_band(self) -> None:
+        require_said_once(self)
         if self.half_width is not None:
-            for name in ("lower_ratio", "upper_ratio"):
-                if getattr(self, name) is not None:
-                    raise InvalidInputError(
-                        name, getattr(self, name), "left out where half_width is given"
-                    )
             if not 0 <= self.half_width <= WIDEST_HALF_WIDTH:
                 raise InvalidInputError(
                     "half_width",
@@ -111,9 +105,6 @@ class Requirements:
                     "frequency",
                 )
             return
-        if (self.lower_ratio is None) != (self.upper_ratio is None):
-            missing = "lower_ratio" if self.lower_ratio is None else "upper_ratio"
-            raise InvalidInputError(missing, None, "given where the other end of the band is")
         if self.lower_ratio is None or self.upper_ratio is None:
             return
         if not SMALLEST_RATIO <= self.lower_ratio <= 1:
@@ -138,10 +129,7 @@ class Requirements:
     @property
     def band(self) -> tuple[float, float]:
         """Ends of the band, ratios of the plant's frequency [-]."""
-        if self.lower_ratio is not None and self.upper_ratio is not None:
-            return self.lower_ratio, self.upper_ratio
-        half = USUAL_HALF_WIDTH if self.half_width is None else self.half_width
-        return 1 - half, 1 + half
+        return ends_of(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,14 +4,12 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import ClassVar, Literal, Self
 
+from design.band import USUAL_HALF_WIDTH, ends_of, require_said_once
 from design.errors import InvalidInputError
 from design.formulations.bands import BandProblem
 from design.shapers.kind import DesignCase, KindOf
 from design.shapers.options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS, ShaperOptions
 from design.types import require_between
-
-USUAL_HALF_WIDTH = 0.15
-"""Half width of the band if none is given: the I = 0.3 of the literature [-]."""
 
 NARROWEST, WIDEST = 0.01, 0.9
 """Bounds of half the band's width over its centre: beyond them shapers take tens of periods [-]."""
@@ -143,17 +141,10 @@ class BandOptions(ShaperOptions):
         return replace(self, half_width=half_width)
 
     def _require_band(self) -> None:
+        require_said_once(self)
         if self.half_width is not None:
-            for name in ("lower_ratio", "upper_ratio"):
-                if getattr(self, name) is not None:
-                    raise InvalidInputError(
-                        name, getattr(self, name), "left out where half_width is given"
-                    )
             require_between("half_width", self.half_width, NARROWEST, WIDEST)
             return
-        if (self.lower_ratio is None) != (self.upper_ratio is None):
-            missing = "lower_ratio" if self.lower_ratio is None else "upper_ratio"
-            raise InvalidInputError(missing, None, "given where the other end of the band is")
         lower, upper = self.band
         require_between("lower_ratio", lower, SMALLEST_RATIO, LARGEST_RATIO)
         require_between("upper_ratio", upper, SMALLEST_RATIO, LARGEST_RATIO)
@@ -169,10 +160,7 @@ class BandOptions(ShaperOptions):
     @property
     def band(self) -> tuple[float, float]:
         """Ends of the band [-]."""
-        if self.lower_ratio is not None and self.upper_ratio is not None:
-            return self.lower_ratio, self.upper_ratio
-        half = USUAL_HALF_WIDTH if self.half_width is None else self.half_width
-        return 1 - half, 1 + half
+        return ends_of(self)
 
 
 def specified_insensitivity(case: DesignCase[BandOptions]) -> BandProblem:
