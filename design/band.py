@@ -34,7 +34,7 @@ class Band(Protocol):
 
 
 def require_said_once(band: Band) -> None:
-    """Raise InvalidInputError where a band is said in two ways, or by one end alone."""
+    """Raise InvalidInputError where a band is said twice, or by one end."""
     if band.half_width is not None:
         for name in ("lower_ratio", "upper_ratio"):
             if getattr(band, name) is not None:
