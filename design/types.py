@@ -13,6 +13,9 @@ ComplexArray = NDArray[np.complexfloating[Any, Any]]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.intp]
 
+Symbolic = Any
+"""A number or an expression of CasADi, which ships no types."""
+
 
 def require_positive(name: str, value: float) -> None:
     """Check that ``value`` is finite and > 0.

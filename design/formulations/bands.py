@@ -1,12 +1,12 @@
 """A residual within a tolerance over a band of frequencies, in least time."""
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 from design.claims import Promise, within
 from design.formulations.equations import Seed
 from design.model.actuators.registry import Actuator
-from design.types import ComplexArray, FloatArray
+from design.types import ComplexArray, FloatArray, Symbolic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -84,10 +84,10 @@ class BandExpressions:
         Real and imaginary part of the residual's vector there, shape (2,).
     """
 
-    unknowns: Any
-    parameters: Any
-    ratio: Any
-    vibration: Any
+    unknowns: Symbolic
+    parameters: Symbolic
+    ratio: Symbolic
+    vibration: Symbolic
 
 
 class BandModel(Protocol):

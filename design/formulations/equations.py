@@ -1,13 +1,13 @@
 """Equations in the gaps between impulses, to be solved in least time."""
 
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from design.claims import Promise
 from design.model.actuators.registry import Actuator
-from design.types import BoolArray, FloatArray
+from design.types import BoolArray, FloatArray, Symbolic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,10 +27,10 @@ class Expressions:
         To be zero, as many as unknowns.
     """
 
-    unknowns: Any
-    parameters: Any
-    objective: Any
-    equations: Any
+    unknowns: Symbolic
+    parameters: Symbolic
+    objective: Symbolic
+    equations: Symbolic
 
 
 class Model(Protocol):

@@ -1,9 +1,10 @@
 """Complex numbers and lags in CasADi's real expressions."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 from numpy.polynomial.legendre import leggauss
+
+from design.types import Symbolic
 
 SMALLEST_ROOT = 1e-9
 """Distance of two poles that counts as none: the sine over it is the angle to double precision."""
@@ -19,8 +20,8 @@ SHORTEST_TIME_CONSTANT = 1e-9
 class Complex:
     """A complex expression."""
 
-    real: Any
-    imag: Any
+    real: Symbolic
+    imag: Symbolic
 
     def __add__(self, other: "Complex") -> "Complex":
         return Complex(self.real + other.real, self.imag + other.imag)
@@ -38,7 +39,7 @@ class Complex:
         size = other.real * other.real + other.imag * other.imag
         return self * Complex(other.real / size, -other.imag / size)
 
-    def scaled(self, factor: Any) -> "Complex":  # noqa: ANN401 - casadi ships no types
+    def scaled(self, factor: Symbolic) -> "Complex":
         """Return the product with a real expression."""
         return Complex(factor * self.real, factor * self.imag)
 
@@ -54,7 +55,7 @@ def exponential(exponent: Complex) -> Complex:
 class SymbolicSet:
     """A lag ``G = 1 / (1 + first s + second s^2)`` whose coefficients are expressions."""
 
-    def __init__(self, first: Any, second: Any) -> None:  # noqa: ANN401
+    def __init__(self, first: Symbolic, second: Symbolic) -> None:
         self.first = first
         self.second = second
 
@@ -62,7 +63,7 @@ class SymbolicSet:
         """Return ``1 / G`` at a pole."""
         return Complex(1, 0) + s.scaled(self.first) + (s * s).scaled(self.second)
 
-    def ringing(self, error: Any, rate: Any, s: Complex) -> Complex:  # noqa: ANN401
+    def ringing(self, error: Symbolic, rate: Symbolic, s: Complex) -> Complex:
         """Return what an error and its rate leave over G.
 
         It is ``second s rate - error``, if this set stays in force.
@@ -85,11 +86,11 @@ class SymbolicSet:
 
     def free_motion(
         self,
-        gap: Any,  # noqa: ANN401
-        error: Any,  # noqa: ANN401
-        rate: Any,  # noqa: ANN401
+        gap: Symbolic,
+        error: Symbolic,
+        rate: Symbolic,
         order: int,
-    ) -> tuple[Any, Any]:
+    ) -> tuple[Symbolic, Symbolic]:
         """Return error and rate after a gap.
 
         The closed form is for any damping.
@@ -137,7 +138,7 @@ class SymbolicSet:
 class Ramp:
     """What limits make of a unit step, and error and rate that it leaves in the set's own lag."""
 
-    def __init__(self, duration: Any, error: Any, rate: Any) -> None:  # noqa: ANN401
+    def __init__(self, duration: Symbolic, error: Symbolic, rate: Symbolic) -> None:
         self.duration = duration
         self.left = (error, rate)
 
@@ -179,16 +180,16 @@ class AlternatingSteps:
         Integral of the velocity times the plant's frequency, of a command that ends at 0 [rad].
     """
 
-    w: Any
+    w: Symbolic
     vibration: Complex
-    travel: Any
+    travel: Symbolic
 
 
 def alternating_steps(
-    gaps: list[Any],
-    lags: Any,  # noqa: ANN401
+    gaps: list[Symbolic],
+    lags: Symbolic,
     switched_order: int,
-    amplitudes: list[Any] | None = None,
+    amplitudes: list[Symbolic] | None = None,
 ) -> AlternatingSteps:
     """Return what steps up and down in turn leave at the plant's pole.
 
@@ -254,7 +255,9 @@ def alternating_steps(
     return AlternatingSteps(w=w, vibration=vibration, travel=travel)
 
 
-def with_swing(steps: AlternatingSteps, gaps: list[Any], lags: Any, swing: Any) -> AlternatingSteps:  # noqa: ANN401
+def with_swing(
+    steps: AlternatingSteps, gaps: list[Symbolic], lags: Symbolic, swing: Symbolic
+) -> AlternatingSteps:
     """Add what the payload swings already at the first step.
 
     It is ``-(d' - conj(s) d)`` there.
@@ -285,7 +288,7 @@ def with_swing(steps: AlternatingSteps, gaps: list[Any], lags: Any, swing: Any) 
     return replace(steps, vibration=steps.vibration + added)
 
 
-def over_unshaped(steps: AlternatingSteps, lags: Any) -> Complex:  # noqa: ANN401
+def over_unshaped(steps: AlternatingSteps, lags: Symbolic) -> Complex:
     """Return the vibration in units of the unshaped step.
 
     Limits make a ramp of that step. Where the vibration is zero the unit does not matter; at any
@@ -311,13 +314,13 @@ def over_unshaped(steps: AlternatingSteps, lags: Any) -> Complex:  # noqa: ANN40
     return steps.vibration / Ramp(limits[0], limits[2], limits[3]).factor(_pole(z, steps.w))
 
 
-def _pole(z: Any, w: Any) -> Complex:  # noqa: ANN401
+def _pole(z: Symbolic, w: Symbolic) -> Complex:
     import casadi as ca  # noqa: PLC0415
 
     return Complex(-z * w, w * ca.sqrt(1 - z * z))
 
 
-def with_slopes(steps: AlternatingSteps, derivatives: int) -> list[Any]:
+def with_slopes(steps: AlternatingSteps, derivatives: int) -> list[Symbolic]:
     """Return the equations V = 0 and some derivatives in w, at w = 1.
 
     Parameters

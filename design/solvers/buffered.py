@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from design.types import FloatArray
+from design.types import FloatArray, Symbolic
 
 
 class Buffered:
@@ -25,7 +25,7 @@ class Buffered:
 
     def __init__(
         self,
-        function: Any,  # noqa: ANN401 - casadi ships no types
+        function: Symbolic,
         inputs: tuple[str, ...],
         outputs: tuple[str, ...],
     ) -> None:

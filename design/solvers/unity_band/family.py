@@ -2,7 +2,6 @@
 
 import functools
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from design.formulations.bands import BandModel
 from design.solvers.buffered import Buffered
 from design.solvers.newton import INSTRUCTION_WORK
 from design.solvers.trust_region_step import DISKS
-from design.types import BoolArray, FloatArray, IntArray
+from design.types import BoolArray, FloatArray, IntArray, Symbolic
 
 LANES = 64
 """Ratios that are looked at by one call of the compiled expressions."""
@@ -61,7 +60,9 @@ class Family:
         x, p, ratio, vector = parts.unknowns, parts.parameters, parts.ratio, parts.vibration
         self.size = int(x.numel())
 
-        def compiled(lanes: int, names: str, given: list[Any], found: list[Any]) -> Buffered:
+        def compiled(
+            lanes: int, names: str, given: list[Symbolic], found: list[Symbolic]
+        ) -> Buffered:
             inputs, outputs = (one.split() for one in names.split("->"))
             one = ca.Function("band", given, [ca.densify(part) for part in found], inputs, outputs)
             return Buffered(one.map(lanes), tuple(inputs), tuple(outputs))
