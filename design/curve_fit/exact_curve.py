@@ -1,7 +1,6 @@
 """The exact times of a shaper along a variable, and polynomials for them."""
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.polynomial import Chebyshev, Polynomial
@@ -18,6 +17,7 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.pipeline import design
 from design.shapers.kind import ShaperKind
+from design.shapers.options import ShaperOptions
 from design.solvers.budget import Budget
 from design.solvers.newton import roots
 from design.types import FloatArray
@@ -43,7 +43,7 @@ class ExactCurve:
         axis: FitAxis,
         actuator: Actuator,
         kind: ShaperKind,
-        options: Any,  # noqa: ANN401
+        options: ShaperOptions | None,
     ) -> None:
         self.axis = axis
         self.actuator = actuator

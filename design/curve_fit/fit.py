@@ -6,7 +6,6 @@ actuator's alone, smoothly: a few coefficients do.
 """
 
 import math
-from typing import Any
 
 from design.curve_fit.exact_curve import ExactCurve
 from design.curve_fit.fit_range import HIGHEST_DEGREE, FitRange
@@ -16,6 +15,7 @@ from design.errors import InfeasibleDesignError
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.shapers.kind import ShaperKind
+from design.shapers.options import ShaperOptions
 
 
 def fit(
@@ -23,7 +23,7 @@ def fit(
     actuator: Actuator,
     kind: ShaperKind,
     wanted: FitRange,
-    options: Any = None,  # noqa: ANN401
+    options: ShaperOptions | None = None,
 ) -> Fit:
     """Fit the impulse times of a shaper over a range of the plant.
 

@@ -24,6 +24,7 @@ References
 
 import math
 from collections.abc import Iterable, Iterator
+from typing import cast
 
 import numpy as np
 
@@ -223,7 +224,7 @@ def _fitted(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str,
             f"those of {row.kind.name} in continuous time, which Klipper fits",
         )
     claims = made.certificate.claims
-    told = _floored(row.options.tolerance)
+    told = _floored(cast(ToleranceOptions, row.options).tolerance)  # of every ei kind
     judged: tuple[Claim, ...] = ()
     for _ in range(LOWERINGS):
         judged = _judged(klipper_impulses(name, hertz, damping, tolerance=told), row, claims)

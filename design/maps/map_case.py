@@ -8,6 +8,7 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
 from design.shapers.kind import ShaperKind
+from design.shapers.options import ShaperOptions
 from design.types import FloatArray, require_scale
 
 Quantity = Literal[
@@ -58,7 +59,7 @@ class Recipe:
     """
 
     kind: ShaperKind
-    options: Any
+    options: ShaperOptions | None
     each: bool
     designed_for: Model | None = None
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from design.moves.rest_to_rest import Parts, faster_as_one, over_distance, over_
 from design.pipeline import design
 from design.response.closed_form import travel
 from design.shapers.kind import ShaperKind
-from design.shapers.options import PeakOptions, SettleOptions
+from design.shapers.options import PeakOptions, SettleOptions, ShaperOptions
 from design.solving.solve import solve
 from design.types import LARGEST, SMALLEST, require_scale
 
@@ -104,7 +103,7 @@ def maneuver(
     distance_m: float | None = None,
     initial: InitialSwing | None = None,
     joint: bool = False,
-    options: Any = None,  # noqa: ANN401
+    options: ShaperOptions | None = None,
 ) -> Maneuver:
     """Design a move from rest to rest and prove it as a whole.
 
@@ -322,7 +321,9 @@ def _require_provable(name: str, value: float, travel_s: float, mode: Mode) -> N
         )
 
 
-def _parts(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any) -> Parts:  # noqa: ANN401
+def _parts(
+    plant: Plant, actuator: Actuator, kind: ShaperKind, options: ShaperOptions | None
+) -> Parts:
     start = design(plant, actuator, kind, options).impulses
     formulation = kind.formulate(kind.case(plant.modes, actuator, options))
     peak = options.max_velocity_ratio if isinstance(options, PeakOptions) else 1.0
@@ -350,7 +351,9 @@ def _parts(plant: Plant, actuator: Actuator, kind: ShaperKind, options: Any) -> 
         raise InfeasibleDesignError(f"the start exists, the stop does not: {error}") from error
 
 
-def _with_stop(parts: Parts, plant: Plant, kind: ShaperKind, options: Any) -> Parts:  # noqa: ANN401
+def _with_stop(
+    parts: Parts, plant: Plant, kind: ShaperKind, options: ShaperOptions | None
+) -> Parts:
     """Return the parts with a stop that leaves nothing, begun at rest at full speed."""
     turned = swapped(parts.actuator)
     if parts.peak == 1:

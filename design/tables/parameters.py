@@ -94,7 +94,9 @@ def row_parameters(specification: TableSpecification, values: FloatArray) -> Row
         most = specification.kind.damping.most
         z = field("plant", "damping_ratio", least=0.0, most=most)
         lags = np.stack([z, *_lags(specification, field, w)], axis=1)
-        if any(one.name == "max_duration_periods" for one in fields(specification.options)):
+        options = specification.options
+        names = () if options is None else [one.name for one in fields(options)]
+        if "max_duration_periods" in names:
             longest = field(
                 "shaper",
                 "max_duration_periods",

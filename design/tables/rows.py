@@ -13,6 +13,7 @@ from design.fields import vary
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.shapers.kind import ShaperKind
+from design.shapers.options import ShaperOptions
 from design.types import BoolArray, FloatArray
 
 STATUSES = ("verified", "infeasible", "failed", "verified_ideal")
@@ -90,11 +91,11 @@ class Subject:
     plant: Plant
     actuator: Actuator
     kind: ShaperKind
-    options: Any
+    options: ShaperOptions | None
 
     def at(
         self, paths: Iterable[Sequence[str]], values: Iterable[float]
-    ) -> tuple[Plant, Actuator, Any]:
+    ) -> tuple[Plant, Actuator, ShaperOptions | None]:
         """Return plant, actuator and options with some numbers replaced.
 
         Parameters

@@ -18,6 +18,7 @@ from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
 from design.shapers.kind import ShaperKind
+from design.shapers.options import ShaperOptions
 from design.shapers.several_modes import BASES, ConvolvedOptions
 from design.tables.rows import Column, Subject
 from design.types import FloatArray, require_between
@@ -73,7 +74,7 @@ class TableSpecification:
     plant: Plant
     actuator: Actuator
     kind: ShaperKind
-    options: Any
+    options: ShaperOptions | None
     axes: tuple[Axis, ...] = ()
     listed: FloatArray | None = None
     listed_paths: tuple[Path, ...] = ()
@@ -250,7 +251,7 @@ class TableSpecification:
             [axis.values[place] for axis, place in zip(self.axes, places, strict=True)], axis=1
         )
 
-    def at(self, values: FloatArray) -> tuple[Plant, Actuator, Any]:
+    def at(self, values: FloatArray) -> tuple[Plant, Actuator, ShaperOptions | None]:
         """Return plant, actuator and options of one row.
 
         Parameters
@@ -304,7 +305,9 @@ def require_rows(rows: int) -> None:
         )
 
 
-def amplitudes_of(kind: ShaperKind, options: Any, damping_ratio: float = 0.0) -> tuple[float, ...]:  # noqa: ANN401
+def amplitudes_of(
+    kind: ShaperKind, options: ShaperOptions | None, damping_ratio: float = 0.0
+) -> tuple[float, ...]:
     """Return a kind's amplitudes behind a symmetric actuator [-].
 
     Those of unity magnitude do not depend on plant and actuator, and all rows of a table share
@@ -351,7 +354,7 @@ def amplitudes_of(kind: ShaperKind, options: Any, damping_ratio: float = 0.0) ->
     return tuple(formulation.amplitudes.tolist())
 
 
-def impulses_of(plant: Plant, kind: ShaperKind, options: Any) -> int:  # noqa: ANN401
+def impulses_of(plant: Plant, kind: ShaperKind, options: ShaperOptions | None) -> int:
     """Return how many impulses each design of a table has.
 
     Parameters
@@ -387,7 +390,7 @@ def impulses_of(plant: Plant, kind: ShaperKind, options: Any) -> int:  # noqa: A
     return len(amplitudes_of(kind, options))
 
 
-def undamped_amplitudes(kind: ShaperKind, options: Any) -> tuple[float, ...]:  # noqa: ANN401
+def undamped_amplitudes(kind: ShaperKind, options: ShaperOptions | None) -> tuple[float, ...]:
     """Return `amplitudes_of` an undamped mode, or none.
 
     Parameters
@@ -408,7 +411,7 @@ def undamped_amplitudes(kind: ShaperKind, options: Any) -> tuple[float, ...]:  #
         return ()
 
 
-def shared_amplitudes(kind: ShaperKind, options: Any) -> tuple[float, ...]:  # noqa: ANN401
+def shared_amplitudes(kind: ShaperKind, options: ShaperOptions | None) -> tuple[float, ...]:
     """Return the amplitudes that all rows of a table share, or none.
 
     Parameters

@@ -1,7 +1,5 @@
 """The response of plant and actuator to a command over time."""
 
-from typing import Any
-
 import numpy as np
 
 from design.analysis.judge import DesignWarning, sum_warnings
@@ -12,6 +10,7 @@ from design.moves.playback import motion
 from design.moves.shaped_commands import ShapedCommand, shaped_command
 from design.pipeline import design
 from design.sampling.sampled_design import claims_on_samples
+from design.shapers.options import ShaperOptions
 from design.types import SMALLEST
 from schemas.base import named
 from schemas.shapers import ShaperIn
@@ -55,7 +54,7 @@ def _shaped(
     plant: Plant,
     actuator: Actuator,
     shaper: ShaperIn,
-    options: Any,  # noqa: ANN401 - each kind has a record of its own
+    options: ShaperOptions | None,
 ) -> ShapedCommand:
     found, claims = design(plant, actuator, shaper.registered(), options), None
     if shaper.sample_time_s is not None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from itertools import zip_longest
-from typing import Any, Protocol
+from typing import Protocol
 
 from design.analysis.sensitivity import (
     Sensitivity,
@@ -13,6 +13,7 @@ from design.model.plants.registry import Plant
 from design.pipeline import Design, design
 from design.sampling.sampled import Sampled
 from design.sampling.sampled_design import sampled_design
+from design.shapers.options import ShaperOptions
 from schemas.actuators import ActuatorIn
 from schemas.base import named
 from schemas.plants import PlantIn
@@ -57,7 +58,7 @@ def found_shaper(
     plant: Plant,
     actuator: Actuator,
     shaper: ShaperIn,
-    options: Any,  # noqa: ANN401 - each kind has a record of its own
+    options: ShaperOptions | None,
 ) -> Design:
     """Return a designed shaper, on samples where asked."""
     found = design(plant, actuator, shaper.registered(), options)
