@@ -27,12 +27,24 @@ def solve(search: BandSearch, budget: Budget) -> Iterator[Solution]:
     Of every number of impulses two seeds are compared; where one ends far above the tolerance, the
     others wait until more impulses have been tried.
 
+    Parameters
+    ----------
+    search
+        The band, and a problem for each number of impulses.
+    budget
+        What the search may do; its work is counted in it.
+
+    Yields
+    ------
+    Solution
+        Impulses and the report of the solver, not yet certified.
+
     Raises
     ------
     InfeasibleDesignError
         When all candidates, if any, are used up: says what came nearest.
     TimeLimitError
-        If the solver ran past its time.
+        If IPOPT ran past its time.
     """
     runs = _Runs(search, budget)
     later = []
