@@ -74,7 +74,10 @@ class WorkerPool:
         self._crew = Crew(self, memory_bytes)
 
     def start(self) -> None:
-        """Start the workers, in the event loop that runs: the pool is of that loop from then on."""
+        """Start the workers, in the event loop that runs.
+
+        The pool belongs to that loop from then on.
+        """
         self._crew.keep(self.workers)
 
     async def run(
@@ -88,9 +91,37 @@ class WorkerPool:
         limit_s: float | None = None,
         splits: bool = False,
     ) -> Result:
-        """Run a task in a worker; if the last of its callers is cancelled, it ends.
+        """Run a task in a worker; it ends with the last of its callers.
 
-        See `Pool.run` for parameters and errors.
+        A caller that is cancelled waits no more. A task for which nobody waits is ended.
+
+        Parameters
+        ----------
+        task, arguments
+            A function of a module and what it takes, both as pickle has it.
+        client, kind
+            Whose work it is, and of what kind: those share the workers fairly.
+        shape
+            What tasks share that cost alike; the name of the task if not given.
+        key
+            Tasks of equal keys that are on their way at once are run once; None for each its own.
+        limit_s
+            Longest run, where not that of the pool [s].
+        splits
+            Whether it is given up where it takes longer than a slice.
+
+        Returns
+        -------
+        Result
+            What the task returned.
+
+        Raises
+        ------
+        TaskError
+            If it would wait too long, or does; if the time limit or its memory ends it, its worker
+            crashes twice, or it fails; if the pool is closed.
+        SplitError
+            If it ``splits`` and takes longer than a slice.
         """
         if self._closed:
             raise TaskError(STOPPING)
@@ -113,9 +144,19 @@ class WorkerPool:
                 self._give_up(run)
 
     def refusal(self, client: str) -> Problem | None:
-        """Return why a small single request would be refused at once; None where it would not.
+        """Return why a small single request would be refused at once.
 
-        For those who want to know before they have read it.
+        It serves those who want to know before they have read the request.
+
+        Parameters
+        ----------
+        client
+            Whose request it is.
+
+        Returns
+        -------
+        Problem or None
+            None where the request would not be refused.
         """
         cost_s = self.costs.small_s
         wait_s = self._wait_s(Flow(client), cost_s)
@@ -130,7 +171,7 @@ class WorkerPool:
 
     @property
     def ready(self) -> bool:
-        """Whether a worker lives whose solvers are built, and there is room for a task."""
+        """Whether a worker has its solvers built and a task has room."""
         return self._crew.built and self.pending < self._max_pending
 
     # Waiting.
@@ -226,7 +267,17 @@ class WorkerPool:
         ]
 
     def told(self, worker: Worker, outcome: Outcome, result: object) -> None:
-        """Take what a worker tells of its task."""
+        """Take the outcome of a worker's task.
+
+        Parameters
+        ----------
+        worker
+            The worker.
+        outcome
+            How its task has ended.
+        result
+            What the task has returned, or the traceback of its error.
+        """
         run = self._busy.pop(worker)
         if outcome == "memory" or run.large:
             self._crew.end(worker)  # it is near its limit, or has made way for good
