@@ -27,6 +27,9 @@ class FirstOrder:
         Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
     """
 
+    kind: ClassVar[str] = "first_order"
+    """Its ``kind`` on the wire."""
+
     PROOF_WORK: ClassVar[float] = 3.5
     """Work of proving an impulse at one frequency [units of `design.solvers.budget`]."""
 
@@ -42,11 +45,6 @@ class FirstOrder:
                 rule = f"0, or between {SMALLEST:g} and {LARGEST:g}"
                 raise InvalidInputError(name, value, rule)
         require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
-
-    @property
-    def kind(self) -> str:
-        """Its ``kind`` on the wire."""
-        return "first_order"
 
     @property
     def in_words(self) -> tuple[str, str]:
