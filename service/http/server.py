@@ -23,7 +23,18 @@ class PortTakenError(Exception):
 
 
 def serve(settings: Settings, *, host: str, port: int) -> None:
-    """Serve until SIGTERM or SIGINT; what runs is finished, what is new refused.
+    """Serve until SIGTERM or SIGINT.
+
+    The work that runs then is finished, and new work is refused.
+
+    Parameters
+    ----------
+    settings
+        Settings of the service.
+    host
+        Address to bind; one with a colon is of IPv6.
+    port
+        Port to bind; 0 for any that is free.
 
     Raises
     ------
