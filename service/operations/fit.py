@@ -16,7 +16,27 @@ def fit_curves(request: FitRequest) -> FitOut:
 
 
 def fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
-    """Return curve coefficients of a design, and what the fitted times leave."""
+    """Return curve coefficients of a design, and the residual that they leave.
+
+    Parameters
+    ----------
+    subject
+        The plant, the actuator and the shaper.
+    fit_in
+        Field of the plant, range and quality.
+
+    Returns
+    -------
+    FitOut
+        The coefficients, with the largest residual over the range.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule, or the range leaves the bounds of the plant.
+    InfeasibleDesignError
+        If some point of the range has no such shaper, or no degree is good enough.
+    """
     plant, actuator = subject_of(subject)
     with named("shaper"):
         options = subject.shaper.continuous_options(NO_FIT_ON_SAMPLES)
