@@ -50,10 +50,8 @@ class MemoryJobs:
 
         Parameters
         ----------
-        job
-            The new job.
-        key
-            Names the request that asks for the job; None of one that may not be repeated.
+        job, key
+            As of `Jobs.add`.
 
         Returns
         -------
@@ -126,10 +124,8 @@ class MemoryJobs:
 
         Parameters
         ----------
-        job
-            Id of the job.
-        name
-            Name of the format.
+        job, name
+            As of `Jobs.path_of`.
 
         Returns
         -------
@@ -143,10 +139,8 @@ class MemoryJobs:
 
         Parameters
         ----------
-        job
-            Id of the job.
-        name
-            Name of the format.
+        job, name
+            As of `Jobs.writing_of`.
 
         Returns
         -------

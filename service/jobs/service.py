@@ -76,10 +76,8 @@ class JobService:
 
         Parameters
         ----------
-        job
-            The new job.
-        key
-            Names the request that asks for the job; None of one that may not be repeated.
+        job, key
+            As of `Jobs.add`.
 
         Returns
         -------
@@ -133,10 +131,8 @@ class JobService:
 
         Parameters
         ----------
-        job
-            Id of the job.
-        name
-            Name of the format.
+        job, name
+            As of `Jobs.path_of`.
 
         Returns
         -------
@@ -150,10 +146,8 @@ class JobService:
 
         Parameters
         ----------
-        job
-            Id of the job.
-        name
-            Name of the format.
+        job, name
+            As of `Jobs.writing_of`.
 
         Returns
         -------

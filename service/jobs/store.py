@@ -60,10 +60,8 @@ class Store:
 
         Parameters
         ----------
-        job
-            The new job.
-        key
-            Names the request that asks for the job; None of one that may not be repeated.
+        job, key
+            As of `adding.add`.
 
         Returns
         -------
@@ -337,47 +335,11 @@ class Store:
             return seen_jobs(connection, self._now, lambda seen: seen.order_by(*newest).limit(most))
 
     def made_of(self, job: str) -> NewJob:
-        """Return what a job is made of.
-
-        Parameters
-        ----------
-        job
-            Id of the job.
-
-        Returns
-        -------
-        NewJob
-            The specification and size of the job.
-
-        Raises
-        ------
-        GoneError
-            If it has gone.
-        DamagedError
-            If its record or its specification is not what was stored.
-        """
+        """Return what a job is made of; see `contents.made_of`."""
         return contents.made_of(self._reading, job)
 
     def blobs(self, job: str) -> Iterator[bytes]:
-        """Return the rows of a job's chunks in order.
-
-        Parameters
-        ----------
-        job
-            Id of the job, which is done.
-
-        Returns
-        -------
-        Iterator of bytes
-            The rows of one chunk each; the errors come as it goes on.
-
-        Raises
-        ------
-        GoneError
-            If the job is deleted before all are read.
-        DamagedError
-            If some are not what was stored; chunks of older versions have no hash to tell by.
-        """
+        """Return the rows of a job's chunks in order; see `contents.blobs`."""
         return contents.blobs(self._reading, job)
 
 

@@ -74,10 +74,7 @@ class WorkerPool:
         self._crew = Crew(self, memory_bytes)
 
     def start(self) -> None:
-        """Start the workers, in the event loop that runs.
-
-        The pool belongs to that loop from then on.
-        """
+        """Start the workers; the pool is of the running loop from then on."""
         self._crew.keep(self.workers)
 
     async def run(
@@ -91,24 +88,12 @@ class WorkerPool:
         limit_s: float | None = None,
         splits: bool = False,
     ) -> Result:
-        """Run a task in a worker; it ends with the last of its callers.
-
-        A caller that is cancelled waits no more. A task for which nobody waits is ended.
+        """Run a task in a worker, as `Pool.run` says.
 
         Parameters
         ----------
-        task, arguments
-            A function of a module and what it takes, both as pickle has it.
-        client, kind
-            Whose work it is, and of what kind: those share the workers fairly.
-        shape
-            What tasks share that cost alike; the name of the task if not given.
-        key
-            Tasks of equal keys that are on their way at once are run once; None for each its own.
-        limit_s
-            Longest run, where not that of the pool [s].
-        splits
-            Whether it is given up where it takes longer than a slice.
+        task, arguments, client, kind, shape, key, limit_s, splits
+            As of `Pool.run`.
 
         Returns
         -------
@@ -118,8 +103,7 @@ class WorkerPool:
         Raises
         ------
         TaskError
-            If it would wait too long, or does; if the time limit or its memory ends it, its worker
-            crashes twice, or it fails; if the pool is closed.
+            As of `Pool.run`, and if the pool is closed.
         SplitError
             If it ``splits`` and takes longer than a slice.
         """
@@ -144,20 +128,7 @@ class WorkerPool:
                 self._give_up(run)
 
     def refusal(self, client: str) -> Problem | None:
-        """Return why a small single request would be refused at once.
-
-        It serves those who want to know before they have read the request.
-
-        Parameters
-        ----------
-        client
-            Whose request it is.
-
-        Returns
-        -------
-        Problem or None
-            None where the request would not be refused.
-        """
+        """Return why a small single request would be refused at once, or None."""
         cost_s = self.costs.small_s
         wait_s = self._wait_s(Flow(client), cost_s)
         if self._patience.refuses(get_running_loop().time(), wait_s, cost_s):
@@ -271,12 +242,8 @@ class WorkerPool:
 
         Parameters
         ----------
-        worker
-            The worker.
-        outcome
-            How its task has ended.
-        result
-            What the task has returned, or the traceback of its error.
+        worker, outcome, result
+            As of `Foreman.told`.
         """
         run = self._busy.pop(worker)
         if outcome == "memory" or run.large:
