@@ -169,7 +169,7 @@ async def delete(request: Request, id: str) -> Response:
 
     It is so at once; rows and files are erased thereafter. The answer is the job's state, of a
     deleted one its last.
-    """
+    """  # noqa: DOC501 - on the wire
     jobs = _jobs(request)
     job = await _found(request, id)
     if not job.ended:
