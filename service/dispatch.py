@@ -65,9 +65,9 @@ def respond(
     Parameters
     ----------
     operation
-        Its row of `OPERATIONS`.
+        Name of the operation, as in `OPERATIONS`.
     body
-        The request.
+        The request as JSON.
     asked
         Fields of the request that are set once it is read: by options of the command line.
 

@@ -100,11 +100,11 @@ def solve(problem: Problem, budget: Budget) -> Iterator[Solution]:
 def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Candidate]:
     """Yield ordered solutions, the likeliest minimum first.
 
-    Each solution comes from IPOPT. It starts at the problem's own seeds, sharpened by Newton's
-    method, which halves its iterations, or followed by it from what they solve; then, where those
-    fail, at every root that Newton's method finds from `BRANCH_STARTS` starts spread over the
-    horizon (over shorter ones first), fastest first; then at the seeds as they are. Where the
-    budget is spent, the search ends.
+    Each solution comes from IPOPT, which starts at the problem's own seeds first. Newton's method
+    sharpens the seeds, which halves the iterations of IPOPT, or follows them from what they solve.
+    IPOPT next starts at every root that Newton's method finds from `BRANCH_STARTS` starts spread
+    over the horizon. Shorter horizons come first, and of each the fastest root. At last IPOPT
+    starts at the seeds as they are. Where the budget is spent, the search ends.
 
     Parameters
     ----------

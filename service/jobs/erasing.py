@@ -28,7 +28,7 @@ def erase_job(engine: sa.Engine, job: str, stopping: Callable[[], bool]) -> None
     job
         Id of the job, which is cancelled or deleted.
     stopping
-        Asked before each transaction whether to leave the rest to another time.
+        Asked again and again whether to stop before all is erased.
     """
     some = sa.select(CHUNKS.c.number).where(CHUNKS.c.job == job).limit(ERASED_AT_ONCE)
     numbers: list[int] = [0]

@@ -103,7 +103,7 @@ def processes(workers: int) -> Started:
 def fault_of(code: int | None) -> str:
     """Return the fault that the exit status of a process stands for.
 
-    It is empty for a process that ended well or was killed, and for one whose status went with its
+    There is none where the process ended well or was killed, nor where its status went with its
     fork server.
 
     Parameters
@@ -114,7 +114,7 @@ def fault_of(code: int | None) -> str:
     Returns
     -------
     str
-        As "SIGSEGV" or "exit status 1"; empty without a fault of its own.
+        As "SIGSEGV" or "exit status 1"; empty where there is none.
     """
     if code is None or code in {0, LOST_STATUS}:
         return ""

@@ -72,7 +72,7 @@ def plan_of(request: TableRequest) -> Plan:
     Returns
     -------
     Plan
-        A new job with an id of its own, and its size.
+        A job with a new id, and its size.
 
     Raises
     ------

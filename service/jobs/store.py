@@ -108,20 +108,20 @@ class Store:
         worker
             Name of the worker.
         claims
-            Its chunks; one that it holds no more is left as it is.
+            Its chunks; one that it holds no more stays as it is.
         """
         for claim in claims:
             self._change(worker, claim, heartbeat=self._now)
 
     def give_back(self, worker: str, claims: Iterable[Claim]) -> None:
-        """Leave chunks to others, as a worker does when it stops.
+        """Free chunks for others, as a worker does when it stops.
 
         Parameters
         ----------
         worker
             Name of the worker.
         claims
-            Its chunks; one that it holds no more is left as it is.
+            Its chunks; one that it holds no more stays as it is.
         """
         for claim in claims:
             self._change(worker, claim, state="waiting", worker=None)
@@ -304,7 +304,7 @@ class Store:
         job
             Id of the job.
         stopping
-            Asked before each transaction whether to leave the rest to another time.
+            Asked again and again whether to stop before all is erased.
         """
         erasing.erase_job(self._engine, job, stopping)
 

@@ -53,6 +53,8 @@ class Watching:
     async def events(self, job: Job) -> AsyncIterator[str]:
         """Yield a server-sent event for each state of a job, until its last.
 
+        The events end early where the service stops.
+
         Parameters
         ----------
         job

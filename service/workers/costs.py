@@ -134,7 +134,7 @@ class Costs:
         shape
             What work shares that costs alike.
         seconds
-            Processor time that the work is expected to reach [s].
+            What the work is taken to cost at least [s].
         """
         known = client, shape
         self._remember(known, max(self._means.get(known, 0.0), seconds))

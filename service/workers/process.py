@@ -134,7 +134,9 @@ class Worker(asyncio.Protocol):
         self._lost(self)
 
     def send(self, task: Callable[..., object], arguments: tuple[object, ...]) -> None:
-        """Send a task; its outcome is told, or the worker is lost.
+        """Send a task; its outcome or the loss of the worker is reported.
+
+        The callbacks that the worker was made with report it.
 
         Parameters
         ----------

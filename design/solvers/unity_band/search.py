@@ -24,7 +24,7 @@ _one_at_a_time = threading.Lock()
 def solve(search: BandSearch, budget: Budget) -> Iterator[Solution]:
     """Yield designs over a band, of the fewest impulses first.
 
-    Of every number of impulses two seeds are compared; where one ends far above the tolerance, the
+    Two seeds of every number of impulses are compared. Where one ends far above the tolerance, the
     others wait until more impulses have been tried.
 
     Parameters
