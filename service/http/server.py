@@ -10,6 +10,7 @@ from types import FrameType
 import uvicorn
 
 from service.http.app import create_app
+from service.http.refusing import RefusingProtocol
 from service.jobs.service import JobService
 from service.log import log_to_stderr
 from service.settings import Settings
@@ -51,6 +52,7 @@ def serve(settings: Settings, *, host: str, port: int) -> None:
     app = create_app(settings, jobs=JobService(settings))
     config = uvicorn.Config(
         app,
+        http=RefusingProtocol,
         log_config=None,
         access_log=False,
         server_header=False,
