@@ -96,9 +96,15 @@ def wait_until_ready(service: Running) -> None:
             time.sleep(0.05)
 
 
+PATIENT_S = 600
+"""Time limit of a request to the service that the tests share [s]."""
+
+
 @pytest.fixture(scope="session")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
-    with running_service(tmp_path_factory.mktemp("service") / "log", workers=2) as running:
+    log = tmp_path_factory.mktemp("service") / "log"
+    # What is tested is an answer, not when it comes: the machine may be busy.
+    with running_service(log, workers=2, time_limit_s=PATIENT_S) as running:
         yield running
 
 

@@ -5,6 +5,8 @@ it goes on in its worker, which then counts as one of the few for large work, wh
 takes its place. Where all places for large work are taken it is ended and waits for one. To end a
 worker costs little: the fork server has the solvers built, so that another is born within
 milliseconds.
+
+Longer than other modules: what decides over the one queue and its workers stands together.
 """
 
 import asyncio
