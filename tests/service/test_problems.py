@@ -21,7 +21,11 @@ def test_every_error_of_the_mathematics_has_a_problem() -> None:
 
 @pytest.mark.parametrize("error", sorted(KIND_OF, key=str))
 def test_an_error_becomes_a_document_with_its_status(error: type[DesignError]) -> None:
-    made = InvalidInputError("a.b", 3, "even") if error is InvalidInputError else error("why")
+    made = (
+        InvalidInputError("a.b", 3, "even", "odd")
+        if error is InvalidInputError
+        else error("why", "odd")
+    )
     document = problem_of_design(made).document("id-1")
     assert document.status == KIND_OF[error].http
     assert document.request_id == "id-1"
@@ -61,7 +65,7 @@ def test_a_pointer_leaves_the_tags_of_unions_out(
 def test_a_name_that_somebody_chose_is_pointed_at_whatever_it_holds(
     name: str | tuple[str, ...], pointer: str, dotted: str
 ) -> None:
-    error = pickle.loads(pickle.dumps(InvalidInputError(name, 1, "2").within("outer.0")))
+    error = pickle.loads(pickle.dumps(InvalidInputError(name, 1, "2", "one").within("outer.0")))
     (fault,) = problem_of_design(error).errors
     assert fault.pointer == f"/outer/0{pointer}"
     assert str(error).startswith(f"outer.0.{dotted}")
@@ -94,5 +98,5 @@ def test_names_in_different_objects_are_different() -> None:
 
 
 def test_a_long_value_is_echoed_in_part() -> None:
-    problem: Problem = problem_of_design(InvalidInputError("x", "y" * 1000, "short"))
+    problem: Problem = problem_of_design(InvalidInputError("x", "y" * 1000, "short", "long"))
     assert len(problem.detail) < 150
