@@ -27,8 +27,10 @@ MESSAGE = {
     errors.InfeasibleDesignError.__name__: 0,
     errors.SolverFailedError.__name__: 0,
     errors.TimeLimitError.__name__: 0,
+    "_refuse": 0,  # of the command line
+    "_refused_key": 0,  # over HTTP
 }
-"""Errors, and which argument says the fault in words."""
+"""What makes an error, and which argument says the fault in words."""
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,22 @@
 """Every error has its problem."""
 
 import pickle
-from typing import Any
+from typing import Any, get_args
 
 import pytest
+from pydantic_core.core_schema import ErrorType
 
 from design.errors import DesignError, InvalidInputError
-from service.problems import KIND_OF, Problem, pointer, problem_of_design
+from schemas.problems import FieldFault
+from service.problems import (
+    CODE_OF_TYPE,
+    KIND_OF,
+    OVERLOADED,
+    Problem,
+    invalid_fields,
+    pointer,
+    problem_of_design,
+)
 from service.strict_json import RepeatedNameError, loads, require_names_once
 
 
@@ -28,7 +38,8 @@ def test_an_error_becomes_a_document_with_its_status(error: type[DesignError]) -
     )
     document = problem_of_design(made).document("id-1")
     assert document.status == KIND_OF[error].http
-    assert document.request_id == "id-1"
+    assert (document.code, document.request_id) == ("odd", "id-1")
+    assert [fault.code for fault in document.errors] == ["odd"] * len(document.errors)
     assert "why" in document.detail or "/a/b: must be even, got 3" in document.detail
 
 
@@ -95,6 +106,17 @@ def test_names_in_different_objects_are_different() -> None:
     assert loads('{"a": 1}') == {"a": 1}
     with pytest.raises(ValueError, match="NaN is no JSON number"):
         loads('{"a": NaN}')
+
+
+def test_a_problem_has_the_code_that_its_faults_have_in_common_or_that_of_its_kind() -> None:
+    one, other = (FieldFault(pointer="/x", code=code, detail="") for code in ("missing", "odd"))
+    assert invalid_fields("", (one, one)).document().code == "missing"
+    assert invalid_fields("", (one, other)).document().code == "invalid_input"
+    assert Problem(OVERLOADED, "").document().code == "overloaded"
+
+
+def test_the_table_of_codes_knows_only_types_that_there_are() -> None:
+    assert set(CODE_OF_TYPE) <= set(get_args(ErrorType))
 
 
 def test_a_long_value_is_echoed_in_part() -> None:
