@@ -35,8 +35,9 @@ MESSAGE = {
 
 @dataclass(frozen=True)
 class Raised:
-    """An error as the source makes it: its code, what it says in words, and where."""
+    """An error as the source makes it: its class, its code, what it says, and where."""
 
+    error: str
     code: ast.expr
     words: str
     place: str
@@ -64,7 +65,7 @@ def raised() -> list[Raised]:
                     (code,) = (one.value for one in node.keywords if one.arg == "code")
                     words = template(node.args[MESSAGE[node.func.id]])
                     place = f"{path.relative_to(ROOT)}:{node.lineno}"
-                    found.append(Raised(code=code, words=words, place=place))
+                    found.append(Raised(error=node.func.id, code=code, words=words, place=place))
     return found
 
 
@@ -92,7 +93,8 @@ def test_a_code_is_a_few_words_in_snake_case(code: str) -> None:
 
 
 @pytest.mark.parametrize("code", sorted(codes()))
-def test_one_code_has_one_meaning(code: str) -> None:
+def test_one_code_is_of_one_class_and_has_one_meaning(code: str) -> None:
+    assert len({one.error for one in codes()[code]}) == 1
     meanings = {one.words: one.place for one in codes()[code]}
     if code == "out_of_range":
         assert [place for words, place in meanings.items() if not BOUND.search(words)] == []
