@@ -89,8 +89,8 @@ def unmet(
     told += [f"{one.choice.name} {one.reason}" for one in refused if not one.searched]
     return InfeasibleDesignError(
         f"no shaper of {len(ranked)} designed meets all of {_asked(question)}: {'; '.join(told)}",
-        faults=tuple(faults),
         code="none_meets_all",
+        faults=tuple(faults),
     )
 
 
