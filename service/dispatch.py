@@ -34,7 +34,20 @@ class Answer:
 
 
 def answer(operation: str, body: bytes) -> Answer:
-    """Validate a body, run the operation, and return the response as JSON, or the problem."""
+    """Answer a request in JSON.
+
+    Parameters
+    ----------
+    operation
+        Name of the operation.
+    body
+        The request as JSON.
+
+    Returns
+    -------
+    Answer
+        The response or the problem, and how long it took.
+    """
     started = time.perf_counter()
     outcome = respond(operation, body)
     if isinstance(outcome, BaseModel):
@@ -52,11 +65,16 @@ def respond(
     Parameters
     ----------
     operation
-        Its row of `OPERATIONS`.
+        Name of the operation, as in `OPERATIONS`.
     body
-        The request.
+        The request as JSON.
     asked
         Fields of the request that are set once it is read: by options of the command line.
+
+    Returns
+    -------
+    BaseModel or Problem
+        The response, or what is wrong.
     """
     case = OPERATIONS[operation]
     try:
@@ -74,7 +92,20 @@ def respond(
 
 
 def design_file(body: bytes, format_name: str) -> bytes | Problem:
-    """Validate a request for a design and return its shaper as a file."""
+    """Validate a request for a design and return its shaper as a file.
+
+    Parameters
+    ----------
+    body
+        The request as JSON.
+    format_name
+        Name of a format that a single design can be written in.
+
+    Returns
+    -------
+    bytes or Problem
+        The file, or what is wrong.
+    """
     try:
         request = DesignRequest.model_validate_json(body)
     except ValidationError as error:
@@ -86,5 +117,18 @@ def design_file(body: bytes, format_name: str) -> bytes | Problem:
 
 
 def answer_lines(operation: str, lines: list[bytes]) -> list[Answer]:
-    """Answer each line of a part of a batch."""
+    """Answer each line of a part of a batch.
+
+    Parameters
+    ----------
+    operation
+        Name of the operation.
+    lines
+        The requests as JSON.
+
+    Returns
+    -------
+    list of Answer
+        An answer to each, in order.
+    """
     return [answer(operation, line) for line in lines]

@@ -24,9 +24,20 @@ class NotReplaceableError(Exception):
 
 
 def require_replaceable(path: Path) -> None:
-    """Raise NotReplaceableError unless a path is free, or a regular file that may be written.
+    """Raise NotReplaceableError unless a file may be put at a path.
 
-    A link is not followed: whoever means the file behind it names that.
+    A path is free or leads to a regular file that may be written. A link is not followed: whoever
+    means the file behind it names that.
+
+    Parameters
+    ----------
+    path
+        The path.
+
+    Raises
+    ------
+    NotReplaceableError
+        If something else stands there: says what.
     """
     try:
         found = path.lstat()
@@ -45,9 +56,23 @@ def require_replaceable(path: Path) -> None:
 
 
 def require_not_input(path: Path, given: os.stat_result | None, what: str) -> None:
-    """Raise NotReplaceableError if a path leads to a file that was read, by whatever name.
+    """Raise NotReplaceableError if a path leads to a file that was read.
 
-    ``given``: the file that was read, None where it was none; ``what`` it is, for the message.
+    The file is known by whatever name.
+
+    Parameters
+    ----------
+    path
+        The path.
+    given
+        The file that was read; None where it was none.
+    what
+        What that file is, for the message.
+
+    Raises
+    ------
+    NotReplaceableError
+        If both are the same file.
     """
     try:
         found = path.stat()
@@ -58,19 +83,46 @@ def require_not_input(path: Path, given: os.stat_result | None, what: str) -> No
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file by way of a temporary one beside it, renamed when complete."""
-    write_pieces(path, [content])
+    """Write a file whole or not at all.
 
+    A temporary file beside it is renamed when complete.
 
-def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
-    """Write a file piece by piece, by way of a temporary one beside it, renamed when complete.
-
-    A file that is replaced hands its permissions on.
+    Parameters
+    ----------
+    path
+        The file.
+    content
+        The bytes of the file.
 
     Raises
     ------
     NotReplaceableError
         If something else than a file that may be written stands there.
+    OSError
+        If the file cannot be written.
+    """
+    write_pieces(path, [content])
+
+
+def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
+    """Write a file piece by piece, whole or not at all.
+
+    A temporary file beside it is renamed when complete. A file that is replaced hands its
+    permissions on.
+
+    Parameters
+    ----------
+    path
+        The file.
+    pieces
+        The bytes of the file in order; an error of theirs passes, and no file is written.
+
+    Raises
+    ------
+    NotReplaceableError
+        If something else than a file that may be written stands there.
+    OSError
+        If the file cannot be written.
     """
     require_replaceable(path)
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(8)}.part")
@@ -91,7 +143,10 @@ def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
 
 
 def remove_parts(path: Path) -> None:
-    """Remove what killed writers of a file left behind; for one who holds its lock."""
+    """Remove the parts of a file that killed writers have left.
+
+    It is for one who holds the lock of the file.
+    """
     for part in path.parent.glob(f".{glob.escape(path.name)}.*.part"):
         part.unlink(missing_ok=True)
 

@@ -33,7 +33,20 @@ class JsonFormatter(logging.Formatter):
         self._second, self._time = 0, ""
 
     def formatTime(self, record: logging.LogRecord, datefmt: str | None = None) -> str:
-        """Return the record's time, to the second; a second's lines share it."""
+        """Return the record's time, to the second; a second's lines share it.
+
+        Parameters
+        ----------
+        record
+            The record.
+        datefmt
+            Format as of `time.strftime`; ISO 8601 with the zone if not given.
+
+        Returns
+        -------
+        str
+            Local time.
+        """
         second = int(record.created)
         if second != self._second:
             self._time = time.strftime(datefmt or self.default_time_format, time.localtime(second))
@@ -41,7 +54,10 @@ class JsonFormatter(logging.Formatter):
         return self._time
 
     def format(self, record: logging.LogRecord) -> str:
-        """Return the record's time, level and message, with the fields given beside it."""
+        """Return a record as one JSON object.
+
+        It has the time, level, logger and message, and the fields given beside the message.
+        """
         line = {
             "time": self.formatTime(record),
             "level": record.levelname.lower(),

@@ -36,7 +36,7 @@ class ProblemKind:
 
     @property
     def code(self) -> str:
-        """Its name in the style of codes, for a problem that says no more by a code."""
+        """Its name in the style of codes, for a problem without a nearer one."""
         return self.name.replace("-", "_")
 
 
@@ -236,7 +236,20 @@ def problem_of_design(error: DesignError) -> Problem:
 
 
 def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
-    """Translate what the wire models refused."""
+    """Translate what the wire models refused.
+
+    Parameters
+    ----------
+    error
+        The error of the model.
+    body
+        The text that the model was given.
+
+    Returns
+    -------
+    Problem
+        That the text is no JSON, or a fault for each field, `MOST_FAULTS` at most.
+    """
     faults = error.errors(include_url=False)
     if faults[0]["type"] == "json_invalid":
         return Problem(NOT_JSON, faults[0]["msg"])
@@ -256,7 +269,10 @@ def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
 
 
 def problem_of_repetition(error: RepeatedNameError) -> Problem:
-    """Translate that a name stands twice in an object, of which one would be lost."""
+    """Translate that a name stands twice in an object.
+
+    Only one of the two values would be kept.
+    """
     fault = FieldFault(
         pointer=_cut(error.pointer), code="name_repeated", detail="must be given once"
     )
@@ -266,9 +282,21 @@ def problem_of_repetition(error: RepeatedNameError) -> Problem:
 def pointer(location: tuple[int | str, ...], body: Any) -> str:  # noqa: ANN401 - any JSON
     """Return the JSON pointer of a fault.
 
-    Pydantic's location also holds the tags of unions, as ``("plant", "mode", "damping_ratio")``;
-    a tag is known by the ``kind`` of the object it stands in, or, of unions without a kind, as a
-    name that is not there though it is not the last, or that no object is there to hold.
+    Pydantic's location also holds the tags of unions, as ``("plant", "mode", "damping_ratio")``; a
+    tag is known by the ``kind`` of the object it stands in, or, of unions without a kind, as a name
+    that is not there though it is not the last, or that no object is there to hold.
+
+    Parameters
+    ----------
+    location
+        Names, tags and numbers of list items, from the body inward.
+    body
+        The JSON that the model was given, parsed.
+
+    Returns
+    -------
+    str
+        The pointer, without the tags.
     """
     parts: list[str] = []
     here = body

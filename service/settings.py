@@ -77,7 +77,23 @@ class Settings(BaseModel):
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str]) -> Self:
-        """Read the settings; a variable with the prefix that names none is an error."""
+        """Read the settings.
+
+        Parameters
+        ----------
+        environment
+            Variables by name; those without the prefix are passed over.
+
+        Returns
+        -------
+        Self
+            With defaults for what is not given.
+
+        Raises
+        ------
+        pydantic.ValidationError
+            If a value breaks its rule, or a variable with the prefix names no setting.
+        """
         given = {
             name.removeprefix(PREFIX).lower(): value
             for name, value in environment.items()

@@ -21,7 +21,17 @@ class RepeatedNameError(ValueError):
 
 
 def loads(text: bytes | str) -> Any:  # noqa: ANN401
-    """Return what JSON says.
+    """Return the value of a JSON text.
+
+    Parameters
+    ----------
+    text
+        The JSON.
+
+    Returns
+    -------
+    Any
+        Objects as dicts, lists as lists.
 
     Raises
     ------
@@ -38,7 +48,18 @@ def loads(text: bytes | str) -> Any:  # noqa: ANN401
 
 
 def require_names_once(text: bytes | str) -> None:
-    """Raise RepeatedNameError if a name stands more than once in an object, in valid JSON."""
+    """Raise RepeatedNameError if a name stands twice in an object.
+
+    Parameters
+    ----------
+    text
+        Valid JSON.
+
+    Raises
+    ------
+    RepeatedNameError
+        If a name stands more than once in an object: has the pointer of the first.
+    """
     loads(text)
 
 

@@ -8,6 +8,7 @@ from design.errors import InvalidInputError
 from design.export.header import comment_lines
 from design.model.impulses import Impulses
 from design.tables.columns import amplitudes_of, names_of, times_of
+from design.tables.row_amplitudes import undamped_amplitudes
 from design.tables.rows import (
     STATUSES,
     VERIFIED_IDEAL,
@@ -16,7 +17,6 @@ from design.tables.rows import (
     TableHead,
     subject_of,
 )
-from design.tables.specification import undamped_amplitudes
 
 UNIT_SUM = 1e-12
 """How far the sum of amplitudes may be from 1: roundings, far below what a firmware resolves."""

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from design.formulations.bands import BandExpressions
+from design.formulations.lag_parameters import LAG_PARAMETERS
 from design.formulations.symbolic import alternating_steps, over_unshaped
-from design.formulations.unity_magnitude import LAG_PARAMETERS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

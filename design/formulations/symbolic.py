@@ -204,7 +204,7 @@ def alternating_steps(
     gaps
         Gaps between the steps, one less than those [rad].
     lags
-        As `design.formulations.unity_magnitude.lag_parameters` gives them.
+        As `design.formulations.lag_parameters.lag_parameters` gives them.
     switched_order
         Order of the lags of a switched actuator, 1 or 2; 0 for superposed steps of any order.
     amplitudes

@@ -6,16 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.formulations.equations import Expressions, Problem, Seed
-from design.formulations.symbolic import alternating_steps, with_slopes, with_swing
-from design.formulations.unity_magnitude import (
+from design.formulations.lag_parameters import (
     LAG_PARAMETERS,
-    PERIOD_RAD,
-    alternating,
     lag_parameters,
-    settling_gaps_rad,
     swing_parameters,
     switched_order,
 )
+from design.formulations.symbolic import alternating_steps, with_slopes, with_swing
+from design.formulations.unity_magnitude import PERIOD_RAD, alternating, settling_gaps_rad
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.initial_state import FreeSwing

@@ -18,7 +18,8 @@ from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing, InitialSwing, free_swing
 from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
-from design.moves.rest_to_rest import Parts, faster_as_one, over_distance, over_pulse, with_swing
+from design.moves.parts import Parts, with_swing
+from design.moves.rest_to_rest import faster_as_one, over_distance, over_pulse
 from design.pipeline import design
 from design.response.closed_form import travel
 from design.shapers.kind import ShaperKind

@@ -2,21 +2,27 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, get_args
 
 from design.claims import Quantity
 from design.errors import InvalidInputError
 from design.formulations.formulation import Formulation
+from design.model.actuators.rate_limited import Unlimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
 from design.shapers.options import ShaperOptions
 
 Options = TypeVar("Options", bound=ShaperOptions)
 
-EVERY_ACTUATOR = ("ideal", "first_order", "second_order", "rate_limited")
+UNLIMITED_ACTUATORS = tuple(one.kind for one in get_args(Unlimited))
+"""Kinds of actuators without limits to the rate of the command."""
+
+EVERY_ACTUATOR = tuple(one.kind for one in get_args(Actuator))
 """Kinds of actuators, the one that asks most of a shaper last: the catalogue's example has it."""
 
-EVERY_ACTUATOR_BY_ITS_LAG = ("ideal", "rate_limited", "first_order", "second_order")
+EVERY_ACTUATOR_BY_ITS_LAG = tuple(
+    sorted(EVERY_ACTUATOR, key=lambda name: name not in {"ideal", "rate_limited"})
+)
 """The same for shapers that only use the acceleration set, of which a lag asks most."""
 
 

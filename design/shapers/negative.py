@@ -21,7 +21,7 @@ from design.formulations.unity_magnitude import (
     unity_magnitude_problem,
 )
 from design.model.impulses import Impulses
-from design.shapers.kind import DampingBound, DesignCase, KindOf
+from design.shapers.kind import UNLIMITED_ACTUATORS, DampingBound, DesignCase, KindOf
 from design.shapers.options import ShaperOptions
 from design.types import FloatArray
 
@@ -206,7 +206,7 @@ SNA_ZV = KindOf(
     source=f"{SOURCE}; asymmetric actuator: its vector diagram at the pole, closed",
     claims=("residual",),
     options=NegativeOptions,
-    actuators=("ideal", "first_order", "second_order"),
+    actuators=UNLIMITED_ACTUATORS,
     formulation=sna_zv,
     damping=DampingBound(most=0.97, beyond=LAST_PULSE_VANISHES),
 )
@@ -218,7 +218,7 @@ SNA_ZVD = KindOf(
     source=f"{SOURCE}; positive amplitudes: a mirror image between ZVD and UMZVD",
     claims=("residual", "slope"),
     options=NegativeOptions,
-    actuators=("ideal", "first_order", "second_order"),
+    actuators=UNLIMITED_ACTUATORS,
     formulation=sna_zvd,
     damping=DampingBound(most=0.9, beyond=LAST_PULSE_VANISHES),
 )

@@ -20,14 +20,12 @@ from design.formulations.humps import (
     Humps,
     humped,
 )
+from design.formulations.lag_parameters import lag_parameters, switched_order, with_equal_sets
 from design.formulations.unity_magnitude import (
     PERIOD_RAD,
     alternating,
     decel_over_accel,
-    lag_parameters,
     settling_gaps_rad,
-    switched_order,
-    with_equal_sets,
 )
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator

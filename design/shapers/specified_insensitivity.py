@@ -7,7 +7,7 @@ from typing import ClassVar, Literal, Self
 from design.band import USUAL_HALF_WIDTH, ends_of, require_said_once
 from design.errors import InvalidInputError
 from design.formulations.bands import BandProblem
-from design.shapers.kind import DesignCase, KindOf
+from design.shapers.kind import UNLIMITED_ACTUATORS, DesignCase, KindOf
 from design.shapers.options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS, ShaperOptions
 from design.types import require_between
 
@@ -214,6 +214,6 @@ SI = KindOf(
     "specified insensitivity to modeling errors, Japan-USA Symp. Flexible Automation (1996)",
     claims=("band",),
     options=BandOptions,
-    actuators=("ideal", "first_order", "second_order"),
+    actuators=UNLIMITED_ACTUATORS,
     formulation=specified_insensitivity,
 )

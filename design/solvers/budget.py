@@ -41,7 +41,20 @@ class Budget:
         return self.done >= self.most
 
     def part(self, most: float) -> "Budget":
-        """Return a budget of a part of what is left; what that does is to be spent here too."""
+        """Return a budget of a part of what is left.
+
+        The part counts its own work. The caller spends that work here too.
+
+        Parameters
+        ----------
+        most
+            Most work of the part [units]; what is left here, where that is less.
+
+        Returns
+        -------
+        Budget
+            With the same trace.
+        """
         return Budget(most=min(most, max(self.most - self.done, 0.0)), trace=self.trace)
 
     def note(self, step: TraceStep) -> None:

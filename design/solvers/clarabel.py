@@ -88,7 +88,20 @@ class ConeOutcome:
 
 
 def work_of(program: ConeProgram, outcome: ConeOutcome) -> float:
-    """Return the work that a program was [units]."""
+    """Return the work that a program was [units].
+
+    Parameters
+    ----------
+    program
+        The program that was solved.
+    outcome
+        The end of its run.
+
+    Returns
+    -------
+    float
+        Work by the size of the program and the iterations of the run [units].
+    """
     return PROGRAM_WORK + ENTRY_WORK * program.rows.size * outcome.iterations
 
 

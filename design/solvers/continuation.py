@@ -50,6 +50,11 @@ def followed(
         From a guess and a share to the root near it, within its bounds; None where there is none.
     shortest_step
         Step of the share below which the path has ended [-].
+
+    Returns
+    -------
+    Path
+        The last root and its share, 1 where the path is complete.
     """
     now, share = start, 0.0
     slope = np.zeros_like(start)

@@ -83,7 +83,20 @@ def _program(model: Model) -> _Program:
 
 
 def work_of(model: Model, iterations: int) -> float:
-    """Return the work of so many iterations on a problem of a family [units]."""
+    """Return the work of so many iterations [units].
+
+    Parameters
+    ----------
+    model
+        The family of the problem that is solved.
+    iterations
+        Iterations of IPOPT.
+
+    Returns
+    -------
+    float
+        Work by the iterations and by the size of the family's equations [units].
+    """
     return iterations * (ITERATION_WORK + INSTRUCTION_WORK * instructions_of(model))
 
 

@@ -114,9 +114,13 @@ def move_candidates(
     usual_rad
         What the move should not take longer than: local minima may be several periods longer, and
         come last, with what has coinciding steps still [rad].
-
     budget
         What the search may do; that of one design if not given.
+
+    Yields
+    ------
+    MoveCandidate
+        A move and the problem that it solves, not yet verified.
 
     Raises
     ------

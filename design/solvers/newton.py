@@ -105,9 +105,24 @@ def _rootfinder(model: Model) -> Buffered:
 
 
 def root(model: Model, start: FloatArray, parameters: FloatArray) -> FloatArray:
-    """Return where Newton's method ends from one start, shape (n,): a root or not.
+    """Return where Newton's method ends from one start: a root or not.
 
-    A tenth of the time of `roots`, for a start that is near: full steps only, a dozen at most.
+    This takes a tenth of the time of `roots`, for a start that is near: full steps only, a dozen at
+    most.
+
+    Parameters
+    ----------
+    model
+        The problem family.
+    start
+        Unknowns to start from, shape (n,): gaps [rad], then ratios [-], if any.
+    parameters
+        Parameters of the problem, shape (p,).
+
+    Returns
+    -------
+    FloatArray
+        Unknowns at the end, shape (n,).
     """
     with _one_at_a_time:
         finder = _rootfinder(model)
@@ -123,7 +138,10 @@ def _equations(model: Model) -> _Equations:
 
 
 def instructions_of(model: Model) -> int:
-    """Return how many instructions the equations of a family and their Jacobian take."""
+    """Return the number of instructions of a family's equations.
+
+    Those of the Jacobian count too. The equations are compiled at their first use in this process.
+    """
     with _one_at_a_time:
         return _equations(model).instructions
 

@@ -61,7 +61,27 @@ class Candidate:
 
 
 def solve(problem: Problem, budget: Budget) -> Iterator[Solution]:
-    """Yield ordered solutions, the likeliest minimum first; raises as `candidates` does."""
+    """Yield ordered solutions, the likeliest minimum first.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    budget
+        What the search may do; its work is counted in it.
+
+    Yields
+    ------
+    Solution
+        Impulses and the report of the solver, not yet certified.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        When all candidates, if any, are used up: says how far was searched.
+    TimeLimitError
+        If IPOPT ran past its time.
+    """
     w = problem.natural_frequency_rad_s
     for found in candidates(problem, budget):
         yield Solution(
@@ -80,18 +100,30 @@ def solve(problem: Problem, budget: Budget) -> Iterator[Solution]:
 def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Candidate]:
     """Yield ordered solutions, the likeliest minimum first.
 
-    Each solution comes from IPOPT. It starts at the problem's own seeds, sharpened by Newton's
-    method, which halves its iterations, or followed by it from what they solve; then, where those
-    fail, at every root that Newton's method finds from `BRANCH_STARTS` starts spread over the
-    horizon (over shorter ones first), fastest first; then at the seeds as they are. Where the
-    budget is spent, the search ends.
+    Each solution comes from IPOPT, which starts at the problem's own seeds first. Newton's method
+    sharpens the seeds, which halves the iterations of IPOPT, or follows them from what they solve.
+    IPOPT next starts at every root that Newton's method finds from `BRANCH_STARTS` starts spread
+    over the horizon. Shorter horizons come first, and of each the fastest root. At last IPOPT
+    starts at the seeds as they are. Where the budget is spent, the search ends.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    budget
+        What the search may do; that of one design if not given.
+
+    Yields
+    ------
+    Candidate
+        A solution by the solver's word, with the start that led to it.
 
     Raises
     ------
     InfeasibleDesignError
         When all candidates, if any, are used up: says how far was searched.
     TimeLimitError
-        If the solver ran past its time.
+        If IPOPT ran past its time.
     """
     budget = Budget() if budget is None else budget
     tried = 0
@@ -160,10 +192,20 @@ def _horizons(problem: Problem) -> list[float]:
 
 
 def spread_starts(problem: Problem) -> FloatArray:
-    """Return `BRANCH_STARTS` ordered starts spread evenly over the horizon, shape (m, n - 1) [rad].
+    """Return ordered starts spread evenly over the horizon.
 
-    A Kronecker sequence on the generalised golden ratio, sorted into times: the same for every
-    run and machine.
+    The starts are a Kronecker sequence on the generalised golden ratio, sorted into times: the same
+    for every run and machine.
+
+    Parameters
+    ----------
+    problem
+        The problem, with its horizon and shortest gaps.
+
+    Returns
+    -------
+    FloatArray
+        Gaps of the starts, shape (`BRANCH_STARTS`, n - 1) [rad].
     """
     free = problem.horizon_rad - problem.shortest_gaps_rad.sum()
     starts: FloatArray = problem.shortest_gaps_rad + free * unit_starts(
@@ -173,7 +215,18 @@ def spread_starts(problem: Problem) -> FloatArray:
 
 
 def unit_starts(count: int) -> FloatArray:
-    """Return the gaps of `spread_starts` over a horizon of 1, shape (m, count) [-]."""
+    """Return the gaps of `spread_starts` over a horizon of 1.
+
+    Parameters
+    ----------
+    count
+        Gaps of a start.
+
+    Returns
+    -------
+    FloatArray
+        Gaps, shape (`BRANCH_STARTS`, count) [-].
+    """
     golden = 2.0
     for _ in range(60):  # Newton's steps to the root of g^(n+1) = g + 1
         power = math.prod([golden] * count)

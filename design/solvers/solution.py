@@ -72,6 +72,11 @@ def of_gaps(
         Turns them into times [rad/s].
     amplitudes
         Amplitudes of the impulses, shape (n,) [-].
+
+    Returns
+    -------
+    Impulses
+        The first at time 0.
     """
     phases = np.concatenate(([0.0], np.cumsum(gaps_rad)))
     return Impulses(times_s=phases / natural_frequency_rad_s, amplitudes=amplitudes)

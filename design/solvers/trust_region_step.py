@@ -100,7 +100,11 @@ def step_over_disks(
     price: float,
     bounds: tuple[FloatArray, FloatArray],
 ) -> tuple[Outcome, FloatArray]:
-    """Minimise ``sum(d) + d' B d / 2 + price * s``, while ``|v_k + J_k d|^2 <= 1 + s, s >= 0``.
+    """Minimise a convex quadratic in a step over disks.
+
+    The step d and its slack s solve::
+
+        min sum(d) + d' B d / 2 + price * s,    |v_k + J_k d|^2 <= 1 + s,    s >= 0
 
     Parameters
     ----------

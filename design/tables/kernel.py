@@ -112,7 +112,7 @@ def rows_of_problems(lags: FloatArray, longest_periods: FloatArray, *, settle: b
     Parameters
     ----------
     lags
-        As `design.formulations.unity_magnitude.lag_parameters`, shape (m, 5) [-].
+        As `design.formulations.lag_parameters.lag_parameters`, shape (m, 5) [-].
     longest_periods
         Longest shaper in periods, shape (m,) [-].
     settle

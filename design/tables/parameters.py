@@ -33,7 +33,7 @@ class RowParameters:
     lags
         Damping ratio of the plant, ``first, second`` of the acceleration and of the deceleration
         set, in units of the plant's frequency, shape (m, 5): as
-        `design.formulations.unity_magnitude.lag_parameters` [-].
+        `design.formulations.lag_parameters.lag_parameters` [-].
     max_duration_periods
         Longest shaper, shape (m,) [-].
     workable

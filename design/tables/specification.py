@@ -8,18 +8,13 @@ import numpy as np
 
 from design.errors import InvalidInputError
 from design.fields import Axis, Path, unit_of, vary
-from design.formulations.bands import BandProblem, BandSearch
-from design.formulations.formulation import ClosedForm, Convolution, JointProblem
-from design.model.actuators.first_order import FirstOrder
-from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
-from design.model.plants.mode import Mode
 from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
-from design.shapers.several_modes import BASES, ConvolvedOptions
+from design.tables.row_amplitudes import impulses_of, shared_amplitudes
 from design.tables.rows import Column, Subject
 from design.types import FloatArray, require_between
 
@@ -28,8 +23,6 @@ COLUMNS = ("times_s", "amplitudes", "phases_rad", "duration_s", "residual", "slo
 
 DEFAULT_COLUMNS = ("times_s", "residual")
 
-SOME_DAMPING = 0.01
-"""A damping ratio at which every kind of shaper exists [-]."""
 
 MOST_ROWS = 10_000_000_000
 """Rows of one table: at 40 bytes a row, 400 GB of results."""
@@ -334,137 +327,6 @@ def require_rows(rows: int) -> None:
             "ratio of two frequencies in place of both, or cut it into several tables",
             code="too_many_rows",
         )
-
-
-def amplitudes_of(
-    kind: ShaperKind, options: ShaperOptions | None, damping_ratio: float = 0.0
-) -> tuple[float, ...]:
-    """Return a kind's amplitudes behind a symmetric actuator [-].
-
-    Those of unity magnitude do not depend on plant and actuator, and all rows of a table share
-    them; others do, and stand in columns of their own.
-
-    Parameters
-    ----------
-    kind
-        Kind of the shaper.
-    options
-        Its parameters.
-    damping_ratio
-        Of the mode [-].
-
-    Returns
-    -------
-    tuple of float
-        In order of time; of unity magnitude, or as they are for this damping ratio [-].
-
-    Raises
-    ------
-    InvalidInputError
-        If the kind's number of impulses changes with plant or band, or an option breaks its rule.
-    """
-    actuator: Actuator = Ideal()
-    if actuator.kind not in kind.actuators:
-        actuator = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1)
-    mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=damping_ratio)
-    formulation = kind.formulate(kind.case((mode,), actuator, options))
-    if isinstance(formulation, JointProblem | Convolution):
-        raise InvalidInputError(
-            "design.shaper.kind",
-            kind.name,
-            "one with as many impulses in every row: those for several modes change with the plant",
-            code="impulses_vary_with_plant",
-        )
-    if isinstance(formulation, BandProblem | BandSearch):
-        raise InvalidInputError(
-            "design.shaper.kind",
-            kind.name,
-            "one with as many impulses in every row: those of a band change with plant and band",
-            code="impulses_vary_with_band",
-        )
-    if isinstance(formulation, ClosedForm):
-        return tuple(formulation.impulses.amplitudes.tolist())
-    return tuple(formulation.amplitudes.tolist())
-
-
-def impulses_of(plant: Plant, kind: ShaperKind, options: ShaperOptions | None) -> int:
-    """Return how many impulses each design of a table has.
-
-    Parameters
-    ----------
-    plant
-        What moves.
-    kind
-        Kind of the shaper.
-    options
-        Its parameters; None for the kind's own.
-
-    Returns
-    -------
-    int
-        Number of impulses.
-
-    Raises
-    ------
-    InvalidInputError
-        If that changes with the plant.
-    """
-    options = kind.options() if options is None else options
-    if isinstance(options, ConvolvedOptions):
-        base = BASES[options.base]
-        of_one = len(amplitudes_of(base, base.options()))
-        return math.prod(of_one for _ in plant.modes)
-    if isinstance(plant, Modes):
-        raise InvalidInputError(
-            "design.shaper.kind",
-            kind.name,
-            "one with as many impulses in every row: of those for several modes, convolved",
-            code="joint_kind_in_table",
-        )
-    return len(amplitudes_of(kind, options))
-
-
-def undamped_amplitudes(kind: ShaperKind, options: ShaperOptions | None) -> tuple[float, ...]:
-    """Return `amplitudes_of` an undamped mode, or none.
-
-    Parameters
-    ----------
-    kind
-        Kind of the shaper.
-    options
-        Its parameters.
-
-    Returns
-    -------
-    tuple of float
-        Empty where not even their number is known [-].
-    """
-    try:
-        return amplitudes_of(kind, options)
-    except InvalidInputError:
-        return ()
-
-
-def shared_amplitudes(kind: ShaperKind, options: ShaperOptions | None) -> tuple[float, ...]:
-    """Return the amplitudes that all rows of a table share, or none.
-
-    Parameters
-    ----------
-    kind
-        Kind of the shaper.
-    options
-        Its parameters.
-
-    Returns
-    -------
-    tuple of float
-        Empty where each row has its own [-].
-    """
-    try:
-        undamped, damped = (amplitudes_of(kind, options, ratio) for ratio in (0.0, SOME_DAMPING))
-    except InvalidInputError:  # not even their number is the same
-        return ()
-    return undamped if undamped == damped else ()
 
 
 def columns_of(specification: TableSpecification) -> tuple[Column, ...]:

@@ -39,6 +39,24 @@ def drifts_of_file(
 ) -> Drifts:
     """Compare a file with the rows that its specification gives now.
 
+    Parameters
+    ----------
+    path
+        The file.
+    name
+        Name of its format, which is read back by rows.
+    head
+        The head that the specification gives now.
+    rows
+        The rows that the specification gives now.
+    tolerances
+        How far results may be apart; fields may not be.
+
+    Returns
+    -------
+    Drifts
+        Every difference, counted.
+
     Raises
     ------
     InvalidInputError
@@ -140,7 +158,20 @@ def _part(rows: Rows, start: int, stop: int | None) -> Rows:
 
 
 def named_in(path: Path) -> Path:
-    """Return a program's file by the name that its names begin with, whatever it is called now."""
+    """Return a program's file by the name that its own names begin with.
+
+    The file may have another name now.
+
+    Parameters
+    ----------
+    path
+        The program.
+
+    Returns
+    -------
+    Path
+        Beside the program; the program's own path where none of its lines holds a name.
+    """
     with path.open("rb") as file:
         for line in file:
             found = NAMED.match(line)
@@ -150,7 +181,20 @@ def named_in(path: Path) -> Path:
 
 
 def drifts_of_text(path: Path, pieces: Iterable[bytes]) -> Drifts:
-    """Compare a file that is a program with the one that its specification gives now, by line."""
+    """Compare a program with the one that its specification gives now.
+
+    Parameters
+    ----------
+    path
+        The file.
+    pieces
+        Bytes of the file that the specification gives now.
+
+    Returns
+    -------
+    Drifts
+        Every line that differs, counted.
+    """
     drifts = Drifts()
     new = b"".join(pieces).splitlines()
     with path.open("rb") as file:
@@ -165,5 +209,8 @@ def _text(line: bytes | None) -> str:
 
 
 def readable(name: str) -> bool:
-    """Whether files of a format are read back by rows; others are compared by line."""
+    """Whether files of a format are read back by rows.
+
+    Others are compared by line.
+    """
     return name in READERS

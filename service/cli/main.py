@@ -40,7 +40,25 @@ class UsageError(Exception):
 
 
 def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> int:
-    """Run one command and return its exit status; ``serve`` is that of a host and a port."""
+    """Run one command and return its exit status.
+
+    Parameters
+    ----------
+    arguments
+        Words of the command line after the name of the program; None for those of this process.
+    serve
+        Serves on a host and a port, and returns the exit status.
+
+    Returns
+    -------
+    int
+        Exit status, see the module.
+
+    Raises
+    ------
+    SystemExit
+        If help is asked for, or the arguments are no command.
+    """
     # As in the workers of the service: on a busy machine threads of BLAS wait for each other.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     options = _parser().parse_args(arguments)

@@ -36,7 +36,19 @@ class Source:
     lines: list[int] = field(default_factory=list)
 
     def located(self, problem: Problem) -> Problem:
-        """Return a problem of a listed design with the file and the line that it stands on."""
+        """Return a problem with the place of a listed design that is at fault.
+
+        Parameters
+        ----------
+        problem
+            What is wrong with the body.
+
+        Returns
+        -------
+        Problem
+            With file and line in place of a pointer into the list; the same if no listed design is
+            at fault.
+        """
         faults = []
         for fault in problem.errors:
             place = LISTED.match(fault.pointer)
@@ -54,6 +66,20 @@ class Source:
 
 def read_source(content: bytes, *, toml: bool, folder: Path) -> Source:
     """Return a specification with its listed designs read in.
+
+    Parameters
+    ----------
+    content
+        The specification.
+    toml
+        Whether it is TOML; else it is JSON.
+    folder
+        Where the file that lists designs is looked for.
+
+    Returns
+    -------
+    Source
+        The specification as one JSON body.
 
     Raises
     ------

@@ -48,7 +48,25 @@ class CommandError(Exception):
 
 
 def run_table(options: argparse.Namespace, content: bytes) -> int | Problem:
-    """Compute a table into a file, or check one."""
+    """Compute a table into a file, or check one.
+
+    Parameters
+    ----------
+    options
+        Options of the command.
+    content
+        The specification.
+
+    Returns
+    -------
+    int or Problem
+        Exit status, 0 or `DRIFTED`; a problem where there is no table.
+
+    Raises
+    ------
+    CommandError
+        If the command is stopped, or the store, the scheduler or a file cannot be used.
+    """
     source, plan = _planned(options, content)
     if isinstance(plan, Problem):
         return source.located(plan)

@@ -25,7 +25,9 @@ from service.workers.protocol import Pool
 def create_app(
     settings: Settings, *, jobs: Jobs | None = None, pool: Pool | None = None
 ) -> FastAPI:
-    """Build the service; its jobs and its pool start and end with the application's lifespan.
+    """Build the service.
+
+    Its jobs and its pool start and end with the application's lifespan.
 
     Parameters
     ----------
@@ -35,6 +37,16 @@ def create_app(
         The table jobs; None in a process that has none.
     pool
         Answers the requests; None for one of worker processes.
+
+    Returns
+    -------
+    FastAPI
+        The application, its routes and its documentation in it.
+
+    Raises
+    ------
+    RuntimeError
+        If the package that holds Swagger UI is not installed.
     """
     if pool is None:
         pool = WorkerPool(

@@ -32,10 +32,26 @@ Answered = TypeVar("Answered")
 async def read_body(request: Request, *, limit_bytes: int, media_types: tuple[str, ...]) -> bytes:
     """Return the body, read no further than its limit.
 
+    Parameters
+    ----------
+    request
+        The request.
+    limit_bytes
+        Longest body [bytes].
+    media_types
+        Values of ``content-type`` that are accepted, the usual one first.
+
+    Returns
+    -------
+    bytes
+        The whole body.
+
     Raises
     ------
     ProblemError
-        If it is longer or late, or says that it is something else than JSON.
+        If it is longer or late, or its ``content-type`` is not accepted.
+    ClientDisconnect
+        If the client leaves before the body is whole.
     """
     media_type = request.headers.get("content-type", media_types[0]).split(";")[0].strip().lower()
     if media_type not in media_types:
@@ -58,9 +74,18 @@ async def read_body(request: Request, *, limit_bytes: int, media_types: tuple[st
 
 
 def client_of(scope: Scope | Request) -> str:
-    """Return whose request it is, for a fair share: its address, of IPv6 the network (/64).
+    """Return whose request it is, for a fair share.
 
-    One machine has as many addresses of such a network as it likes.
+    Parameters
+    ----------
+    scope
+        The request, or its scope.
+
+    Returns
+    -------
+    str
+        The client's address, of IPv6 its network (/64): one machine has as many addresses of such a
+        network as it likes. Empty where the address is not known.
     """
     client = scope["client"]
     return "" if client is None else _share_of(client[0])
@@ -77,12 +102,24 @@ def _share_of(host: str) -> str:
 
 
 async def while_connected(request: Request, work: Awaitable[Answered]) -> Answered:
-    """Return what work gives, ended when the client leaves; the body has been read.
+    """Return the result of work, which ends when the client leaves.
+
+    Parameters
+    ----------
+    request
+        The request, whose body has been read.
+    work
+        The work; it is cancelled when the client leaves.
+
+    Returns
+    -------
+    Answered
+        Its result.
 
     Raises
     ------
     ClientDisconnect
-        If it has left.
+        If the client has left.
     """
     async with _Connection(request):
         return await work
@@ -127,7 +164,20 @@ class _Connection:
 
 
 def problem_response(problem: Problem, request_id: str | None) -> Response:
-    """Return a problem as the response."""
+    """Return a problem as the response.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    request_id
+        Id of the request, which the document repeats; None for none.
+
+    Returns
+    -------
+    Response
+        A problem document with the status and headers of the problem.
+    """
     return Response(
         problem.document(request_id).model_dump_json(),
         status_code=problem.kind.http.value,
@@ -137,7 +187,20 @@ def problem_response(problem: Problem, request_id: str | None) -> Response:
 
 
 def answer_response(answer: Answer, request_id: str | None) -> Response:
-    """Return an answer as the response, its time in the `Server-Timing` header."""
+    """Return an answer as the response.
+
+    Parameters
+    ----------
+    answer
+        The response of an operation, or a problem.
+    request_id
+        Id of the request, which a problem document repeats; None for none.
+
+    Returns
+    -------
+    Response
+        JSON, with the time of the work in the ``Server-Timing`` header [ms].
+    """
     if isinstance(answer.outcome, Problem):
         response = problem_response(answer.outcome, request_id)
     else:
@@ -147,7 +210,20 @@ def answer_response(answer: Answer, request_id: str | None) -> Response:
 
 
 def answer_line(answer: Answer, request_id: str | None) -> bytes:
-    """Return an answer as one line of a batch."""
+    """Return an answer as one line of a batch.
+
+    Parameters
+    ----------
+    answer
+        The response of an operation, or a problem.
+    request_id
+        Id of the request, which a problem document repeats; None for none.
+
+    Returns
+    -------
+    bytes
+        JSON without the end of the line.
+    """
     if isinstance(answer.outcome, Problem):
         return answer.outcome.document(request_id).model_dump_json().encode()
     return answer.outcome

@@ -19,7 +19,7 @@ PIECE_BYTES = 256 * 1024
 
 
 def file_response(path: Path, asked: Headers, headers: dict[str, str]) -> Response:
-    """Return a file, or the range of it that the headers of a request ask for.
+    """Return a file, or the range of it that a request asks for.
 
     Parameters
     ----------
@@ -29,6 +29,11 @@ def file_response(path: Path, asked: Headers, headers: dict[str, str]) -> Respon
         Headers of the request.
     headers
         Of the response, its entity tag among them.
+
+    Returns
+    -------
+    Response
+        Status 200 with the whole file, or 206 with the range.
 
     Raises
     ------

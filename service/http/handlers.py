@@ -11,7 +11,10 @@ from service.problems import METHOD_NOT_ALLOWED, NOT_FOUND, Problem, ProblemErro
 
 
 def add_handlers(app: FastAPI) -> None:
-    """Have an app answer the problems that its routes raise, and what the framework refuses."""
+    """Have an app answer errors with problem documents.
+
+    The errors are the problems that its routes raise, and what the framework refuses.
+    """
     # Starlette calls a handler with errors of its type alone.
     app.add_exception_handler(ProblemError, _answer_problem)  # type: ignore[arg-type]
     app.add_exception_handler(HTTPException, _answer_refusal)  # type: ignore[arg-type]

@@ -31,21 +31,67 @@ def _new_id() -> str:
     return f"{random.getrandbits(128):032x}"
 
 
+def request_id_of(scope: Scope) -> str:
+    """Return the id that the client gave its request, or a new one."""
+    given = dict(scope["headers"]).get(b"x-request-id", b"")
+    return given.decode() if REQUEST_ID.match(given) else _new_id()
+
+
+def refusal_of(scope: Scope, pool: Pool) -> Problem | None:
+    """Return why a request is refused before its body is read.
+
+    Routes would refuse it after that. Under an overload refusals are most of what there is to do.
+
+    Parameters
+    ----------
+    scope
+        The request, as ASGI has it.
+    pool
+        Those who would answer it.
+
+    Returns
+    -------
+    Problem or None
+        None where the request is not refused, or is none that a worker answers.
+    """
+    if scope["method"] != "POST" or scope["path"] not in PATHS:
+        return None
+    return pool.refusal(client_of(scope))
+
+
+def log_request(scope: Scope, request_id: str, status: int, started_s: float) -> None:
+    """Write the line of one request.
+
+    Parameters
+    ----------
+    scope
+        The request, as ASGI has it.
+    request_id
+        Its id.
+    status
+        Status of its answer.
+    started_s
+        When it began, by the clock of `time.perf_counter` [s].
+    """
+    ACCESS.info(
+        "request",
+        extra={
+            "fields": {
+                "request_id": request_id,
+                "method": scope["method"],
+                "path": scope["path"],
+                "status": status,
+                "duration_ms": round(1e3 * (time.perf_counter() - started_s), 3),
+            }
+        },
+    )
+
+
 class RequestMiddleware:
     """Gives each request an id, logs it in one line, and turns a crash into a problem document."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
-
-    def _refusal(self, scope: Scope) -> Problem | None:
-        """Return why a request is refused before its body is read, as routes would after it.
-
-        Under an overload that is most of what there is to do.
-        """
-        if scope["method"] != "POST" or scope["path"] not in PATHS:
-            return None
-        pool: Pool = scope["app"].state.pool
-        return pool.refusal(client_of(scope))
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve one request."""
@@ -53,8 +99,7 @@ class RequestMiddleware:
             await self._app(scope, receive, send)
             return
         started = time.perf_counter()
-        given = dict(scope["headers"]).get(b"x-request-id", b"")
-        request_id = given.decode() if REQUEST_ID.match(given) else _new_id()
+        request_id = request_id_of(scope)
         scope.setdefault("state", {})["request_id"] = request_id
         status = 0
 
@@ -66,7 +111,7 @@ class RequestMiddleware:
             await send(message)
 
         try:
-            problem = self._refusal(scope)
+            problem = refusal_of(scope, scope["app"].state.pool)
             if problem is not None:
                 await _send_problem(problem, request_id, send_with_id)
             else:
@@ -82,18 +127,7 @@ class RequestMiddleware:
                     send_with_id,
                 )
         finally:
-            ACCESS.info(
-                "request",
-                extra={
-                    "fields": {
-                        "request_id": request_id,
-                        "method": scope["method"],
-                        "path": scope["path"],
-                        "status": status,
-                        "duration_ms": round(1e3 * (time.perf_counter() - started), 3),
-                    }
-                },
-            )
+            log_request(scope, request_id, status, started)
 
 
 async def _send_problem(problem: Problem, request_id: str, send: Send) -> None:

@@ -54,18 +54,44 @@ def problems(texts: Mapping[int, str], *codes: int) -> dict[int | str, Json]:
         What each status says: `OPERATION_TEXTS` or `TABLE_TEXTS`.
     codes
         The statuses that the route answers with.
+
+    Returns
+    -------
+    dict of int or str to dict
+        A response of OpenAPI by status.
     """
     content = {"application/problem+json": {"schema": _reference(ProblemDocument)}}
     return {code: {"description": texts[code], "content": content} for code in codes}
 
 
 def body_of(model: type[BaseModel], media_type: str) -> Json:
-    """Return the documented body of a route, which a worker reads and not the route."""
+    """Return the documented body of a route that does not read it itself.
+
+    Parameters
+    ----------
+    model
+        Model of the body, which a worker reads.
+    media_type
+        Its ``content-type``.
+
+    Returns
+    -------
+    dict
+        A request body of OpenAPI, by a reference that `document_bodies` fulfils.
+    """
     return {"required": True, "content": {media_type: {"schema": _reference(model)}}}
 
 
 def document_bodies(app: FastAPI, models: Iterable[type[BaseModel]]) -> None:
-    """Add to an app's schema the models that its routes refer to by `body_of`."""
+    """Add the models that routes refer to by `body_of` to an app's schema.
+
+    Parameters
+    ----------
+    app
+        The application; its schema is made once, when it is first asked for.
+    models
+        The models of the bodies.
+    """
     generated = app.openapi
 
     def openapi() -> Json:

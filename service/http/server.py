@@ -10,6 +10,7 @@ from types import FrameType
 import uvicorn
 
 from service.http.app import create_app
+from service.http.refusing import RefusingProtocol
 from service.jobs.service import JobService
 from service.log import log_to_stderr
 from service.settings import Settings
@@ -23,7 +24,18 @@ class PortTakenError(Exception):
 
 
 def serve(settings: Settings, *, host: str, port: int) -> None:
-    """Serve until SIGTERM or SIGINT; what runs is finished, what is new refused.
+    """Serve until SIGTERM or SIGINT.
+
+    The work that runs then is finished, and new work is refused.
+
+    Parameters
+    ----------
+    settings
+        Settings of the service.
+    host
+        Address to bind; one with a colon is of IPv6.
+    port
+        Port to bind; 0 for any that is free.
 
     Raises
     ------
@@ -40,6 +52,7 @@ def serve(settings: Settings, *, host: str, port: int) -> None:
     app = create_app(settings, jobs=JobService(settings))
     config = uvicorn.Config(
         app,
+        http=RefusingProtocol,
         log_config=None,
         access_log=False,
         server_header=False,

@@ -2,11 +2,13 @@
 
 import re
 from pathlib import Path
+from typing import Annotated
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Query, Request
 from starlette.responses import Response, StreamingResponse
 
 from design.errors import InvalidInputError
+from design.export.formats import FORMATS
 from design.export.registry import EXPORTS
 from schemas.problems import FieldFault
 from schemas.tables import TableJob, TableJobs, TableRequest
@@ -172,7 +174,7 @@ async def delete(request: Request, id: str) -> Response:
 
     It is so at once; rows and files are erased thereafter. The answer is the job's state, of a
     deleted one its last.
-    """
+    """  # noqa: DOC501 - on the wire
     jobs = _jobs(request)
     job = await _found(request, id)
     if not job.ended:
@@ -250,7 +252,11 @@ async def events(request: Request, id: str) -> Response:
     },
     summary="The file of a table, in any format",
 )
-async def result(request: Request, id: str, format: str = "csv") -> Response:
+async def result(
+    request: Request,
+    id: str,
+    format: Annotated[str, Query(json_schema_extra={"enum": list(FORMATS)})] = "csv",
+) -> Response:
     """Answer with the file; takes Range, If-Range and If-None-Match."""
     jobs = _jobs(request)
     job = await _found(request, id)

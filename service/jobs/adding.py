@@ -13,12 +13,30 @@ class KeyReusedError(Exception):
 
 
 def add(database: Database, job: NewJob, key: str | None, now: sa.ColumnElement[float]) -> str:
-    """Add a job, unless its key has begun one already; return the id of the one that is there.
+    """Add a job, unless its key has begun one already.
+
+    Parameters
+    ----------
+    database
+        The database of the store.
+    job
+        The new job.
+    key
+        Names the request that asks for the job; None of one that may not be repeated.
+    now
+        The database's clock [s].
+
+    Returns
+    -------
+    str
+        Id of the new job, or of the one that the key has begun.
 
     Raises
     ------
     KeyReusedError
         If the key began a job of another specification.
+    sqlalchemy.exc.IntegrityError
+        If the database refuses the record, and no job of that key is the reason.
     """
     new = {
         "id": job.id,

@@ -54,6 +54,18 @@ class Asking:
     ) -> Answer:
         """Return what a call of the store returns.
 
+        Parameters
+        ----------
+        call
+            Asks the store, in one of the threads.
+        arguments, named
+            What the call takes.
+
+        Returns
+        -------
+        Answer
+            What the call returned.
+
         Raises
         ------
         UnansweredError

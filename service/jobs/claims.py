@@ -47,6 +47,18 @@ def shares(turns: Iterable[Turn], most: int) -> dict[str, int]:
 
     The next chunk goes to the job with the fewest running, of these to the one that has waited
     longest, of these to the oldest.
+
+    Parameters
+    ----------
+    turns
+        The jobs that may get a chunk.
+    most
+        Chunks to be given in all.
+
+    Returns
+    -------
+    dict of str to int
+        Number of chunks by job; jobs that get none are left out.
     """
     given: dict[str, int] = {}
     waiting = [(turn.running, turn.served, turn.created, turn.job, turn.free) for turn in turns]
@@ -81,7 +93,20 @@ class Claimer:
     version: str
 
     def claim(self, connection: sa.Connection, most: int) -> list[Claim]:
-        """Claim so many chunks at most, in a transaction that is open."""
+        """Claim so many chunks at most, in a transaction that is open.
+
+        Parameters
+        ----------
+        connection
+            The connection of the transaction, which may write.
+        most
+            Most chunks.
+
+        Returns
+        -------
+        list of Claim
+            The chunks that the worker holds from the end of the transaction on.
+        """
         if connection.dialect.name == "postgresql":
             # Two that lock several jobs each, in orders of their own, would wait for each other.
             connection.execute(sa.select(sa.func.pg_advisory_xact_lock(CLAIM_LOCK)))

@@ -86,7 +86,10 @@ class Cleaner:
         self.clean_files()
 
     def clean_files(self) -> None:
-        """Remove files of tables that are no more, whoever deleted those, and parts of files."""
+        """Remove files of tables that are gone, and parts of files.
+
+        It does not matter who deleted the tables. Parts of a file that is being written stay.
+        """
         for path in self._files.glob("[!.]*"):
             if self._store.job(path.stem) is None:
                 path.unlink(missing_ok=True)

@@ -25,7 +25,24 @@ class DamagedError(StoreError):
 
 
 def hash_of(job: str, number: int, blob: bytes) -> str:
-    """Return the hash of a chunk's rows, which are damaged too where they stand for another's."""
+    """Return the hash of a chunk's rows and of the place that they have.
+
+    Rows that stand in another chunk's place thereby count as damaged.
+
+    Parameters
+    ----------
+    job
+        Id of the job.
+    number
+        Number of the chunk.
+    blob
+        The rows.
+
+    Returns
+    -------
+    str
+        SHA-256, in hexadecimal digits.
+    """
     found = hashlib.sha256(f"{job} {number} ".encode())
     found.update(blob)
     return found.hexdigest()
@@ -33,6 +50,18 @@ def hash_of(job: str, number: int, blob: bytes) -> str:
 
 def made_of(engine: sa.Engine, job: str) -> NewJob:
     """Return what a job is made of.
+
+    Parameters
+    ----------
+    engine
+        Reads the store.
+    job
+        Id of the job.
+
+    Returns
+    -------
+    NewJob
+        The specification and size of the job.
 
     Raises
     ------
@@ -62,6 +91,18 @@ def made_of(engine: sa.Engine, job: str) -> NewJob:
 
 def blobs(engine: sa.Engine, job: str) -> Iterator[bytes]:
     """Yield the rows of a job's chunks in order.
+
+    Parameters
+    ----------
+    engine
+        Reads the store.
+    job
+        Id of the job, which is done.
+
+    Yields
+    ------
+    bytes
+        The rows of one chunk.
 
     Raises
     ------

@@ -34,7 +34,22 @@ NOTHING: dict[str, Any] = {
 
 
 def with_chunk(rows: int, done: Done, now: sa.ColumnElement[float]) -> dict[str, Any]:
-    """Return what a job's record becomes by a chunk of so many rows."""
+    """Return what a job's record becomes by a chunk of so many rows.
+
+    Parameters
+    ----------
+    rows
+        Rows of the chunk.
+    done
+        What became of the rows.
+    now
+        The database's clock [s].
+
+    Returns
+    -------
+    dict of str to Any
+        Values of columns, as expressions of the record's own.
+    """
     lately = JOBS.c.lately_rows + rows
     first = JOBS.c.lately_from.is_(None)
     over = sa.or_(first, JOBS.c.lately_from < now - SPAN_S)
@@ -54,7 +69,20 @@ def with_chunk(rows: int, done: Done, now: sa.ColumnElement[float]) -> dict[str,
 
 
 def rate_rows_s(record: Mapping[str, Any], now: float) -> float:
-    """Return how many rows a job has done lately [1/s]; 0 where that is not known."""
+    """Return how many rows a job has done lately [1/s].
+
+    Parameters
+    ----------
+    record
+        The record of the job, by the names of its columns.
+    now
+        Time by the database's clock [s].
+
+    Returns
+    -------
+    float
+        Rows over the time of the last two spans [1/s]; 0 where that is not known.
+    """
     since = record["earlier_from"]
     if since is None or now <= since:
         return 0.0

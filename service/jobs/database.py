@@ -66,12 +66,25 @@ class Database:
 
 
 def url_of(file: Path) -> str:
-    """Return the URL of a store in an SQLite file, whatever characters its path has."""
+    """Return the URL of a store in an SQLite file.
+
+    The path may have any characters.
+    """
     return sa.URL.create("sqlite", database=str(file)).render_as_string()
 
 
 def opened(url: str) -> Database:
     """Return the database of a store, its schema made or migrated.
+
+    Parameters
+    ----------
+    url
+        Of an SQLite file or a PostgreSQL database.
+
+    Returns
+    -------
+    Database
+        Engines that write and read.
 
     Raises
     ------
@@ -224,7 +237,10 @@ def disk_full(error: DBAPIError) -> bool:
 
 
 def reason_of(error: SQLAlchemyError) -> str:
-    """Return in words, fit for those who ask over HTTP, why a database refused."""
+    """Return in words why a database refused.
+
+    The words are fit for those who ask over HTTP: they name no path and no host.
+    """
     cause = error.orig if isinstance(error, DBAPIError) else None
     code = getattr(cause, "sqlite_errorcode", 0) & 0xFF
     if code in REASONS:

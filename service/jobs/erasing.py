@@ -19,9 +19,16 @@ LEFT = sa.or_(
 
 
 def erase_job(engine: sa.Engine, job: str, stopping: Callable[[], bool]) -> None:
-    """Erase the chunks of a job, then what else is left of one that is deleted.
+    """Erase the chunks of a job, then the rest of one that is deleted.
 
-    ``stopping``: asked now and then whether to leave the rest to another time.
+    Parameters
+    ----------
+    engine
+        Writes to the store.
+    job
+        Id of the job, which is cancelled or deleted.
+    stopping
+        Asked again and again whether to stop before all is erased.
     """
     some = sa.select(CHUNKS.c.number).where(CHUNKS.c.job == job).limit(ERASED_AT_ONCE)
     numbers: list[int] = [0]

@@ -66,7 +66,10 @@ Start = Callable[[], Started]
 
 
 def prepare() -> None:
-    """Start the process that workers are forked from: it imports what they need meanwhile."""
+    """Start the process that workers are forked from.
+
+    It imports what they need while this process goes on.
+    """
     ensure_fork_server(["service.dispatch", "service.jobs.work"])
 
 
@@ -98,10 +101,20 @@ def processes(workers: int) -> Started:
 
 
 def fault_of(code: int | None) -> str:
-    """Return what fault the exit status of a process tells, empty where it tells none.
+    """Return the fault that the exit status of a process stands for.
 
-    A process that ended well or was killed has none; neither has one whose status went with its
+    There is none where the process ended well or was killed, nor where its status went with its
     fork server.
+
+    Parameters
+    ----------
+    code
+        Exit status; minus the number of the signal that ended the process, None if it runs.
+
+    Returns
+    -------
+    str
+        As "SIGSEGV" or "exit status 1"; empty where there is none.
     """
     if code is None or code in {0, LOST_STATUS}:
         return ""
@@ -112,6 +125,16 @@ def fault_of(code: int | None) -> str:
 
 def dask(address: str) -> Started:
     """Return the executor of a Dask cluster.
+
+    Parameters
+    ----------
+    address
+        Of the scheduler, as ``tcp://HOST:PORT``.
+
+    Returns
+    -------
+    Started
+        An executor with two chunks for each thread of the cluster, `MOST_DASK_SLOTS` at most.
 
     Raises
     ------
@@ -136,7 +159,20 @@ def dask(address: str) -> Started:
 
 
 def starter(workers: int, scheduler: str | None) -> Start:
-    """Return what starts the executor that is asked for."""
+    """Return what starts the executor that is asked for.
+
+    Parameters
+    ----------
+    workers
+        Number of processes, where there is no scheduler.
+    scheduler
+        Address of a Dask scheduler; None or empty for processes here.
+
+    Returns
+    -------
+    Start
+        Starts the executor each time that it is called; `dask` says how that may fail.
+    """
     if scheduler:
         return lambda: dask(scheduler)
     return lambda: processes(workers)

@@ -46,7 +46,25 @@ class MemoryJobs:
         """Do nothing: there is nothing to end."""
 
     async def add(self, job: NewJob, key: str | None) -> str:
-        """Add a job; see `Jobs.add`."""
+        """Add a job, unless its key has begun one already.
+
+        Parameters
+        ----------
+        job, key
+            As of `Jobs.add`.
+
+        Returns
+        -------
+        str
+            Id of the new job, or of the one that the key has begun.
+
+        Raises
+        ------
+        KeyReusedError
+            If the key began a job of another specification.
+        UnansweredError
+            If no call is answered.
+        """
         self._require_answers()
         begun = self._keys.get(key) if key is not None else None
         if begun is not None:
@@ -87,7 +105,7 @@ class MemoryJobs:
         return True
 
     async def resume(self, job: str) -> bool:
-        """Let a failed job be tried again, and return whether it is unfinished now."""
+        """Let a failed job be tried again; return whether it is unfinished now."""
         found = await self.found(job)
         if found is None or not found.sound:
             return False
@@ -102,16 +120,50 @@ class MemoryJobs:
         return self._watching.events(job)
 
     def path_of(self, job: str, name: str) -> Path:
-        """Return where the file of a job in a format is, or is to be."""
+        """Return where the file of a job in a format is, or is to be.
+
+        Parameters
+        ----------
+        job, name
+            As of `Jobs.path_of`.
+
+        Returns
+        -------
+        Path
+            A file in the folder of these jobs.
+        """
         return self._folder / f"{job}.{name}"
 
     def writing_of(self, job: str, name: str) -> Callable[[], Problem | None]:
-        """Return the task that writes that file from `files`."""
+        """Return the task that writes the file of a job from `files`.
+
+        Parameters
+        ----------
+        job, name
+            As of `Jobs.writing_of`.
+
+        Returns
+        -------
+        Callable
+            The task, for a worker; it returns why it could not write, or None.
+        """
         missing = Problem(NOT_FOUND, f"there is no file of {job}")
         return partial(_write, self.path_of(job, name), self.files.get((job, name), missing))
 
     def change(self, job: str, state: State, *, reason: str = "", rows_done: int = 0) -> None:
-        """Make of a job what its computation would; rows that are done are verified."""
+        """Make of a job what its computation would.
+
+        Parameters
+        ----------
+        job
+            Id of the job, which must be there.
+        state
+            Its new state.
+        reason
+            Why it failed.
+        rows_done
+            Rows that are computed; all of them count as verified.
+        """
         self._jobs[job] = replace(
             self._jobs[job], state=state, reason=reason, done=rows_done, verified=rows_done
         )

@@ -35,7 +35,18 @@ class Plan:
 
 
 def planned(body: bytes) -> Plan | Problem:
-    """Validate the specification of a table and return the job that it asks for."""
+    """Return the job that the body of a request for a table asks for.
+
+    Parameters
+    ----------
+    body
+        The specification as JSON.
+
+    Returns
+    -------
+    Plan or Problem
+        The job and its size, or what is wrong with the specification.
+    """
     try:
         request = TableRequest.model_validate_json(body)
     except ValidationError as error:
@@ -51,7 +62,25 @@ def planned(body: bytes) -> Plan | Problem:
 
 
 def plan_of(request: TableRequest) -> Plan:
-    """Return the job that a request asks for."""
+    """Return the job that a request asks for.
+
+    Parameters
+    ----------
+    request
+        The specification.
+
+    Returns
+    -------
+    Plan
+        A job with a new id, and its size.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value of the specification breaks its rule.
+    DesignError
+        If the number of impulses takes a design of the first row, and there is none.
+    """
     specification = counted(request.to_design())
     canonical = request.canonical()
     size = size_of(specification)
@@ -79,15 +108,52 @@ def size_of(specification: TableSpecification) -> TableSize:
 
 
 def specification_of(canonical: str, impulses: int | None = None) -> TableSpecification:
-    """Return the specification of a job whose rows have so many impulses."""
+    """Return the specification of a job, ready to be computed.
+
+    Parameters
+    ----------
+    canonical
+        The specification as canonical JSON.
+    impulses
+        Impulses of each row; None where the kind of shaper says.
+
+    Returns
+    -------
+    TableSpecification
+        The specification, with that number of impulses.
+
+    Raises
+    ------
+    pydantic.ValidationError
+        If the JSON is no specification that this version knows.
+    InvalidInputError
+        If a value of the specification breaks its rule.
+    """
     specification = TableRequest.model_validate_json(canonical).to_design()
     return specification if impulses is None else replace(specification, impulses=impulses)
 
 
 def head_of(job: NewJob, *, fitted: bool, name: str = "") -> TableHead:
-    """Return the head of a job's files; the polynomials where they are wanted and asked for.
+    """Return the head of a job's files.
 
-    ``name``: of the file, from which names in programs are made where no title was given.
+    Parameters
+    ----------
+    job
+        The job.
+    fitted
+        Whether the polynomials are wanted, where the request asks for any.
+    name
+        Of the file: names in programs are made from it where no title was given.
+
+    Returns
+    -------
+    TableHead
+        With polynomials where they are wanted and asked for.
+
+    Raises
+    ------
+    DesignError
+        If the polynomials cannot be fitted.
     """
     request = TableRequest.model_validate_json(job.specification)
     specification = counted(specification_of(job.specification, job.impulses))

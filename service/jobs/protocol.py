@@ -26,12 +26,26 @@ class Jobs(Protocol):
         """Stop working; what is not done is left to the next start."""
 
     async def add(self, job: NewJob, key: str | None) -> str:
-        """Add a job, and return its id, or the id of the one that its key has begun.
+        """Add a job, unless its key has begun one already.
+
+        Parameters
+        ----------
+        job
+            The new job.
+        key
+            Names the request that asks for the job; None of one that may not be repeated.
+
+        Returns
+        -------
+        str
+            Id of the new job, or of the one that the key has begun.
 
         Raises
         ------
         KeyReusedError
             If the key began a job of another specification.
+        UnansweredError
+            If the jobs cannot be asked now.
         """
 
     async def found(self, job: str) -> Job | None:
@@ -47,13 +61,39 @@ class Jobs(Protocol):
         """Delete a job that has ended, and return whether it had."""
 
     async def resume(self, job: str) -> bool:
-        """Let a failed job be tried again, and return whether it is unfinished now."""
+        """Let a failed job be tried again; return whether it is unfinished now."""
 
     def events(self, job: Job) -> AsyncIterator[str]:
         """Yield a server-sent event for each state of a job, until its last."""
 
     def path_of(self, job: str, name: str) -> Path:
-        """Return where the file of a job in a format is, or is to be."""
+        """Return where the file of a job in a format is, or is to be.
+
+        Parameters
+        ----------
+        job
+            Id of the job.
+        name
+            Name of the format.
+
+        Returns
+        -------
+        Path
+            The file, whether it is there or not.
+        """
 
     def writing_of(self, job: str, name: str) -> Callable[[], Problem | None]:
-        """Return the task that writes that file, for a worker; it returns why it could not."""
+        """Return the task that writes the file of a job in a format.
+
+        Parameters
+        ----------
+        job
+            Id of the job.
+        name
+            Name of the format.
+
+        Returns
+        -------
+        Callable
+            The task, for a worker; it returns why it could not write, or None.
+        """

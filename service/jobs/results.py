@@ -37,6 +37,16 @@ LOCK_PAUSE_S = 0.1
 def export_of(name: str) -> Export:
     """Return the entry of a format.
 
+    Parameters
+    ----------
+    name
+        Name of the format.
+
+    Returns
+    -------
+    Export
+        Its check of a head, and its writer.
+
     Raises
     ------
     InvalidInputError
@@ -50,16 +60,50 @@ def export_of(name: str) -> Export:
 
 
 def head_for(job: NewJob, name: str, path: Path | None = None) -> TableHead:
-    """Return the head of a job's file in a format, whether the format takes it or not.
+    """Return the head of a job's file in a format.
 
-    Polynomials are only for the formats that are programs, which cannot be read back. ``path``: of
-    the file, where a person has named it.
+    The format may still refuse the head. Polynomials are only for the formats that are programs,
+    which cannot be read back.
+
+    Parameters
+    ----------
+    job
+        The job.
+    name
+        Name of the format.
+    path
+        Of the file, where a person has named it.
+
+    Returns
+    -------
+    TableHead
+        The head.
+
+    Raises
+    ------
+    DesignError
+        If the polynomials cannot be fitted.
     """
     return head_of(job, fitted=name not in READERS, name="" if path is None else path.stem)
 
 
 def require_taken(job: NewJob, name: str) -> None:
-    """Raise InvalidInputError if a format cannot take the table."""
+    """Raise InvalidInputError if a format cannot take the table.
+
+    Parameters
+    ----------
+    job
+        The job.
+    name
+        Name of the format.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such format, or it refuses the head of the table.
+    DesignError
+        If the polynomials of a program cannot be fitted.
+    """
     export = export_of(name)
     export.checks(head_for(job, name))
 
@@ -67,10 +111,24 @@ def require_taken(job: NewJob, name: str) -> None:
 def rows_of_job(store: Store, job: str) -> Iterator[Rows]:
     """Yield the rows of a job that is done, a chunk at a time.
 
+    Parameters
+    ----------
+    store
+        The store.
+    job
+        Id of the job.
+
+    Yields
+    ------
+    Rows
+        The rows of one chunk.
+
     Raises
     ------
-    StoreError
-        If the job is deleted before all are read, or some are damaged.
+    GoneError
+        If the job is deleted before all are read.
+    DamagedError
+        If some are damaged.
     """
     for number, blob in enumerate(store.blobs(job)):
         try:
@@ -81,25 +139,96 @@ def rows_of_job(store: Store, job: str) -> Iterator[Rows]:
 
 
 def pieces(store: Store, job: Job, name: str, path: Path | None = None) -> Iterator[bytes]:
-    """Yield the bytes of a job's file; ``path`` as for `head_for`."""
+    """Return the bytes of a job's file, piece by piece.
+
+    Parameters
+    ----------
+    store
+        The store.
+    job
+        The job, which is done.
+    name
+        Name of the format.
+    path
+        Of the file, where a person has named it.
+
+    Returns
+    -------
+    Iterator of bytes
+        Reads the rows as it goes on: it raises the errors of `rows_of_job`, and InvalidInputError
+        where a row breaks a rule of the format.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such format.
+    DesignError
+        If the polynomials of a program cannot be fitted.
+    GoneError
+        If the job has gone.
+    DamagedError
+        If the job's record or specification is damaged.
+    """
     head = head_for(store.made_of(job.id), name, path)
     return export_of(name).write(head, rows_of_job(store, job.id))
 
 
 def write_result(store: Store, job: Job, name: str, path: Path) -> None:
-    """Write the file of a job that a person has named: whole, or not at all."""
+    """Write the file of a job that a person has named: whole, or not at all.
+
+    Parameters
+    ----------
+    store
+        The store.
+    job
+        The job, which is done.
+    name
+        Name of the format.
+    path
+        The file.
+
+    Raises
+    ------
+    DesignError
+        If the format refuses a row, or the polynomials of a program cannot be fitted.
+    StoreError
+        If the job has gone, or is damaged.
+    NotReplaceableError
+        If something else than a file that may be written stands there.
+    OSError
+        If the file cannot be written.
+    """
     write_pieces(path, pieces(store, job, name, path))
 
 
 def lock_of(path: Path) -> Path:
-    """Return the lock file that the writer of a file holds, and that dies with it."""
+    """Return the lock file of a file.
+
+    The writer of the file holds the lock, which dies with the writer.
+    """
     return path.with_name(f".{path.name}.lock")
 
 
 def write_result_of(url: str, job: str, name: str, path: str) -> Problem | None:
-    """Write the file of a job in a process that may be killed, and return why it is not there.
+    """Write the file of a job in a process that may be killed.
 
     What another process writes is waited for; what a killed one left behind is removed.
+
+    Parameters
+    ----------
+    url
+        URL of the store.
+    job
+        Id of the job, which is done.
+    name
+        Name of the format.
+    path
+        The file.
+
+    Returns
+    -------
+    Problem or None
+        Why the file is not there; None where it is.
     """
     target = Path(path)
     try:

@@ -77,7 +77,9 @@ class Runner:
         self._beaten = time.monotonic()
 
     def run(self, *, until: Callable[[], bool], pause_s: float = IDLE_PAUSE_S) -> None:
-        """Work until ``until`` says so or `stopping` is set; then leave the rest to others.
+        """Work until ``until`` says so or `stopping` is set.
+
+        The rest is then left to others.
 
         Parameters
         ----------
@@ -220,7 +222,25 @@ class Runner:
         self.patiently(lambda: self._store.give_back(self.name, [claim]))
 
     def patiently(self, ask: Callable[[], Answer]) -> Answer:
-        """Ask the store; wait, for a bounded time, while the database is gone."""
+        """Ask the store; wait, for a bounded time, while the database is gone.
+
+        Parameters
+        ----------
+        ask
+            Asks the store.
+
+        Returns
+        -------
+        Answer
+            What it returned.
+
+        Raises
+        ------
+        StoreError
+            If the database was gone for too long or until `stopping` was set, or has no space left.
+        sqlalchemy.exc.DBAPIError
+            If the database refuses for another reason.
+        """
         since: float | None = None
         pause = 0.05
         while True:

@@ -56,7 +56,13 @@ class JobService:
         self.cleaner = Cleaner(self.store, self._files, keep_s=settings.keep_tables_days * DAY_S)
 
     def start(self) -> None:
-        """Begin to work: unfinished jobs go on."""
+        """Begin to work: unfinished jobs go on.
+
+        Raises
+        ------
+        StoreError
+            If there can be no folder for the files of tables.
+        """
         try:
             self._files.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -66,7 +72,25 @@ class JobService:
         self.cleaner.start()
 
     async def add(self, job: NewJob, key: str | None) -> str:
-        """Add a job and return its id; see `Jobs.add`."""
+        """Add a job, unless its key has begun one already.
+
+        Parameters
+        ----------
+        job, key
+            As of `Jobs.add`.
+
+        Returns
+        -------
+        str
+            Id of the new job, or of the one that the key has begun.
+
+        Raises
+        ------
+        KeyReusedError
+            If the key began a job of another specification.
+        UnansweredError
+            If the database refuses or is late, or too many calls wait for it already.
+        """
         return await self._writing.ask(self.store.add, job, key)
 
     async def found(self, job: str) -> Job | None:
@@ -85,14 +109,17 @@ class JobService:
         return cancelled
 
     async def delete(self, job: str) -> bool:
-        """Delete a job that has ended, and return whether it had; its files go thereafter."""
+        """Delete a job that has ended, and return whether it had.
+
+        Its rows and files are erased thereafter.
+        """
         deleted = await self._writing.ask(self.store.delete, job)
         if deleted:
             self.cleaner.wake()
         return deleted
 
     async def resume(self, job: str) -> bool:
-        """Let a failed job be tried again, and return whether it is unfinished now."""
+        """Let a failed job be tried again; return whether it is unfinished now."""
         return await self._writing.ask(self.store.resume, job)
 
     def events(self, job: Job) -> AsyncIterator[str]:
@@ -100,11 +127,33 @@ class JobService:
         return self._watching.events(job)
 
     def path_of(self, job: str, name: str) -> Path:
-        """Return where the file of a job in a format is, or is to be."""
+        """Return where the file of a job in a format is, or is to be.
+
+        Parameters
+        ----------
+        job, name
+            As of `Jobs.path_of`.
+
+        Returns
+        -------
+        Path
+            A file in the folder of results.
+        """
         return self._files / f"{job}.{name}"
 
     def writing_of(self, job: str, name: str) -> Callable[[], Problem | None]:
-        """Return the task that writes that file, for a worker; it returns why it could not."""
+        """Return the task that writes the file of a job in a format.
+
+        Parameters
+        ----------
+        job, name
+            As of `Jobs.writing_of`.
+
+        Returns
+        -------
+        Callable
+            The task, for a worker; it returns why it could not write, or None.
+        """
         return partial(write_result_of, self.store.url, job, name, str(self.path_of(job, name)))
 
     def close(self) -> None:

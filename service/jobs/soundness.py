@@ -62,7 +62,19 @@ RULES: dict[str, Callable[[object], bool]] = {
 
 
 def damage_of(record: Mapping[str, Any]) -> str:
-    """Return what cannot be in the record of a job, in words; empty if all can."""
+    """Return in words what cannot be in the record of a job.
+
+    Parameters
+    ----------
+    record
+        The record, by the names of its columns.
+
+    Returns
+    -------
+    str
+        Every column that breaks its rule, or else those that contradict each other; empty of a
+        sound record.
+    """
     wrong = [name for name, rule in RULES.items() if not rule(record[name])]
     if not wrong:
         told = record["verified"] + record["verified_ideal"] + record["infeasible"]

@@ -56,11 +56,40 @@ class Store:
         self._database.close()
 
     def add(self, job: NewJob, key: str | None = None) -> str:
-        """Add a job and return its id; see `adding.add`."""
+        """Add a job, unless its key has begun one already.
+
+        Parameters
+        ----------
+        job, key
+            As of `adding.add`.
+
+        Returns
+        -------
+        str
+            Id of the new job, or of the one that the key has begun.
+
+        Raises
+        ------
+        KeyReusedError
+            If the key began a job of another specification.
+        """
         return adding.add(self._database, job, key, self._now)
 
     def claim(self, worker: str, most: int) -> list[Claim]:
-        """Claim chunks for a worker, of the jobs in turn; see `service.jobs.claims`."""
+        """Claim chunks for a worker, of the jobs in turn.
+
+        Parameters
+        ----------
+        worker
+            Name of the worker.
+        most
+            Most chunks.
+
+        Returns
+        -------
+        list of Claim
+            The chunks that the worker holds now; `service.jobs.claims` says which.
+        """
         unfinished = sa.select(sa.exists().where(JOBS.c.state.in_(UNFINISHED)))
         with self._reading.connect() as connection:
             if not connection.scalar(unfinished):
@@ -72,17 +101,48 @@ class Store:
             return claimer.claim(connection, most)
 
     def beat(self, worker: str, claims: Iterable[Claim]) -> None:
-        """Say that a worker still computes its chunks."""
+        """Record that a worker still computes its chunks.
+
+        Parameters
+        ----------
+        worker
+            Name of the worker.
+        claims
+            Its chunks; one that it holds no more stays as it is.
+        """
         for claim in claims:
             self._change(worker, claim, heartbeat=self._now)
 
     def give_back(self, worker: str, claims: Iterable[Claim]) -> None:
-        """Leave chunks to others, as a worker does when it stops."""
+        """Free chunks for others, as a worker does when it stops.
+
+        Parameters
+        ----------
+        worker
+            Name of the worker.
+        claims
+            Its chunks; one that it holds no more stays as it is.
+        """
         for claim in claims:
             self._change(worker, claim, state="waiting", worker=None)
 
     def finish(self, worker: str, claim: Claim, done: Done) -> bool:
-        """Record a chunk and count it, and return whether the worker still held it."""
+        """Record a chunk and count it, if its worker still holds it.
+
+        Parameters
+        ----------
+        worker
+            Name of the worker.
+        claim
+            The chunk.
+        done
+            Its rows, and what became of them.
+
+        Returns
+        -------
+        bool
+            Whether the worker still held it; False too where its job is cancelled or gone.
+        """
         told = contents.hash_of(claim.job, claim.number, done.blob)
         with self._engine.begin() as connection:
             if _locked(connection, claim.job) in {None, "cancelled", DELETED}:
@@ -129,7 +189,19 @@ class Store:
                 connection.execute(done)
 
     def fail(self, worker: str, claim: Claim, reason: str) -> None:
-        """Record that a chunk failed: it is tried again, or its job fails with the reason."""
+        """Record that a chunk failed.
+
+        The chunk is tried again. One that fails `MOST_FAILURES` times fails its job.
+
+        Parameters
+        ----------
+        worker
+            Name of the worker; nothing is recorded unless it holds the chunk.
+        claim
+            The chunk.
+        reason
+            Why it failed; the last reason becomes that of the job.
+        """
         with self._engine.begin() as connection:
             _locked(connection, claim.job)
             held = connection.execute(
@@ -148,12 +220,23 @@ class Store:
                 connection.execute(_failed(claim.job, told))
 
     def fail_job(self, job: str, reason: str) -> None:
-        """Record that a job cannot go on, whatever its chunks do."""
+        """Record that a job cannot go on, whatever its chunks do.
+
+        Parameters
+        ----------
+        job
+            Id of the job; one that has ended stays as it is.
+        reason
+            Why it failed.
+        """
         with self._engine.begin() as connection:
             connection.execute(_failed(job, reason))
 
     def release(self, job: str) -> None:
-        """Take back all chunks of a job: for one who knows that nobody else computes them."""
+        """Take back all chunks of a job.
+
+        It is for one who knows that nobody else computes them.
+        """
         with self._engine.begin() as connection:
             connection.execute(
                 CHUNKS
@@ -163,7 +246,7 @@ class Store:
             )
 
     def resume(self, job: str) -> bool:
-        """Let a failed job be tried again, and return whether it is unfinished now.
+        """Let a failed job be tried again; return whether it is unfinished now.
 
         One that has rows of another version is not, as its rows would be of both; nor is one whose
         record is damaged.
@@ -209,12 +292,20 @@ class Store:
         return True
 
     def left_over(self) -> list[str]:
-        """Return the jobs, cancelled or deleted, of which there is something to erase."""
+        """Return the cancelled and deleted jobs that are still to be erased."""
         with self._reading.connect() as connection:
             return list(connection.scalars(sa.select(JOBS.c.id).where(erasing.LEFT)).all())
 
     def erase(self, job: str, stopping: Callable[[], bool] = lambda: False) -> None:
-        """Erase what is left of a job that is cancelled or deleted; see `erasing.erase_job`."""
+        """Erase the rest of a job that is cancelled or deleted.
+
+        Parameters
+        ----------
+        job
+            Id of the job.
+        stopping
+            Asked again and again whether to stop before all is erased.
+        """
         erasing.erase_job(self._engine, job, stopping)
 
     def drop_ended(self, older_than_s: float) -> int:
@@ -248,7 +339,7 @@ class Store:
         return contents.made_of(self._reading, job)
 
     def blobs(self, job: str) -> Iterator[bytes]:
-        """Yield the rows of a job's chunks in order; see `contents.blobs`."""
+        """Return the rows of a job's chunks in order; see `contents.blobs`."""
         return contents.blobs(self._reading, job)
 
 

@@ -27,7 +27,22 @@ def seen_jobs(
     now: sa.ColumnElement[float],
     which: Callable[[sa.Select[Any]], sa.Select[Any]],
 ) -> list[Job]:
-    """Return jobs that are not deleted; ``which`` narrows the selection of all of them."""
+    """Return jobs that are not deleted, as they are seen from outside.
+
+    Parameters
+    ----------
+    connection
+        Reads the store.
+    now
+        The database's clock [s].
+    which
+        Narrows or orders the selection of all of them.
+
+    Returns
+    -------
+    list of Job
+        One whose record is damaged, or of no state known here, is there as failed.
+    """
     wanted = which(sa.select(JOBS, now.label("now")).where(JOBS.c.state != DELETED))
     return [_seen(dict(record)) for record in connection.execute(wanted).mappings()]
 

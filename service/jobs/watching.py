@@ -51,7 +51,20 @@ class Watching:
         self._watched: dict[str, _Watched] = {}
 
     async def events(self, job: Job) -> AsyncIterator[str]:
-        """Yield a server-sent event for each state of a job, from the present one to its last."""
+        """Yield a server-sent event for each state of a job, until its last.
+
+        The events end early where the service stops.
+
+        Parameters
+        ----------
+        job
+            The job as it is now.
+
+        Yields
+        ------
+        str
+            The first event is of the present state; the last is `GONE` where the job was deleted.
+        """
         watched = self._watched.get(job.id)
         if watched is None:
             watched = self._watched[job.id] = _Watched(job)

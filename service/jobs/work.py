@@ -29,7 +29,10 @@ class UnreadableError(Exception):
 
 
 def packed(specification: str) -> bytes:
-    """Return a specification as it travels to workers, which alone read and expand it."""
+    """Return a specification as it travels to workers.
+
+    Workers alone read and expand it.
+    """
     return zlib.compress(specification.encode())
 
 
@@ -53,6 +56,11 @@ def compute_chunk(content: bytes, impulses: int | None, number: int) -> Done:
     number
         Of the chunk.
 
+    Returns
+    -------
+    Done
+        The rows as one blob, and how many of them are verified or infeasible.
+
     Raises
     ------
     UnreadableError
@@ -72,10 +80,10 @@ def compute_chunk(content: bytes, impulses: int | None, number: int) -> Done:
 
 
 def begin(lifeline: Connection) -> None:
-    """Prepare a worker process: it ends with its parent, which alone hears signals.
+    """Prepare a worker process, which ends with its parent.
 
-    It ends with its executor too, which holds the other end of the lifeline: nobody else can end a
-    worker whose fork server has died.
+    Its parent alone hears signals. It ends with its executor too, which holds the other end of the
+    lifeline: nobody else can end a worker whose fork server has died.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)

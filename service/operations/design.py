@@ -35,7 +35,29 @@ from service.version import version
 
 
 def design_shaper(request: DesignRequest) -> DesignResponse:
-    """Design one shaper, prove it, and add its curve and its coefficients where asked."""
+    """Design one shaper and prove it.
+
+    Parameters
+    ----------
+    request
+        The plant, the actuator and the shaper; whether its curve, coefficients and trace too.
+
+    Returns
+    -------
+    DesignResponse
+        The shaper with its certificate, and all that was asked for.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule.
+    InfeasibleDesignError
+        If no such shaper was found.
+    SolverFailedError
+        If none of the solutions found was verified.
+    TimeLimitError
+        If a solver ran past its time.
+    """
     done = _designed(request)
     fits = None
     if request.fit is not None:
@@ -56,7 +78,31 @@ def design_shaper(request: DesignRequest) -> DesignResponse:
 
 
 def design_file(request: DesignRequest, format_name: str) -> bytes:
-    """Design one shaper and return it as a file of a format of tables, a table of one row."""
+    """Design one shaper and return it as a file, a table of one row.
+
+    Parameters
+    ----------
+    request
+        The plant, the actuator and the shaper.
+    format_name
+        Name of a format that a single design can be written in.
+
+    Returns
+    -------
+    bytes
+        The file.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule, or the format does not take the shaper.
+    InfeasibleDesignError
+        If no such shaper was found.
+    SolverFailedError
+        If none of the solutions found was verified.
+    TimeLimitError
+        If a solver ran past its time.
+    """
     from design.export.registry import EXPORTS  # noqa: PLC0415 - answers need none
     from design.export.single import single_table  # noqa: PLC0415
     from design.tables.rows import Subject as Designed  # noqa: PLC0415
@@ -84,7 +130,31 @@ def design_file(request: DesignRequest, format_name: str) -> bytes:
 
 
 def design_picture(request: DesignRequest, image_format: Literal["png", "svg"]) -> bytes:
-    """Draw one design, or the search for it where its trace is asked for."""
+    """Draw one design, or the search for it where its trace is asked for.
+
+    Parameters
+    ----------
+    request
+        The plant, the actuator and the shaper.
+    image_format
+        Format of the picture.
+
+    Returns
+    -------
+    bytes
+        The picture.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule.
+    InfeasibleDesignError
+        If no such shaper was found.
+    SolverFailedError
+        If none of the solutions found was verified.
+    TimeLimitError
+        If a solver ran past its time.
+    """
     from design.pictures.design_sheet import (  # noqa: PLC0415 - matplotlib takes a second
         design_sheet,
         figure_bytes,

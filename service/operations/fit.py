@@ -10,13 +10,51 @@ from service.operations.subject import NO_FIT_ON_SAMPLES, subject_of
 
 
 def fit_curves(request: FitRequest) -> FitOut:
-    """Return curve coefficients of a shaper over one field of the plant."""
+    """Return curve coefficients of a shaper over one field of the plant.
+
+    Parameters
+    ----------
+    request
+        The plant, the actuator, the shaper, and the range of the field.
+
+    Returns
+    -------
+    FitOut
+        The coefficients, with the largest residual over the range.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule, or the range goes beyond the bounds of the plant.
+    InfeasibleDesignError
+        If some point of the range has no such shaper, or no degree is good enough.
+    """
     subject = FitDesign(plant=request.plant, actuator=request.actuator, shaper=request.shaper)
     return fitted(subject, request.fit)
 
 
 def fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
-    """Return curve coefficients of a design, and what the fitted times leave."""
+    """Return curve coefficients of a design, and their worst residual.
+
+    Parameters
+    ----------
+    subject
+        The plant, the actuator and the shaper.
+    fit_in
+        Field of the plant, range and quality.
+
+    Returns
+    -------
+    FitOut
+        The coefficients, with the largest residual over the range.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule, or the range goes beyond the bounds of the plant.
+    InfeasibleDesignError
+        If some point of the range has no such shaper, or no degree is good enough.
+    """
     plant, actuator = subject_of(subject)
     with named("shaper"):
         options = subject.shaper.continuous_options(NO_FIT_ON_SAMPLES)

@@ -14,14 +14,56 @@ from service.operations.subject import found_shaper, subject_of
 
 
 def map_over_fields(request: MapRequest) -> MapResponse:
-    """Return what a shaper leaves, or what it is, over one or two fields."""
+    """Return a quantity of a shaper, or of the drive alone, over fields.
+
+    Parameters
+    ----------
+    request
+        The plant, the actuator, the shaper, the quantity and one or two fields.
+
+    Returns
+    -------
+    MapResponse
+        The quantity at every point.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule, or the quantity does not go with the rest.
+    InfeasibleDesignError
+        If a shaper that is held all over the map was not found.
+    SolverFailedError
+        If such a shaper was found and not verified.
+    """
     case, x, y, found = _mapped(request)
     warnings = sum_warnings(case.shaper) if isinstance(case.shaper, Impulses) else ()
     return MapResponse.from_design(request, x, y, found, warnings)
 
 
 def map_picture(request: MapRequest, image_format: Literal["png", "svg"]) -> bytes:
-    """Draw what a shaper leaves, or what it is, over one or two fields."""
+    """Draw the map that `map_over_fields` returns.
+
+    Parameters
+    ----------
+    request
+        The plant, the actuator, the shaper, the quantity and one or two fields.
+    image_format
+        Format of the picture.
+
+    Returns
+    -------
+    bytes
+        The picture.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule, or the quantity does not go with the rest.
+    InfeasibleDesignError
+        If a shaper that is held all over the map was not found.
+    SolverFailedError
+        If such a shaper was found and not verified.
+    """
     from design.pictures.design_sheet import figure_bytes  # noqa: PLC0415
     from design.pictures.map_sheet import map_sheet  # noqa: PLC0415
 

@@ -8,7 +8,25 @@ from service.version import version
 
 
 def recommend_shaper(request: RecommendationRequest) -> RecommendationResponse:
-    """Return the fastest shaper that meets what is asked, its runners-up, and why."""
+    """Return the fastest shaper that meets what is asked, and why.
+
+    Parameters
+    ----------
+    request
+        The plant, the actuator and the requirements.
+
+    Returns
+    -------
+    RecommendationResponse
+        The shaper, and its runners-up.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule.
+    InfeasibleDesignError
+        If no shaper meets what is asked.
+    """
     plant, actuator = subject_of(request)
     found = recommend(plant, actuator, request.to_design())
     return RecommendationResponse.from_design(found, version())

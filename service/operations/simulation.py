@@ -23,7 +23,31 @@ AFTERMATH_PERIODS = 3.0
 
 
 def simulate(request: SimulationRequest) -> SimulationResponse:
-    """Play a command, shaped if a shaper is given, and return what happens over time."""
+    """Play a command and return the motion over time.
+
+    The command is shaped if a shaper is given.
+
+    Parameters
+    ----------
+    request
+        The plant, the actuator and the command.
+
+    Returns
+    -------
+    SimulationResponse
+        The motion, and the impulses that were played.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule.
+    InfeasibleDesignError
+        If the shaper was not found.
+    SolverFailedError
+        If none of the solutions found was verified.
+    TimeLimitError
+        If a solver ran past its time.
+    """
     plant, actuator = subject_of(request)
     with named("command"):
         played = request.command.to_design(request.speed_m_s)

@@ -36,7 +36,23 @@ class Subject(Protocol):
 
 
 def subject_of(request: Subject) -> tuple[Plant, Actuator]:
-    """Return the plant and the actuator of a request; a fault names the field of either."""
+    """Return the plant and the actuator of a request.
+
+    Parameters
+    ----------
+    request
+        The request.
+
+    Returns
+    -------
+    tuple of Plant and Actuator
+        As the mathematics has them.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule: names the field from the request inward.
+    """
     with named("plant"):
         plant = request.plant.to_design()
     with named("actuator"):
@@ -47,7 +63,22 @@ def subject_of(request: Subject) -> tuple[Plant, Actuator]:
 def of_modes(
     modes: tuple[Mode, ...], residuals: Iterable[float], curves: list[Sensitivity]
 ) -> list[ModeOut] | None:
-    """Return what is left in each of several modes; None for one, of which all else tells."""
+    """Return the residual vibration in each of several modes.
+
+    Parameters
+    ----------
+    modes
+        The modes of the plant.
+    residuals
+        Residual vibration in each of them [-].
+    curves
+        Sensitivity curve of each mode; empty where none was asked for.
+
+    Returns
+    -------
+    list of ModeOut or None
+        An entry for each mode; None for a plant of one mode, where the rest of the answer says it.
+    """
     if len(modes) == 1:
         return None
     each = zip_longest(modes, residuals, curves)
@@ -60,7 +91,35 @@ def found_shaper(
     shaper: ShaperIn,
     options: ShaperOptions | None,
 ) -> Design:
-    """Return a designed shaper, on samples where asked."""
+    """Return a designed shaper, on samples where asked.
+
+    Parameters
+    ----------
+    plant
+        The plant.
+    actuator
+        The actuator.
+    shaper
+        The shaper on the wire, with its sample time if any.
+    options
+        The parameters of its kind.
+
+    Returns
+    -------
+    Design
+        The shaper with its certificate.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule.
+    InfeasibleDesignError
+        If no such shaper was found.
+    SolverFailedError
+        If none of the solutions found was verified.
+    TimeLimitError
+        If a solver ran past its time.
+    """
     found = design(plant, actuator, shaper.registered(), options)
     if shaper.sample_time_s is None:
         return found
@@ -70,7 +129,33 @@ def found_shaper(
 def on_samples(
     found: Design, plant: Plant, actuator: Actuator, shaper: ShaperIn, sample_time_s: float
 ) -> tuple[Design, Sampled]:
-    """Return a design brought to a sample grid, and what that cost."""
+    """Return a design brought to a sample grid, and what that cost.
+
+    Parameters
+    ----------
+    found
+        The design between the samples.
+    plant
+        The plant, of one mode.
+    actuator
+        The actuator.
+    shaper
+        The shaper on the wire, with its tolerance on samples.
+    sample_time_s
+        Sample time of the controller [s].
+
+    Returns
+    -------
+    tuple of Design and Sampled
+        The design on samples, and how it came there.
+
+    Raises
+    ------
+    InvalidInputError
+        If the sample time does not suit the shaper.
+    SolverFailedError
+        If simulation does not confirm the residual on samples.
+    """
     with named("shaper"):
         return sampled_design(
             found, plant.mode, actuator, sample_time_s, tolerance=shaper.grid_tolerance()

@@ -29,7 +29,20 @@ NUMBERS = re.compile(rb"[-+.\d]+(?:[eE][-+]?\d+)?")
 
 
 def shape_of(operation: str, body: bytes) -> Hashable:
-    """Return what two requests share that differ in their numbers only."""
+    """Return what two requests share that differ in their numbers only.
+
+    Parameters
+    ----------
+    operation
+        Name of what is done with the body.
+    body
+        The request; beyond `LONGEST_SHAPE` only the magnitude of its length counts [bytes].
+
+    Returns
+    -------
+    Hashable
+        Equal for requests that are expected to cost alike.
+    """
     if len(body) > LONGEST_SHAPE:
         return operation, len(body).bit_length()
     return operation, NUMBERS.sub(b"", body)
@@ -54,11 +67,25 @@ class Costs:
 
     @property
     def slowness(self) -> float:
-        """How much longer small work takes than the processor time that it costs [-]."""
+        """How many times its processor time small work takes, at least 1 [-]."""
         return max(self._took_s / self._cost_s, 1.0)
 
     def of(self, client: str, shape: Hashable) -> float:
-        """Return what a client's work of a shape is expected to take [s]."""
+        """Return what a client's work of a shape is expected to take [s].
+
+        Parameters
+        ----------
+        client
+            Whose work it is.
+        shape
+            What work shares that costs alike.
+
+        Returns
+        -------
+        float
+            Mean of the client's work of the shape, else of all work of the shape, else of small
+            work; processor time [s].
+        """
         for known in ((client, shape), shape):
             if known in self._means:
                 self._means.move_to_end(known)
@@ -66,7 +93,17 @@ class Costs:
         return self.small_s
 
     def record(self, client: str, shape: Hashable, seconds: float) -> None:
-        """Learn what a client's work of a shape has taken."""
+        """Learn what a client's work of a shape has taken.
+
+        Parameters
+        ----------
+        client
+            Whose work it was.
+        shape
+            What work shares that costs alike.
+        seconds
+            Processor time [s].
+        """
         seconds = max(seconds, LEAST_S)
         if seconds < SLICE_S:
             self.small_s += LEARNING * (seconds - self.small_s)
@@ -75,12 +112,30 @@ class Costs:
             self._learn((client, shape), seconds)
 
     def took(self, seconds: float, cost_s: float) -> None:
-        """Learn how long small work has taken beside what it cost."""
+        """Learn how long small work has taken beside what it cost.
+
+        Parameters
+        ----------
+        seconds
+            Time from its begin to its end [s].
+        cost_s
+            Processor time [s].
+        """
         self._took_s += LEARNING * (seconds - self._took_s)
         self._cost_s += LEARNING * (max(cost_s, LEAST_S) - self._cost_s)
 
     def at_least(self, client: str, shape: Hashable, seconds: float) -> None:
-        """Learn that a client's work of a shape takes so long at least: it still runs."""
+        """Learn that a client's work takes so long at least: it still runs.
+
+        Parameters
+        ----------
+        client
+            Whose work it is.
+        shape
+            What work shares that costs alike.
+        seconds
+            What the work is taken to cost at least [s].
+        """
         known = client, shape
         self._remember(known, max(self._means.get(known, 0.0), seconds))
 

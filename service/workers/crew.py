@@ -28,10 +28,24 @@ class Foreman(Protocol):
         """Hear that a worker is idle that was not."""
 
     def told(self, worker: Worker, outcome: Outcome, result: object) -> None:
-        """Take what a busy worker tells; give it back or end it."""
+        """Take the outcome of a busy worker; give the worker back or end it.
+
+        Parameters
+        ----------
+        worker
+            The worker.
+        outcome
+            How its task has ended.
+        result
+            What the task has returned, or the traceback of its error.
+        """
 
     def lost(self, worker: Worker) -> Callable[[bool], None]:
-        """Forget a busy worker that has died; return who is told whether it has crashed."""
+        """Forget a busy worker that has died.
+
+        Returned is what to call with whether the worker crashed by its own fault, once that is
+        known.
+        """
 
 
 class Crew:
@@ -64,7 +78,13 @@ class Crew:
         return bool(self.idle or self._busy)
 
     def keep(self, wanted: int) -> None:
-        """Start the workers that are missing of so many, and end those that are too many."""
+        """Start workers that are missing, end idle ones that are too many.
+
+        Parameters
+        ----------
+        wanted
+            How many workers there should be. Busy ones are not ended.
+        """
         if self._closed:
             return
         self._wanted = wanted
@@ -76,7 +96,10 @@ class Crew:
             self.idle.pop().close()
 
     def take(self) -> Worker:
-        """Return an idle worker, who is busy from now on."""
+        """Return an idle worker, who is busy from now on.
+
+        At least one worker must be idle.
+        """
         worker = self.idle.pop()
         self._busy.add(worker)
         return worker

@@ -46,13 +46,25 @@ class InlinePool:
         limit_s: float | None = None,
         splits: bool = False,
     ) -> Result:
-        """Run a task; see `Pool.run`.
+        """Run a task at once, in this process.
+
+        Parameters
+        ----------
+        task, arguments
+            A function of a module and what it takes, both as pickle has it.
+        client, kind, shape, key, limit_s, splits
+            As of `Pool.run`; without effect here.
+
+        Returns
+        -------
+        Result
+            What the task returned, pickled and read back.
 
         Raises
         ------
         TaskError
             If the pool is full or closed, or the task fails.
-        """
+        """  # noqa: DOC501 - `failure` returns a TaskError
         del client, kind, shape, key, limit_s, splits
         if self.full is not None:
             raise TaskError(self.full)

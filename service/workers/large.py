@@ -8,19 +8,36 @@ from service.workers.runs import Run
 
 
 def oldest_overdue(busy: Iterable[Run]) -> Run | None:
-    """Return the task that has waited longest in its worker for a place for large work."""
+    """Return the task that waits longest for a place for large work.
+
+    It waits in its worker; None where no task does.
+    """
     return min(_overdue(busy), key=_begun, default=None)
 
 
 def youngest_overdue(busy: Iterable[Run]) -> Run | None:
-    """Return the task that loses least where one of those must leave its worker."""
+    """Return the task that loses least by leaving its worker.
+
+    It is the latest begun of those that wait in their workers for a place for large work; None
+    where no task does.
+    """
     return max(_overdue(busy), key=_begun, default=None)
 
 
 def youngest_second(busy: Iterable[Run], waiting: Iterable[Ticket]) -> Run | None:
-    """Return the youngest large task of a client that has several, as one waits who has none.
+    """Return the youngest large task of a client that has several.
 
-    None where nobody waits who has none.
+    Parameters
+    ----------
+    busy
+        The tasks in workers.
+    waiting
+        The tickets that wait for a place for large work.
+
+    Returns
+    -------
+    Run or None
+        None where nobody waits who has no large task, or no client has several.
     """
     large = [run for run in busy if run.large]
     holders = Counter(run.client for run in large)

@@ -8,7 +8,10 @@ within a few requests, and hardly any in a circle."""
 
 
 def settle() -> None:
-    """Let all that has been built stay, never looked at again, and look at what is new seldom."""
+    """Let all that has been built stay, and seldom look at what is new.
+
+    The garbage collector never looks at what stays.
+    """
     gc.freeze()
     _, middle, old = gc.get_threshold()
     gc.set_threshold(YOUNG, middle, old)

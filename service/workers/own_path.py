@@ -14,7 +14,11 @@ HOME = Path(__file__).parents[2]
 
 
 def variables() -> dict[str, str]:
-    """Return the environment variables by which an interpreter searches our packages first."""
+    """Return the environment by which Python finds our packages first.
+
+    The variables ``PYTHONSAFEPATH`` and ``PYTHONPATH``; the latter keeps what this process has in
+    it.
+    """
     inherited = os.environ.get("PYTHONPATH")
     return {
         "PYTHONSAFEPATH": "1",

@@ -43,14 +43,46 @@ class Patience:
     _growing: int = 0
 
     def admits(self, now: float, wait_s: float, cost_s: float) -> bool:
-        """Count an arrival, and return whether one that would wait so long may wait."""
+        """Count an arrival, and return whether it may wait.
+
+        Parameters
+        ----------
+        now
+            Time of the arrival [s].
+        wait_s
+            Expected wait [s].
+        cost_s
+            What the request itself is expected to take [s].
+
+        Returns
+        -------
+        bool
+            Whether the wait is within the limit, which is shorter under a lasting overload.
+        """
         self._turn(now)
         self._arrived += 1
         self._longest_s = max(self._longest_s, wait_s)
         return wait_s <= self._limit_s(cost_s)
 
     def refuses(self, now: float, wait_s: float, cost_s: float) -> bool:
-        """Return whether an arrival may not wait under an overload; only then it is counted."""
+        """Return whether an arrival may not wait under an overload.
+
+        The arrival is counted only if it may not.
+
+        Parameters
+        ----------
+        now
+            Time of the arrival [s].
+        wait_s
+            Expected wait [s].
+        cost_s
+            What the request itself is expected to take [s].
+
+        Returns
+        -------
+        bool
+            False where there is no lasting overload, however long the wait.
+        """
         self._turn(now)
         refused = self._growing >= INTERVALS and wait_s > self._limit_s(cost_s)
         self._arrived += refused

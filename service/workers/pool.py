@@ -74,7 +74,7 @@ class WorkerPool:
         self._crew = Crew(self, memory_bytes)
 
     def start(self) -> None:
-        """Start the workers, in the event loop that runs: the pool is of that loop from then on."""
+        """Start the workers; the pool is of the running loop from then on."""
         self._crew.keep(self.workers)
 
     async def run(
@@ -88,9 +88,24 @@ class WorkerPool:
         limit_s: float | None = None,
         splits: bool = False,
     ) -> Result:
-        """Run a task in a worker; if the last of its callers is cancelled, it ends.
+        """Run a task in a worker, as `Pool.run` says.
 
-        See `Pool.run` for parameters and errors.
+        Parameters
+        ----------
+        task, arguments, client, kind, shape, key, limit_s, splits
+            As of `Pool.run`.
+
+        Returns
+        -------
+        Result
+            What the task returned.
+
+        Raises
+        ------
+        TaskError
+            As of `Pool.run`, and if the pool is closed.
+        SplitError
+            If it ``splits`` and takes longer than a slice.
         """
         if self._closed:
             raise TaskError(STOPPING)
@@ -113,10 +128,7 @@ class WorkerPool:
                 self._give_up(run)
 
     def refusal(self, client: str) -> Problem | None:
-        """Return why a small single request would be refused at once; None where it would not.
-
-        For those who want to know before they have read it.
-        """
+        """Return why a small single request would be refused at once, or None."""
         cost_s = self.costs.small_s
         wait_s = self._wait_s(Flow(client), cost_s)
         if self._patience.refuses(get_running_loop().time(), wait_s, cost_s):
@@ -130,7 +142,7 @@ class WorkerPool:
 
     @property
     def ready(self) -> bool:
-        """Whether a worker lives whose solvers are built, and there is room for a task."""
+        """Whether a worker has its solvers built and a task has room."""
         return self._crew.built and self.pending < self._max_pending
 
     # Waiting.
@@ -226,7 +238,13 @@ class WorkerPool:
         ]
 
     def told(self, worker: Worker, outcome: Outcome, result: object) -> None:
-        """Take what a worker tells of its task."""
+        """Take the outcome of a worker's task.
+
+        Parameters
+        ----------
+        worker, outcome, result
+            As of `Foreman.told`.
+        """
         run = self._busy.pop(worker)
         if outcome == "memory" or run.large:
             self._crew.end(worker)  # it is near its limit, or has made way for good

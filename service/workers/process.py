@@ -134,13 +134,26 @@ class Worker(asyncio.Protocol):
         self._lost(self)
 
     def send(self, task: Callable[..., object], arguments: tuple[object, ...]) -> None:
-        """Send a task; its outcome is told, or the worker is lost."""
+        """Send a task; its outcome or the loss of the worker is reported.
+
+        The callbacks that the worker was made with report it.
+
+        Parameters
+        ----------
+        task
+            A function of a module.
+        arguments
+            What it takes.
+        """
         message = pickle.dumps((task, arguments))
         if self._transport is not None:
             self._transport.writelines([LENGTH.pack(len(message)), message])
 
     def spent_s(self) -> float:
-        """Return the processor time of its present task, to the system's ticks [s]."""
+        """Return the processor time of its present task [s].
+
+        The time is as exact as the system's ticks; 0 where the process has just ended.
+        """
         try:
             told = Path(f"/proc/{self.pid}/stat").read_text()
         except (FileNotFoundError, ProcessLookupError):
@@ -165,7 +178,10 @@ class Worker(asyncio.Protocol):
 
     @property
     def by_its_own_fault(self) -> bool:
-        """Whether the process crashed, and was not killed from outside or with its fork server."""
+        """Whether the process crashed of itself.
+
+        One that was killed from outside, or ended with its fork server, did not.
+        """
         code = self._process.exitcode
         return code is not None and code not in {0, -signal.SIGKILL, -signal.SIGTERM, UNKNOWN}
 
@@ -187,7 +203,13 @@ class Worker(asyncio.Protocol):
             self._transport.close()
 
     def join(self, wait_s: float) -> None:
-        """Wait for the process, whose socket is closed; kill it if it takes longer."""
+        """Wait for the process, whose socket is closed, and kill it if late.
+
+        Parameters
+        ----------
+        wait_s
+            How long to wait [s].
+        """
         self._process.join(wait_s)
         if self._process.is_alive():
             self._process.kill()

@@ -39,7 +39,9 @@ class Pool(Protocol):
         limit_s: float | None = None,
         splits: bool = False,
     ) -> Result:
-        """Run a task in a worker; if the last of its callers is cancelled, it ends.
+        """Run a task in a worker; it ends with the last of its callers.
+
+        A caller that is cancelled waits no more. A task for which nobody waits is ended.
 
         Parameters
         ----------
@@ -56,6 +58,11 @@ class Pool(Protocol):
         splits
             Whether it is given up where it takes longer than a slice.
 
+        Returns
+        -------
+        Result
+            What the task returned.
+
         Raises
         ------
         TaskError
@@ -66,9 +73,19 @@ class Pool(Protocol):
         """
 
     def refusal(self, client: str) -> Problem | None:
-        """Return why a small single request would be refused at once; None where it would not.
+        """Return why a small single request would be refused at once.
 
-        For those who want to know before they have read it.
+        It serves those who want to know before they have read the request.
+
+        Parameters
+        ----------
+        client
+            Whose request it is.
+
+        Returns
+        -------
+        Problem or None
+            None where the request would not be refused.
         """
 
     @property

@@ -71,7 +71,15 @@ class FairQueue:
         return (ticket for _, _, ticket in sorted(self._heap) if ticket.waiting)
 
     def add(self, ticket: Ticket, start: float | None = None) -> None:
-        """Let a ticket wait; ``start``: of one that was served in vain and is put back."""
+        """Let a ticket wait.
+
+        Parameters
+        ----------
+        ticket
+            The ticket; its start and that it waits are written to it.
+        start
+            Start in virtual time of one that was served in vain and is put back; None of a new one.
+        """
         flow = ticket.flow
         if start is None:
             # Not before the last of the flow either, whose finish may have been charged less since.
@@ -107,7 +115,15 @@ class FairQueue:
             self.charge(ticket, 0.0)
 
     def charge(self, ticket: Ticket, spent_s: float) -> None:
-        """Count what a ticket has cost in place of what it was expected to."""
+        """Count what a ticket has cost in place of what it was expected to.
+
+        Parameters
+        ----------
+        ticket
+            A ticket that is not in the queue any more.
+        spent_s
+            What it has cost [s].
+        """
         flow = ticket.flow
         if flow in self._finish:
             self._finish[flow] += (spent_s - ticket.cost_s) / WEIGHTS[flow.kind]
@@ -118,6 +134,20 @@ class FairQueue:
 
         Everything that waits is before it at most, and at most what its flow's fair share of the
         servers makes of its own.
+
+        Parameters
+        ----------
+        flow
+            Whose ticket it is.
+        cost_s
+            What it is expected to take [s].
+        servers
+            How many tickets are served at a time.
+
+        Returns
+        -------
+        float
+            The expected wait [s].
         """
         weight = WEIGHTS[flow.kind]
         others = self._weights - (weight if flow in self._count else 0.0)

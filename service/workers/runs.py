@@ -63,7 +63,20 @@ class Run:
 
 
 def refused(detail: str, wait_s: float) -> TaskError:
-    """Return that there is no room for a task, and when there may be [s]."""
+    """Return the error that there is no room for a task.
+
+    Parameters
+    ----------
+    detail
+        Why there is none, in words.
+    wait_s
+        When there may be room [s]; the answer says it in whole seconds, at least 1.
+
+    Returns
+    -------
+    TaskError
+        An overload.
+    """
     problem = Problem(
         OVERLOADED, f"{detail}; try again later", retry_after_s=max(1, math.ceil(wait_s))
     )
@@ -71,10 +84,24 @@ def refused(detail: str, wait_s: float) -> TaskError:
 
 
 def expected(wait_s: float) -> TaskError:
-    """Return that a task would wait too long [s]."""
+    """Return the error that a task would wait too long.
+
+    Parameters
+    ----------
+    wait_s
+        When a worker is expected to be free [s].
+
+    Returns
+    -------
+    TaskError
+        An overload.
+    """
     return refused(f"a worker is expected to be free in {wait_s:.2g} s only", wait_s)
 
 
 def failure() -> TaskError:
-    """Return that a task has failed by a fault of ours; the log has the reason."""
+    """Return the error that a task failed by a fault of ours.
+
+    The log has the reason.
+    """
     return TaskError(Problem(INTERNAL, "the service failed; its log has the reason"))

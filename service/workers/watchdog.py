@@ -7,7 +7,13 @@ from multiprocessing.connection import Connection, wait
 
 
 def end_with_parent(*lifelines: Connection) -> None:
-    """End this process when its parent ends, or whoever holds the other end of a lifeline."""
+    """End this process when its parent ends or a lifeline breaks.
+
+    Parameters
+    ----------
+    lifelines
+        Ends of pipes; one breaks when whoever holds its other end is gone.
+    """
     watched: list[Connection | int] = [*lifelines]
     parent = multiprocessing.parent_process()
     if parent is not None:

@@ -27,6 +27,9 @@ class FirstOrder:
         Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
     """
 
+    kind: ClassVar[str] = "first_order"
+    """Its ``kind`` on the wire."""
+
     PROOF_WORK: ClassVar[float] = 3.5
     """Work of proving an impulse at one frequency [units of `design.solvers.budget`]."""
 
@@ -43,11 +46,6 @@ class FirstOrder:
                     name, value, f"0, or between {SMALLEST:g} and {LARGEST:g}", code="out_of_range"
                 )
         require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
-
-    @property
-    def kind(self) -> str:
-        """Its ``kind`` on the wire."""
-        return "first_order"
 
     @property
     def in_words(self) -> tuple[str, str]:

@@ -13,16 +13,14 @@ IDEAL_LAG = Lag()
 class Ideal:
     """An actuator that follows its command at once."""
 
+    kind: ClassVar[str] = "ideal"
+    """Its ``kind`` on the wire."""
+
     PROOF_WORK: ClassVar[float] = 1.0
     """Work of proving an impulse at one frequency [units of `design.solvers.budget`]."""
 
     model: Model = field(default="superposed", init=False)
     dead_time_s: float = field(default=0.0, init=False)
-
-    @property
-    def kind(self) -> str:
-        """Its ``kind`` on the wire."""
-        return "ideal"
 
     @property
     def in_words(self) -> tuple[str, str]:

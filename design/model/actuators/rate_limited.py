@@ -38,6 +38,9 @@ class RateLimited:
         Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
     """
 
+    kind: ClassVar[str] = "rate_limited"
+    """Its ``kind`` on the wire."""
+
     PROOF_WORK: ClassVar[float] = 8.0
     """Work of proving an impulse at one frequency [units of `design.solvers.budget`]."""
 
@@ -58,11 +61,6 @@ class RateLimited:
                 "0: dead_time_s beside it is the delay",
                 code="delay_said_twice",
             )
-
-    @property
-    def kind(self) -> str:
-        """Its ``kind`` on the wire."""
-        return "rate_limited"
 
     @property
     def model(self) -> Model:

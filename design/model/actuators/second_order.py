@@ -60,6 +60,9 @@ class SecondOrder:
         Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
     """
 
+    kind: ClassVar[str] = "second_order"
+    """Its ``kind`` on the wire."""
+
     PROOF_WORK: ClassVar[float] = 3.5
     """Work of proving an impulse at one frequency [units of `design.solvers.budget`]."""
 
@@ -70,11 +73,6 @@ class SecondOrder:
 
     def __post_init__(self) -> None:
         require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
-
-    @property
-    def kind(self) -> str:
-        """Its ``kind`` on the wire."""
-        return "second_order"
 
     @property
     def in_words(self) -> tuple[str, str]:

@@ -13,7 +13,11 @@ EASIER = 1.01
 
 
 def ripples_of(residual: float) -> float:
-    """Turn a residual into what grows about evenly with the duration, as Chebyshev's windows do."""
+    """Return the ripples of a residual, ``acosh(1 / residual)`` [-].
+
+    Ripples grow about evenly with the duration of a shaper, as those of Chebyshev's windows do. A
+    residual of 1 or more counts as just below 1.
+    """
     return math.acosh(1 / min(residual, 1 - 1e-12))
 
 
@@ -36,7 +40,7 @@ def _half_periods(problem: BandProblem) -> float:
 
 
 def require_solvable(problem: BandProblem) -> None:
-    """Raise InfeasibleDesignError where a shaper has more impulses than can be solved for."""
+    """Raise InfeasibleDesignError where a band takes too many impulses."""
     half_periods = _half_periods(problem)
     if half_periods > MOST_HALF_PERIODS:
         lower, upper = problem.band

@@ -65,7 +65,24 @@ class Grid:
 
 
 def even_grid(problem: BandProblem, duration_rad: float, fineness: int = 1) -> Grid:
-    """Return a grid of even pitches, fine against the turn of the last impulse."""
+    """Return a grid of even pitches.
+
+    The pitches are fine against the turn of the last impulse.
+
+    Parameters
+    ----------
+    problem
+        The band.
+    duration_rad
+        Last lag of the grid [rad].
+    fineness
+        How many times finer than usual both pitches are.
+
+    Returns
+    -------
+    Grid
+        Lags from 0 to the duration, ratios from one end of the band to the other.
+    """
     lower, upper = problem.band
     turns = fineness * (upper - lower) * duration_rad / math.pi
     last = fineness * duration_rad / math.pi * upper
@@ -91,7 +108,28 @@ def _refined(even: Grid, point: Point, share: float) -> Grid:
 
 
 def least_on_grid(problem: BandProblem, grid: Grid, budget: Budget) -> ConeOutcome:
-    """Return the least largest residual over the band of commands of one duration, on a grid."""
+    """Solve for the command on a grid with the least largest residual.
+
+    Parameters
+    ----------
+    problem
+        The band, and whether the command has levels.
+    grid
+        Lags that end with the duration, and ratios at which residuals count.
+    budget
+        The work of the cone program is counted in it.
+
+    Returns
+    -------
+    ConeOutcome
+        The amplitudes at the lags, or the level between each lag and the next; ``largest`` is the
+        largest residual on the grid [-].
+
+    Raises
+    ------
+    SolverFailedError
+        If Clarabel did not solve the cone program.
+    """
     turned = np.exp(np.multiply.outer(problem.unit_pole * grid.ratios, grid.lags))
     zeros = np.zeros(grid.ratios.size, dtype=complex)
     if problem.levels is None:
@@ -117,7 +155,22 @@ def least_on_grid(problem: BandProblem, grid: Grid, budget: Budget) -> ConeOutco
 
 
 def structure(problem: BandProblem, grid: Grid, found: ConeOutcome) -> Point | None:
-    """Read impulses and touching peaks off the grid; None where there is but one impulse."""
+    """Read impulses and touching peaks off the grid.
+
+    Parameters
+    ----------
+    problem
+        The band that the cone program was of.
+    grid
+        The grid of the cone program.
+    found
+        What the cone program found.
+
+    Returns
+    -------
+    Point or None
+        A start for Newton's method; None where there is but one impulse, or two impulses coincide.
+    """
     if problem.levels is None:
         lags, amplitudes = _clusters(grid.lags, found.unknowns, PRESENT)
     else:
@@ -173,7 +226,31 @@ def _switches(
 def closer_look(
     problem: BandProblem, duration_rad: float, budget: Budget
 ) -> tuple[Grid, ConeOutcome]:
-    """Solve the cone program of a duration on a grid refined around impulses and peaks."""
+    """Solve a duration on a grid refined around impulses and peaks.
+
+    An even grid comes first. Each finer grid has points around the impulses and peaks that the grid
+    before shows. Refinement ends early where a grid shows one impulse only, or more than
+    `MOST_SEEN`.
+
+    Parameters
+    ----------
+    problem
+        The band.
+    duration_rad
+        The duration [rad].
+    budget
+        The work of the cone programs is counted in it.
+
+    Returns
+    -------
+    tuple of Grid and ConeOutcome
+        The last grid, and what its cone program found.
+
+    Raises
+    ------
+    SolverFailedError
+        If Clarabel did not solve a cone program.
+    """
     even = grid = even_grid(problem, duration_rad)
     found = least_on_grid(problem, grid, budget)
     for share in REFINED_PITCHES:
@@ -186,7 +263,29 @@ def closer_look(
 
 
 def commands_of(problem: BandProblem, grid: Grid, budget: Budget) -> Iterator[Point]:
-    """Yield the commands of a grid's own cells or points, with ever smaller steps; no peaks."""
+    """Yield the commands of a grid's own cells or points.
+
+    Later commands keep smaller steps of the grid's command. A command that has levels comes once.
+
+    Parameters
+    ----------
+    problem
+        The band.
+    grid
+        Lags that end with the duration, and ratios at which residuals count.
+    budget
+        The work of the cone program is counted in it.
+
+    Yields
+    ------
+    Point
+        Impulses that sum to 1, without peaks.
+
+    Raises
+    ------
+    SolverFailedError
+        If Clarabel did not solve the cone program.
+    """
     found = least_on_grid(problem, grid, budget)
     if problem.levels is None:
         steps = np.maximum(found.unknowns, 0.0)

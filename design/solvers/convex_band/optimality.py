@@ -90,10 +90,25 @@ class _Places:
 # Where it diverges, numbers overflow: what is not finite then ends it.
 @np.errstate(over="ignore", invalid="ignore")
 def solved(problem: BandProblem, point: Point, tolerance: float) -> Point | None:
-    """Solve the conditions of optimality from a point near by; None where that fails.
+    """Solve the conditions of optimality from a point near by.
 
-    Unknown are the lags but the first, the amplitudes where they are free, the ratios of the inner
-    peaks and the weights; see `_conditions`.
+    Unknown are the lags except the first, the amplitudes where they are free, the ratios of the
+    inner peaks and the weights; see `_conditions`.
+
+    Parameters
+    ----------
+    problem
+        The band.
+    point
+        Where Newton's method begins; it says too how many impulses and peaks there are.
+    tolerance
+        Residual that every peak touches [-].
+
+    Returns
+    -------
+    Point or None
+        The optimum; None where there are not as many conditions as unknowns, or Newton's method
+        does not converge.
     """
     places = _Places(
         impulses=point.lags.size,

@@ -30,7 +30,25 @@ SHORTEST_FOLLOWED = 1e-5
 
 
 def optimum(problem: BandProblem, point: Point, tolerance: float) -> Point | None:
-    """Exchange peaks until none is above the tolerance and none is held that is not needed."""
+    """Exchange peaks until the held ones are those that touch.
+
+    No peak is then above the tolerance, and every held peak has a weight above zero.
+
+    Parameters
+    ----------
+    problem
+        The band.
+    point
+        Where Newton's method begins.
+    tolerance
+        Largest residual over the band [-].
+
+    Returns
+    -------
+    Point or None
+        The optimum; None where Newton's method fails, `MOST_EXCHANGES` are not enough, or an
+        amplitude that must be positive is not.
+    """
     lower, upper = problem.band
     for _ in range(MOST_EXCHANGES):
         found = solved(problem, point, tolerance)
@@ -72,10 +90,26 @@ def optimum(problem: BandProblem, point: Point, tolerance: float) -> Point | Non
 def followed(
     problem: BandProblem, point: Point, from_tolerance: float, tolerance: float, budget: Budget
 ) -> tuple[Point, float] | None:
-    """Follow an optimum from the tolerance that its duration allows towards the one asked.
+    """Follow an optimum from one tolerance towards another.
 
-    Returns the last optimum and its tolerance: another than asked where impulses or peaks merge,
-    or where the budget is spent.
+    Parameters
+    ----------
+    problem
+        The band.
+    point
+        Where Newton's method begins at ``from_tolerance``.
+    from_tolerance
+        The tolerance that the duration of the point allows [-].
+    tolerance
+        The tolerance that is asked [-].
+    budget
+        The work of exchanges is counted in it.
+
+    Returns
+    -------
+    tuple of Point and float, or None
+        The last optimum and its tolerance [-], another than asked where impulses or peaks merge, or
+        where the budget is spent; None where there is no optimum at ``from_tolerance``.
     """
     now = optimum(problem, point, from_tolerance)
     if now is None:
@@ -95,7 +129,22 @@ def followed(
 
 
 def peaks(problem: BandProblem, point: Point) -> tuple[FloatArray, FloatArray]:
-    """Return the local maxima of the residual over the band, edges included, refined."""
+    """Return the local maxima of the residual over the band, edges included.
+
+    Newton's method refines them from a grid.
+
+    Parameters
+    ----------
+    problem
+        The band.
+    point
+        The impulses.
+
+    Returns
+    -------
+    tuple of FloatArray and FloatArray
+        Ratios of the maxima and residuals there, shape (k,) each [-].
+    """
     lower, upper = problem.band
     turn = (upper - lower) * float(point.lags[-1])
     grid = np.linspace(lower, upper, 9 + math.ceil(turn / SCAN_TURN_RAD))

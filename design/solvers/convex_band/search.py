@@ -95,17 +95,29 @@ class BandOptimum:
 
 
 def candidates(problem: BandProblem, budget: Budget) -> Iterator[BandOptimum | Obstacle]:
-    """Yield optima, the likeliest first, and proofs met on the way; those further on take longer.
+    """Yield optima, the likeliest first, and proofs met on the way.
 
-    Where impulses or peaks merge at the optimum itself, what comes from longer durations ends
-    just before it, a shaper all the same, and what comes from shorter ones is a proof. Where no
-    structure is found, as none is to be seen on a grid where a command may as well be between its
-    limits, the steps of a grid make a shaper that is a little longer.
+    Optima further on take longer to find. Impulses or peaks may merge at the optimum itself. What
+    comes from longer durations then ends just before it and is a shaper all the same; what comes
+    from shorter durations is a proof. A grid shows no structure where a command may as well be
+    between its limits. The steps of a grid then make a shaper that is a little longer.
+
+    Parameters
+    ----------
+    problem
+        The band.
+    budget
+        What the search may do; its work is counted in it.
+
+    Yields
+    ------
+    BandOptimum or Obstacle
+        A shaper, or a function that stands against a duration.
 
     Raises
     ------
     SolverFailedError
-        If a cone program was not solved.
+        If Clarabel did not solve a cone program.
     """
     tolerance = problem.tolerance * (1 - DESIGN_MARGIN)
     duration, low, high = first_duration_rad(problem), 0.0, math.inf
@@ -241,7 +253,30 @@ def _next_duration(
 
 
 def obstacles(problem: BandProblem, candidate: BandOptimum, budget: Budget) -> Iterator[Obstacle]:
-    """Yield what may prove that no shaper is as short as durations ever further below."""
+    """Yield obstacles to durations below that of an optimum.
+
+    Each may prove that no shaper is as short as its duration. Later ones are of shorter durations,
+    from cone programs.
+
+    Parameters
+    ----------
+    problem
+        The band.
+    candidate
+        The optimum.
+    budget
+        The work of cone programs is counted in it.
+
+    Yields
+    ------
+    Obstacle
+        A function that stands against a shorter duration.
+
+    Raises
+    ------
+    SolverFailedError
+        If Clarabel did not solve a cone program.
+    """
     longest = float(candidate.times_rad[-1])
     start = candidate.point
     for eased in EASED:
@@ -264,7 +299,20 @@ def _obstacle(problem: BandProblem, point: Point) -> Obstacle:
 
 
 def obstacle_work(problem: BandProblem, duration_rad: float) -> float:
-    """Return about how much `obstacle_at` takes [units]."""
+    """Return about how much `obstacle_at` takes [units].
+
+    Parameters
+    ----------
+    problem
+        The band.
+    duration_rad
+        The duration [rad].
+
+    Returns
+    -------
+    float
+        Work of a cone program of that duration with its usual iterations [units].
+    """
     grid = even_grid(problem, duration_rad)
     return clarabel.ENTRY_WORK * USUAL_ITERATIONS * grid.lags.size * grid.ratios.size
 
@@ -272,9 +320,27 @@ def obstacle_work(problem: BandProblem, duration_rad: float) -> float:
 def obstacle_at(
     problem: BandProblem, duration_rad: float, budget: Budget
 ) -> tuple[Obstacle, float]:
-    """Return what may prove that no shaper is as short as a duration, from the cone program.
+    """Return an obstacle to a duration, from the cone program.
 
-    With it about the least tolerance that the duration allows [-].
+    Parameters
+    ----------
+    problem
+        The band.
+    duration_rad
+        The duration [rad].
+    budget
+        The work of the cone program is counted in it.
+
+    Returns
+    -------
+    tuple of Obstacle and float
+        What may prove that no shaper is so short, and about the least tolerance that the duration
+        allows [-].
+
+    Raises
+    ------
+    SolverFailedError
+        If Clarabel did not solve the cone program.
     """
     grid = even_grid(problem, duration_rad)
     found = least_on_grid(problem, grid, budget)

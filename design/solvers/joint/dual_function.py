@@ -43,18 +43,64 @@ class DualFunction:
         self.first_bound_rad = 0.99 * PERIOD_RAD / slowest / (2 if positive else 3)
 
     def swings(self, times: FloatArray, order: int = 0) -> ComplexArray:
-        """Return ``exp(-s t)`` or its derivative in time, shape (m, n)."""
+        """Return ``exp(-s t)`` of every mode, or a derivative in time.
+
+        Parameters
+        ----------
+        times
+            Phases of the lowest natural frequency, shape (n,) [rad].
+        order
+            Order of the derivative; 0 for ``exp(-s t)`` itself.
+
+        Returns
+        -------
+        ComplexArray
+            Values by mode and time, shape (m, n) [-].
+        """
         s = self.poles[:, None]
         found: ComplexArray = (-s) ** order * np.exp(-s * times)
         return found
 
     def pull(self, vectors: ComplexArray, times: FloatArray, order: int = 0) -> FloatArray:
-        """Return P or a derivative, shape (n,)."""
+        """Return P or a derivative of it.
+
+        Parameters
+        ----------
+        vectors
+            c, shape (m,) [-].
+        times
+            Phases of the lowest natural frequency, shape (n,) [rad].
+        order
+            Order of the derivative; 0 for P itself.
+
+        Returns
+        -------
+        FloatArray
+            Values at the times, shape (n,) [-].
+        """
         found: FloatArray = (vectors.conj() @ self.swings(times, order)).real
         return found
 
     def zeros(self, vectors: ComplexArray, until: float, order: int) -> FloatArray:
-        """Return where a derivative of P changes its sign, shape (k,) [rad]."""
+        """Return where a derivative of P changes its sign.
+
+        A grid shows the changes and bisection refines them: two changes within one cell of the grid
+        are not seen.
+
+        Parameters
+        ----------
+        vectors
+            c, shape (m,) [-].
+        until
+            Where the search ends [rad].
+        order
+            Order of the derivative; 0 for P itself.
+
+        Returns
+        -------
+        FloatArray
+            Phases in ascending order, shape (k,) [rad].
+        """
         points = max(64, int(POINTS_A_TURN * self.fastest * until / PERIOD_RAD))
         times = np.linspace(0, until, points)
         values = self.pull(vectors, times, order)
@@ -68,7 +114,10 @@ class DualFunction:
         return (low + high) / 2
 
     def bound_rad(self, vectors: ComplexArray) -> float:
-        """Return the duration that c excludes, as far as the search for zeros sees."""
+        """Return the duration that c excludes [rad].
+
+        0 excludes nothing. The bound is as good as the search for zeros, which looks on a grid.
+        """
         if self.pull(vectors, np.zeros(1))[0] <= 0:
             return 0.0
         until = 4 * self.first_bound_rad

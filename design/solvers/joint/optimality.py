@@ -48,7 +48,25 @@ class Shortest:
 def sharpened(
     dual: DualFunction, vectors: ComplexArray, times: FloatArray, programs: int
 ) -> Shortest | None:
-    """Solve the conditions of optimality from c and times near them; None where that fails."""
+    """Solve the conditions of optimality from c and times near them.
+
+    Parameters
+    ----------
+    dual
+        The function P of the plant.
+    vectors
+        c to begin with, shape (m,) [-].
+    times
+        Times of the impulses to begin with, ascending from 0, shape (n,) [rad].
+    programs
+        Linear programs until then, for the report.
+
+    Returns
+    -------
+    Shortest or None
+        None where Newton's method fails, or ends with vibration, with impulses that coincide, or
+        with an amplitude that must be positive and is not.
+    """
     amplitudes = np.where(np.arange(times.size) % 2 == 0, 1.0, -1.0)
     if dual.positive:
         amplitudes = _least_squares_amplitudes(dual, times)

@@ -48,7 +48,19 @@ FARTHEST_AHEAD = 8.0
 
 
 def shortest(problem: JointProblem, budget: Budget | None = None) -> Iterator[Shortest]:
-    """Yield the fastest command; where none is shown to be, the best that was found.
+    """Yield the fastest command, or the best found where none is proven.
+
+    Parameters
+    ----------
+    problem
+        The modes, and whether amplitudes are positive.
+    budget
+        What the search may do; that of one design if not given.
+
+    Yields
+    ------
+    Shortest
+        One command at most, with the c of the strongest bound.
 
     Raises
     ------

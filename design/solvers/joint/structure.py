@@ -58,15 +58,44 @@ def _cells(dual: DualFunction, duration: float, fineness: float) -> int:
 
 
 def work_of(dual: DualFunction, duration: float, fineness: float) -> float:
-    """Return the work of a linear program, and of what follows from it [units]."""
+    """Return the work of a linear program and of what follows it [units].
+
+    Parameters
+    ----------
+    dual
+        The function P of the plant.
+    duration
+        The duration [rad].
+    fineness
+        How many times finer than the first the grid is [-].
+
+    Returns
+    -------
+    float
+        Work by the number of cells and modes [units].
+    """
     equations = 2 * dual.poles.size
     return PROGRAM_WORK + CELL_WORK * equations * _cells(dual, duration, fineness)
 
 
 def obstacle_to(dual: DualFunction, duration: float, fineness: float) -> Obstacle | None:
-    """Return the c that shows best that a duration is too short; None if it is not on the grid.
+    """Return the c that shows best that a duration is too short.
 
     Equations are scaled so that each is the vibration at the end.
+
+    Parameters
+    ----------
+    dual
+        The function P of the plant.
+    duration
+        The duration [rad].
+    fineness
+        How many times finer than the first the grid is [-].
+
+    Returns
+    -------
+    Obstacle or None
+        None where a command on the grid has no vibration, or HiGHS finds no optimum.
     """
     cells = _cells(dual, duration, fineness)
     grid = np.linspace(0, duration, cells + 1)
@@ -95,7 +124,22 @@ def obstacle_to(dual: DualFunction, duration: float, fineness: float) -> Obstacl
 
 
 def structures(dual: DualFunction, obstacle: Obstacle, duration: float) -> Iterator[FloatArray]:
-    """Yield how the impulses may lie, by c and then by the linear program, shape (n,) [rad]."""
+    """Yield how the impulses may lie, by c and by the linear program.
+
+    Parameters
+    ----------
+    dual
+        The function P of the plant.
+    obstacle
+        What the linear program found.
+    duration
+        When the last impulse is, where the structure does not say otherwise [rad].
+
+    Yields
+    ------
+    FloatArray
+        Times of the impulses, ascending from 0, shape (n,) [rad].
+    """
     turning = dual.zeros(obstacle.vectors, duration, 1)
     if not dual.positive:
         if turning.size % 2:

@@ -104,7 +104,23 @@ class Descent:
         return self.family.peaks(gaps, self.parameters, self.half_width, self.limit)
 
     def run(self, start: FloatArray) -> Run:
-        """Step until nothing is gained."""
+        """Step until nothing is gained.
+
+        Parameters
+        ----------
+        start
+            Gaps to start from, shape (n - 1,) [rad].
+
+        Returns
+        -------
+        Run
+            Where the steps ended, within the tolerance or not.
+
+        Raises
+        ------
+        TimeLimitError
+            If IPOPT ran past its time in a step.
+        """
         gaps = np.maximum(start, self.shortest)
         peaks = self.peaks(gaps)
         radius = FIRST_RADIUS_RAD

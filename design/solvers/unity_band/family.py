@@ -100,7 +100,22 @@ class Family:
         each[: ratios.size], each[ratios.size :] = ratios, 1.0
 
     def squares(self, x: FloatArray, p: FloatArray, ratios: FloatArray) -> FloatArray:
-        """Return the squared residuals at a multiple of `LANES` ratios, shape (m,)."""
+        """Return the squared residuals at ratios.
+
+        Parameters
+        ----------
+        x
+            Gaps between the impulses, shape (n,) [rad].
+        p
+            Parameters of the family, shape (k,).
+        ratios
+            Frequency ratios, shape (m,) with m a multiple of `LANES` [-].
+
+        Returns
+        -------
+        FloatArray
+            Squares of the residuals, shape (m,) [-].
+        """
         found = np.empty(ratios.size)
         for first in range(0, ratios.size, LANES):
             part = slice(first, first + LANES)
@@ -112,7 +127,22 @@ class Family:
     def vectors(
         self, x: FloatArray, p: FloatArray, ratios: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Return vectors, shape (m, 2), and Jacobians, shape (m, 2, n)."""
+        """Return the vectors of the residual at ratios, and their Jacobians.
+
+        Parameters
+        ----------
+        x
+            Gaps between the impulses, shape (n,) [rad].
+        p
+            Parameters of the family, shape (k,).
+        ratios
+            Frequency ratios, shape (m,) with m <= `DISKS` [-].
+
+        Returns
+        -------
+        tuple of FloatArray and FloatArray
+            Vectors, shape (m, 2) [-], and Jacobians by the gaps, shape (m, 2, n) [1/rad].
+        """
         self._given(self._vectors, x, p, ratios)
         self._vectors.run()
         vectors = self._vectors.outputs["vector"].reshape(DISKS, 2)[: ratios.size].copy()
@@ -127,10 +157,28 @@ class Family:
         weights: FloatArray,
         moving: BoolArray,
     ) -> FloatArray:
-        """Return the second derivatives of weighted squares less ``2 J' J``, shape (n, n).
+        """Return second derivatives of weighted squares less ``2 J' J``.
 
         The largest of a square over the ratio moves with x where it is a peak: that bends it by
         ``-m m' / b``, m and b the derivatives of its slope in ratio by x and by ratio.
+
+        Parameters
+        ----------
+        x
+            Gaps between the impulses, shape (n,) [rad].
+        p
+            Parameters of the family, shape (k,).
+        ratios
+            Frequency ratios, shape (m,) with m <= `DISKS` [-].
+        weights
+            Weights of the squares at the ratios, shape (m,).
+        moving
+            Which ratios are of peaks that move with x, shape (m,).
+
+        Returns
+        -------
+        FloatArray
+            The second derivatives by the gaps, shape (n, n) [unit of the weights / rad^2].
         """
         vectors, _ = self.vectors(x, p, ratios)
         self._given(self._curvatures, x, p, ratios)
@@ -153,12 +201,42 @@ class Family:
         return 1 + int(turn / (LANES * LONGEST_TURN_RAD))
 
     def peaks_work(self, x: FloatArray, half_width: float) -> float:
-        """Return the work of `peaks` [units]."""
+        """Return the work of `peaks` [units].
+
+        Parameters
+        ----------
+        x
+            Gaps between the impulses, shape (n,) [rad].
+        half_width
+            Half width of the band in ratios [-].
+
+        Returns
+        -------
+        float
+            Work by the points that show all peaks, and by the size of the expressions [units].
+        """
         lanes = LANES * self._blocks(x, half_width) * (1 + REFINED_SHARE)
         return PEAKS_WORK + INSTRUCTION_WORK * lanes * self._instructions
 
     def peaks(self, x: FloatArray, p: FloatArray, half_width: float, limit: float) -> Peaks:
-        """Return ends and local maxima of the residual over a band."""
+        """Return ends and local maxima of the residual over a band.
+
+        Parameters
+        ----------
+        x
+            Gaps between the impulses, shape (n,) [rad].
+        p
+            Parameters of the family, shape (k,).
+        half_width
+            The band goes from 1 less this to 1 plus this, ratios of the frequency [-].
+        limit
+            Residual whose square is the unit of the squares returned [-].
+
+        Returns
+        -------
+        Peaks
+            The two ends first.
+        """
         blocks = self._blocks(x, half_width)
         ratios = np.linspace(1 - half_width, 1 + half_width, LANES * blocks)
         squares = self.squares(x, p, ratios)
@@ -194,5 +272,8 @@ class Family:
 
 @functools.cache
 def family_of(model: BandModel) -> Family:
-    """Return the compiled expressions of a family, built at its first use in this process."""
+    """Return the compiled expressions of a family.
+
+    They are compiled at their first use in this process.
+    """
     return Family(model)

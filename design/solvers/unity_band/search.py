@@ -24,15 +24,27 @@ _one_at_a_time = threading.Lock()
 def solve(search: BandSearch, budget: Budget) -> Iterator[Solution]:
     """Yield designs over a band, of the fewest impulses first.
 
-    Of every number of impulses two seeds are compared; where one ends far above the tolerance, the
+    Two seeds of every number of impulses are compared. Where one ends far above the tolerance, the
     others wait until more impulses have been tried.
+
+    Parameters
+    ----------
+    search
+        The band, and a problem for each number of impulses.
+    budget
+        What the search may do; its work is counted in it.
+
+    Yields
+    ------
+    Solution
+        Impulses and the report of the solver, not yet certified.
 
     Raises
     ------
     InfeasibleDesignError
         When all candidates, if any, are used up: says what came nearest.
     TimeLimitError
-        If the solver ran past its time.
+        If IPOPT ran past its time.
     """
     runs = _Runs(search, budget)
     later = []

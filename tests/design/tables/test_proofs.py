@@ -5,7 +5,7 @@ import pytest
 
 from design.analysis.certificate import certify
 from design.claims import zeros
-from design.formulations.unity_magnitude import lag_parameters
+from design.formulations.lag_parameters import lag_parameters
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.model import Model

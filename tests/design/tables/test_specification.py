@@ -13,7 +13,8 @@ from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.plants.pendulum import Pendulum
 from design.shapers.registry import SHAPERS
 from design.tables.compute import compute_rows
-from design.tables.specification import TableSpecification, amplitudes_of, columns_of
+from design.tables.row_amplitudes import amplitudes_of
+from design.tables.specification import TableSpecification, columns_of
 from tests.refusals import refused
 
 DRIVE = SecondOrder(

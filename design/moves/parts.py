@@ -1,0 +1,191 @@
+"""The start and the stop that a move is made of."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from design.analysis.certificate import certify
+from design.claims import Promise
+from design.errors import InfeasibleDesignError
+from design.formulations.equations import Problem, Seed
+from design.formulations.lag_parameters import lag_parameters, swing_parameters, switched_order
+from design.formulations.unity_magnitude import UnityMagnitude, settling_gaps_rad
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator, unit_ramps_s
+from design.model.impulses import Impulses
+from design.model.initial_state import FreeSwing
+from design.model.plants.mode import Mode
+from design.response.closed_form import travel
+from design.solvers import newton
+from design.solvers.continuation import followed
+from design.solvers.search import candidates
+from design.solvers.solution import of_gaps
+from design.types import FloatArray
+
+SHORTEST_START_SHARE = 1 / 512
+"""The same of a start, which Newton's method follows [-]."""
+
+REST_TIME_CONSTANTS = 50.0
+"""Time constants after which a lag is at rest to rounding: e^-50 [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Parts:
+    """Start and stop of a move as designed apart, each from rest, and what binds them.
+
+    Attributes
+    ----------
+    mode, actuator
+        The plant's mode and its drive.
+    designed_for
+        The actuator of the shaper's claims: an ideal one for shapers that know no actuator.
+    claims
+        What the whole move must leave zero.
+    settle
+        Whether each step must settle before the next.
+    horizon_rad
+        Longest move beyond its travel [rad].
+    start, stop
+        The parts, the first step of each at 0; the stop's amplitudes begin with -1.
+    peak
+        Height of the first pulse over the cruise speed [-].
+    swing
+        What the payload swings already at the first step.
+    apart
+        Whether the start cancels that swing; if not, it is one for a payload at rest, and the move
+        must be solved as one.
+    cancelled
+        Share of the swing up to which the start could be followed [-].
+    """
+
+    mode: Mode
+    actuator: Actuator
+    designed_for: Actuator
+    claims: tuple[Promise, ...]
+    settle: bool
+    horizon_rad: float
+    start: Impulses
+    stop: Impulses
+    peak: float = 1.0
+    swing: FreeSwing | None = None
+    apart: bool = True
+    cancelled: float = 1.0
+
+    @property
+    def derivatives(self) -> int:
+        """How many derivatives of the vibration vanish too."""
+        return int(any(promise.quantity == "slope" for promise in self.claims))
+
+    @property
+    def steps(self) -> int:
+        """Number of steps of both."""
+        return self.start.times_s.size + self.stop.times_s.size
+
+    @property
+    def shortest_pulse_s(self) -> float:
+        """The pulse below which start and stop overlap, or do not settle [s]."""
+        gaps = settling_gaps_rad(self.mode, self.designed_for, self.steps, settle=self.settle)
+        between = float(gaps[self.start.times_s.size - 1])
+        return self.start.duration_s + between / self.mode.natural_frequency_rad_s
+
+    def whole(self, pulse_s: float) -> Impulses:
+        """Return both parts as one command; out of range where they overlap.
+
+        Parameters
+        ----------
+        pulse_s
+            Time from the first step of the start to the first of the stop [s].
+
+        Returns
+        -------
+        Impulses
+            Steps in order of time.
+        """
+        times = np.concatenate((self.start.times_s, pulse_s + self.stop.times_s))
+        amplitudes = np.concatenate((self.start.amplitudes, self.stop.amplitudes))
+        order = np.argsort(times, kind="stable")
+        return Impulses(times_s=times[order], amplitudes=amplitudes[order])
+
+    def verified(self, command: Impulses) -> bool:
+        """Return whether every claim is certified for a whole command."""
+        return certify(command, self.mode, self.designed_for, self.claims, self.swing).verified
+
+    @property
+    def rest_pulse_s(self) -> float:
+        """A pulse that lets the actuator rest between start and stop [s]."""
+        slowest = max(
+            lag.first_s + math.sqrt(lag.second_s2)
+            for lag in (self.actuator.accel_lag, self.actuator.decel_lag)
+        )
+        ramp_s = max(unit_ramps_s(self.actuator))
+        return self.start.duration_s + ramp_s + REST_TIME_CONSTANTS * slowest
+
+    def lead_s(self) -> float:
+        """Return the travel beyond the pulse over the speed [s].
+
+        The actuator is at rest between start and stop.
+        """
+        return travel(self.whole(self.rest_pulse_s), self.actuator) - self.rest_pulse_s
+
+
+def with_swing(parts: Parts, swing: FreeSwing) -> Parts:
+    """Return the parts with a start that cancels a swing too.
+
+    The start is followed from a payload at rest to the swing asked; where that path ends, every
+    branch is searched.
+
+    Parameters
+    ----------
+    parts
+        Start and stop for a payload at rest.
+    swing
+        What the payload swings at the first step.
+
+    Returns
+    -------
+    Parts
+        For the swing; without such a start ``apart`` is False: start and stop are solved as one.
+    """
+    mode, count = parts.mode, parts.start.times_s.size
+    w = mode.natural_frequency_rad_s
+    weights = parts.start.amplitudes if parts.peak != 1 else np.zeros(0)
+    fixed = [*lag_parameters(mode, parts.designed_for), *weights]
+    shortest = settling_gaps_rad(mode, parts.designed_for, count, settle=parts.settle)
+    model = UnityMagnitude(
+        impulses=count,
+        derivatives=parts.derivatives,
+        switched_order=switched_order(parts.designed_for),
+        ramped=isinstance(parts.designed_for, RateLimited),
+        weighted=weights.size > 0,
+        swings=True,
+    )
+
+    def parameters(share: float) -> FloatArray:
+        return np.array([*fixed, *swing_parameters(mode, swing.scaled(share))])
+
+    def root(guess: FloatArray, share: float) -> FloatArray | None:
+        end = newton.roots(model, guess[None], parameters(share))
+        ordered = (end.unknowns[0] >= shortest).all()
+        return end.unknowns[0] if end.converged[0] and ordered else None
+
+    path = followed(w * np.diff(parts.start.times_s), root, SHORTEST_START_SHARE)
+    problem = Problem(
+        model=model,
+        parameters=parameters(1.0),
+        amplitudes=parts.start.amplitudes,
+        natural_frequency_rad_s=w,
+        shortest_gaps_rad=shortest,
+        horizon_rad=parts.horizon_rad / 2,
+        seeds=(Seed(name="continuation", gaps_rad=path.unknowns),) if path.complete else (),
+        designed_for=parts.designed_for,
+    )
+    swinging = replace(parts, swing=swing)
+    try:
+        for found in candidates(problem):
+            start = of_gaps(found.gaps_rad, w, problem.amplitudes)
+            if swinging.verified(start):
+                return replace(swinging, start=start)
+    except InfeasibleDesignError:  # the stop may do what the start cannot
+        pass
+    return replace(swinging, apart=False, cancelled=path.share)

@@ -1,0 +1,60 @@
+"""Refusals under an overload, written as soon as the head of a request is there.
+
+Most requests of an overload are refused, and what a refusal costs is taken from those that are
+served. The app refuses as well: this only spares it the task, the messages and the encoding.
+"""
+
+import time
+from typing import cast
+
+from fastapi import FastAPI
+from starlette.types import Scope
+from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol, RequestResponseCycle
+
+from service.http.middleware import log_request, refusal_of, request_id_of
+from service.problems import Problem
+from service.workers.protocol import Pool
+
+
+class RefusingProtocol(HttpToolsProtocol):
+    """HTTP/1.1 by uvicorn, without the app where the pool refuses at once."""
+
+    def _start_asgi_task(self, cycle: RequestResponseCycle, app: object) -> None:
+        """Start the app for a request, or answer it here."""
+        started = time.perf_counter()
+        scope = cast(Scope, cycle.scope)
+        problem = refusal_of(scope, self._pool)
+        if problem is None:
+            super()._start_asgi_task(cycle, app)  # type: ignore[arg-type]
+            return
+        request_id = request_id_of(scope)
+        cycle.response_started = cycle.response_complete = (
+            True  # what is left of the body is dropped
+        )
+        self.transport.write(self._written(problem, request_id, keep_alive=cycle.keep_alive))
+        log_request(scope, request_id, problem.kind.http.value, started)
+        if not cycle.keep_alive:
+            self.transport.close()
+        self.on_response_complete()
+
+    @property
+    def _pool(self) -> Pool:
+        """Those who would answer."""
+        pool: Pool = cast(FastAPI, self.config.app).state.pool
+        return pool
+
+    def _written(self, problem: Problem, request_id: str, *, keep_alive: bool) -> bytes:
+        """Return a problem as it goes over the wire."""
+        body = problem.document(request_id).model_dump_json().encode()
+        status = problem.kind.http
+        head = [b"HTTP/1.1 %d %s" % (status.value, status.phrase.encode())]
+        head += [name + b": " + value for name, value in self.server_state.default_headers]
+        head += [
+            b"content-type: application/problem+json",
+            b"content-length: %d" % len(body),
+            *(f"{name}: {value}".encode() for name, value in problem.headers.items()),
+            b"x-request-id: " + request_id.encode(),
+        ]
+        if not keep_alive:
+            head.append(b"connection: close")
+        return b"\r\n".join([*head, b"", body])
