@@ -323,7 +323,7 @@ def test_where_the_ideal_actuator_has_none_the_search_goes_on() -> None:
     ("field", "value"), [("tolerance", 0.0), ("tolerance", 0.6), ("max_duration_periods", 0.0)]
 )
 def test_values_outside_their_bounds_are_refused(field: str, value: float) -> None:
-    with refused("out_of_range", says=field):
+    with refused("out_of_range", field):
         HumpOptions(**{field: value})  # type: ignore[arg-type]
 
 
