@@ -13,7 +13,6 @@ from design.analysis.insensitivity import insensitivity
 from design.claims import Promise
 from design.curve_fit.fit import fit
 from design.curve_fit.fit_range import FitRange
-from design.errors import InfeasibleDesignError
 from design.fields import Axis
 from design.formulations.equations import Problem
 from design.model.actuators.first_order import FirstOrder
@@ -288,11 +287,19 @@ def test_a_path_leads_where_the_shifted_seed_does_not() -> None:
 
 
 def test_no_solution_says_how_far_was_searched() -> None:
-    for horizon, message in (
-        (0.5, r"^no ordered solution with duration <= 0\.5 periods in 1026 starts; nearest miss"),
-        (0.11, r"^settling before each switch takes [\d.]+ periods in all, more than max_dur"),
+    for horizon, code, message in (
+        (
+            0.5,
+            "no_solution_found",
+            r"^no ordered solution with duration <= 0\.5 periods in 1026 starts; nearest miss",
+        ),
+        (
+            0.11,
+            "settling_exceeds_duration",
+            r"^settling before each switch takes [\d.]+ periods in all, more than max_dur",
+        ),
     ):
-        with pytest.raises(InfeasibleDesignError, match=message):
+        with refused(code, says=message):
             shaper(CRANE, THESIS, options=HumpOptions(settle=True, max_duration_periods=horizon))
 
 

@@ -136,7 +136,7 @@ def test_several_modes_are_refused_by_a_shaper_of_one(client: httpx.Client) -> N
     body = answer.json()
     assert answer.status_code == 422
     assert body["errors"][0]["pointer"] == "/plant/modes"
-    assert "serves a single mode" in body["detail"]
+    assert body["code"] == body["errors"][0]["code"] == "kind_of_one_mode"
     assert "got '2 modes'" in body["detail"]
 
 
@@ -281,6 +281,7 @@ def test_an_infeasible_design_says_which_condition_fails(client: httpx.Client) -
     }
     answer = client.post("/v1/designs", json=request)
     assert (answer.status_code, answer.json()["type"]) == (422, "urn:shapersmith:infeasible")
+    assert answer.json()["code"] == "alpha_above_two"
     assert "is 2.5" in answer.json()["detail"]
     assert "alpha <= 2" in answer.json()["detail"]
 
