@@ -168,7 +168,7 @@ class TableRequest(Wire):
         if (self.axes is None) == (self.designs is None):
             both = "neither" if self.axes is None else "both"
             raise InvalidInputError(
-                "axes", both, "given, or designs in its place", code="axes_or_designs_of_request"
+                "axes", both, "given, or designs in its place", code="axes_or_designs"
             )
         with named("design"):
             subject = self.design.to_design()

@@ -82,7 +82,7 @@ class TableSpecification:
                 "axes",
                 len(self.axes),
                 "given, or listed designs in its place",
-                code="axes_or_designs",
+                code="no_axes",
             )
         if self.actuator.kind not in self.kind.actuators:
             raise InvalidInputError(

@@ -133,7 +133,7 @@ def huge(points: int) -> Axis:
 @pytest.mark.parametrize(
     ("changes", "field", "code"),
     [
-        ({"axes": ()}, "axes", "axes_or_designs"),
+        ({"axes": ()}, "axes", "no_axes"),
         ({"axes": 2 * (Axis(path=CABLE, values=np.ones(2)),)}, "axes.1.field", "field_repeated"),
         ({"axes": (Axis(path=CABLE, values=np.array([])),)}, "axes.0.values", "no_values"),
         (
