@@ -39,11 +39,16 @@ def require_said_once(band: Band) -> None:
         for name in ("lower_ratio", "upper_ratio"):
             if getattr(band, name) is not None:
                 raise InvalidInputError(
-                    name, getattr(band, name), "left out where half_width is given"
+                    name,
+                    getattr(band, name),
+                    "left out where half_width is given",
+                    code="band_said_twice",
                 )
     elif (band.lower_ratio is None) != (band.upper_ratio is None):
         missing = "lower_ratio" if band.lower_ratio is None else "upper_ratio"
-        raise InvalidInputError(missing, None, "given where the other end of the band is")
+        raise InvalidInputError(
+            missing, None, "given where the other end of the band is", code="band_half_said"
+        )
 
 
 def ends_of(band: Band) -> tuple[float, float]:

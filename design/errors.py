@@ -5,6 +5,9 @@ DesignError
 ├── InfeasibleDesignError  no shaper that meets the request was found
 ├── SolverFailedError      a solver stopped without an answer, or its answer did not verify
 └── TimeLimitError         a solver ran past the time it was given
+
+Each error has a code, ``snake_case``, which says what is wrong in a word that does not change:
+programs and tests go by the code, and the message is for people. One code has one meaning.
 """
 
 from design.trace import TraceStep
@@ -32,6 +35,13 @@ def path_of(name: str | Path) -> Path:
 class DesignError(Exception):
     """Base of every error raised on purpose by ``design``.
 
+    Parameters
+    ----------
+    message
+        What is wrong, in words.
+    code
+        The same as a name, for programs.
+
     Attributes
     ----------
     trace
@@ -39,6 +49,14 @@ class DesignError(Exception):
     """
 
     trace: tuple[TraceStep, ...] = ()
+
+    def __init__(self, message: str, code: str) -> None:
+        super().__init__(message, code)  # what pickle calls it with in another process
+        self.message = message
+        self.code = code
+
+    def __str__(self) -> str:
+        return self.message
 
 
 class InvalidInputError(DesignError):
@@ -53,11 +71,15 @@ class InvalidInputError(DesignError):
         The value got.
     rule
         What the value must be, to be read after "must be".
+    code
+        Which rule it breaks, whatever the field: ``out_of_range``, ``band_said_twice``.
     """
 
-    def __init__(self, name: str | Path, value: object, rule: str) -> None:
-        super().__init__(name, value, rule)  # what pickle calls it with in another process
-        self.path = path_of(name)
+    def __init__(self, name: str | Path, value: object, rule: str, code: str) -> None:
+        path = path_of(name)
+        super().__init__(f"{'.'.join(path)} must be {rule}, got {value!r}", code)
+        self.args = (path, value, rule, code)  # what pickle calls it with in another process
+        self.path = path
         self.value = value
         self.rule = rule
 
@@ -66,8 +88,22 @@ class InvalidInputError(DesignError):
         """The path, dotted."""
         return ".".join(self.path)
 
-    def __str__(self) -> str:
-        return f"{self.name} must be {self.rule}, got {self.value!r}"
+    def at(self, name: str | Path, value: object) -> "InvalidInputError":
+        """Return the same fault as that of another field.
+
+        Parameters
+        ----------
+        name
+            Path of the field.
+        value
+            The value got there.
+
+        Returns
+        -------
+        InvalidInputError
+            With the same rule and code.
+        """
+        return InvalidInputError(name, value, self.rule, code=self.code)
 
     def within(self, outer: str) -> "InvalidInputError":
         """Return the same error with its path led on from ``outer``.
@@ -80,14 +116,15 @@ class InvalidInputError(DesignError):
         Returns
         -------
         InvalidInputError
-            With the same value and rule.
+            With the same value, rule and code.
 
         Examples
         --------
-        >>> str(InvalidInputError("damping_ratio", -1.0, "> 0").within("plant"))
+        >>> fault = InvalidInputError("damping_ratio", -1.0, "> 0", code="not_positive")
+        >>> str(fault.within("plant"))
         'plant.damping_ratio must be > 0, got -1.0'
         """
-        return InvalidInputError((*path_of(outer), *self.path), self.value, self.rule)
+        return self.at((*path_of(outer), *self.path), self.value)
 
 
 class InfeasibleDesignError(DesignError):
@@ -97,17 +134,16 @@ class InfeasibleDesignError(DesignError):
     ----------
     message
         All of it in words.
+    code
+        The same as a name, for programs.
     faults
         Dotted paths of the fields that cannot be met together, each with the nearest that can.
     """
 
-    def __init__(self, message: str, faults: tuple[tuple[str, str], ...] = ()) -> None:
-        super().__init__(message, faults)  # what pickle calls it with in another process
-        self.message = message
+    def __init__(self, message: str, code: str, faults: tuple[tuple[str, str], ...] = ()) -> None:
+        super().__init__(message, code)
+        self.args = (message, code, faults)  # what pickle calls it with in another process
         self.faults = faults
-
-    def __str__(self) -> str:
-        return self.message
 
 
 class SolverFailedError(DesignError):

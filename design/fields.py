@@ -79,17 +79,23 @@ def vary(record: Any, path: Sequence[str], value: float) -> Any:  # noqa: ANN401
     if isinstance(record, tuple) and rest:
         numbers = [str(number) for number in range(len(record))]
         if name not in numbers:
-            raise InvalidInputError("field", "/".join(path), f"one of {', '.join(numbers)}")
+            raise InvalidInputError(
+                "field", "/".join(path), f"one of {', '.join(numbers)}", code="unknown_item"
+            )
         changed = vary(record[int(name)], rest, value)
         return (*record[: int(name)], changed, *record[int(name) + 1 :])
     names = [field.name for field in fields(record) if field.init] if is_dataclass(record) else []
     if name not in names:
-        raise InvalidInputError("field", "/".join(path), f"one of {', '.join(names) or 'none'}")
+        raise InvalidInputError(
+            "field", "/".join(path), f"one of {', '.join(names) or 'none'}", code="unknown_field"
+        )
     inner = getattr(record, name)
     if rest:
         return replace(record, **{name: vary(inner, rest, value)})
     if not isinstance(inner, float | int) or isinstance(inner, bool):
-        raise InvalidInputError("field", "/".join(path), "the name of a number")
+        raise InvalidInputError(
+            "field", "/".join(path), "the name of a number", code="not_a_number"
+        )
     return replace(record, **{name: value})
 
 
@@ -121,7 +127,7 @@ def space_evenly(start: float, stop: float, points: int, spacing: Spacing) -> Fl
     [1.0, 10.0, 100.0]
     """
     if not stop > start:
-        raise InvalidInputError("to", stop, f"greater than from, {start!r}")
+        raise InvalidInputError("to", stop, f"greater than from, {start!r}", code="range_reversed")
     if spacing == "linear":
         return np.linspace(start, stop, points)
     if spacing == "chebyshev":
@@ -133,7 +139,9 @@ def space_evenly(start: float, stop: float, points: int, spacing: Spacing) -> Fl
             values[-1] = stop
         return values
     if start <= 0:
-        raise InvalidInputError("from", start, "> 0 for geometric spacing")
+        raise InvalidInputError(
+            "from", start, "> 0 for geometric spacing", code="geometric_from_zero"
+        )
     return np.geomspace(start, stop, points)
 
 

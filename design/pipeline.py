@@ -169,6 +169,7 @@ def check(
             "actuator.kind",
             actuator.kind,
             f"one that {kind.name} serves: {', '.join(kind.actuators)}",
+            code="actuator_not_served",
         )
     modes = plant.modes
     for mode in modes:
@@ -245,14 +246,19 @@ def certify(
     except InfeasibleDesignError as error:
         if unverified is None and others:
             raise InfeasibleDesignError(
-                f"{error}; solutions rejected, above the tolerance inside the band: {others}"
+                f"{error}; solutions rejected, above the tolerance inside the band: {others}",
+                code=error.code,
             ) from None
         if unverified is None:
             raise
     if unverified is None:
-        raise SolverFailedError(f"no solution of {kind.name} was found, and none was excluded")
+        raise SolverFailedError(
+            f"no solution of {kind.name} was found, and none was excluded",
+            code="none_found_nor_excluded",
+        )
     raise SolverFailedError(
-        f"no solution of {kind.name} was verified; of the last one {shortfall_of(unverified)}"
+        f"no solution of {kind.name} was verified; of the last one {shortfall_of(unverified)}",
+        code="none_verified",
     )
 
 
@@ -311,7 +317,8 @@ def _require_doubles_to_hold(
         f"the {claim.quantity.replace('_', ' ')} of mode {claim.mode} cannot be proved zero: the "
         f"command lasts {phase / math.tau:.4g} of that mode's periods, and the rounding of "
         f"double precision makes {claim.value:.3g} of it (limit {claim.limit:g}). Modes nearer "
-        "to each other, or a kind that claims fewer derivatives, can be proved"
+        "to each other, or a kind that claims fewer derivatives, can be proved",
+        code="rounding_above_claim",
     )
 
 

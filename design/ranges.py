@@ -45,6 +45,7 @@ def options_over(plant: Plant, options: Options) -> Options:
                 f"shaper.{option.name}",
                 given,
                 "left out for a scheduled plant, whose range of frequencies is the band",
+                code="band_of_scheduled_plant",
             )
     try:
         return options.with_band(plant.band[1] - 1)
@@ -53,6 +54,7 @@ def options_over(plant: Plant, options: Options) -> Options:
             "plant.to",
             f"{error.value:g} of it",
             f"such that the range's frequencies reach to either side of their middle {error.rule}",
+            code="range_one_sided",
         ) from None
 
 
@@ -105,7 +107,8 @@ def require_over(plant: Plant, name: str, certificate: Certificate) -> None:
     raise InfeasibleDesignError(
         f"{name} leaves {over_range.value:.4g} within the range of frequencies, {low:.4g} to "
         f"{high:.4g} of its middle, more than its tolerance {over_range.limit:g}: narrow the "
-        "range, raise the tolerance, or take a kind with more humps"
+        "range, raise the tolerance, or take a kind with more humps",
+        code="range_above_tolerance",
     )
 
 

@@ -33,7 +33,7 @@ def require_positive(name: str, value: float) -> None:
         If it is not.
     """
     if not (math.isfinite(value) and value > 0):
-        raise InvalidInputError(name, value, "finite and > 0")
+        raise InvalidInputError(name, value, "finite and > 0", code="not_positive")
 
 
 SMALLEST, LARGEST = 1e-12, 1e12
@@ -77,4 +77,6 @@ def require_between(name: str, value: float, lowest: float, highest: float) -> N
         If it is not.
     """
     if not lowest <= value <= highest:
-        raise InvalidInputError(name, value, f"between {lowest:g} and {highest:g}")
+        raise InvalidInputError(
+            name, value, f"between {lowest:g} and {highest:g}", code="out_of_range"
+        )

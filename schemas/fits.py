@@ -64,7 +64,10 @@ class FitIn(Wire):
         in_list = self.over.startswith("/plant/modes/")
         if self.over not in FIELDS or in_list != (plant_kind == "modes"):
             raise InvalidInputError(
-                "over", self.over, f"the pointer of a number in a plant of kind {plant_kind!r}"
+                "over",
+                self.over,
+                f"the pointer of a number in a plant of kind {plant_kind!r}",
+                code="not_a_number_of_plant",
             )
         return FitRange(
             over=FIELDS[self.over],

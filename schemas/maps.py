@@ -49,11 +49,16 @@ class AxisIn(Wire):
     def _values(self) -> FloatArray:
         if self.values is not None:
             if self.from_ is not None or self.to is not None:
-                raise InvalidInputError("values", "values and a range", "given alone")
+                raise InvalidInputError(
+                    "values", "values and a range", "given alone", code="values_and_range"
+                )
             return np.array(self.values)
         if self.from_ is None or self.to is None:
             raise InvalidInputError(
-                "from", None, "given together with to, or values in their place"
+                "from",
+                None,
+                "given together with to, or values in their place",
+                code="range_half_said",
             )
         return space_evenly(self.from_, self.to, self.points, self.spacing)
 
@@ -142,9 +147,13 @@ class MapRequest(Wire):
         if self.impulses is not None:
             for name in ("shaper", "designed_for"):
                 if getattr(self, name) is not None:
-                    raise InvalidInputError(name, "given", "left out beside impulses")
+                    raise InvalidInputError(
+                        name, "given", "left out beside impulses", code="option_beside_impulses"
+                    )
             if self.design == "each":
-                raise InvalidInputError("design", "each", "once: impulses are held")
+                raise InvalidInputError(
+                    "design", "each", "once: impulses are held", code="design_per_cell_of_impulses"
+                )
             with named("impulses"):
                 return self.impulses.to_design()
         if self.shaper is None:

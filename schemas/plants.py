@@ -115,7 +115,10 @@ class ScheduledIn(Wire):
             names = type(self.plant).model_fields
             fields = [name for name in names if name not in {"kind", "damping_ratio"}]
             raise InvalidInputError(
-                "over", self.over, f"a field of {self.plant.kind}: {', '.join(fields)}"
+                "over",
+                self.over,
+                f"a field of {self.plant.kind}: {', '.join(fields)}",
+                code="field_not_scheduled",
             )
         with named("plant"):
             plant = self.plant.to_design()
@@ -125,7 +128,7 @@ class ScheduledIn(Wire):
             try:
                 ends.append(replace(plant, **changed))
             except InvalidInputError as error:
-                raise InvalidInputError(name, value, error.rule) from None
+                raise error.at(name, value) from None
         return Scheduled(first=ends[0], last=ends[1])
 
 

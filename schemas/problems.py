@@ -12,6 +12,9 @@ class FieldFault(Wire):
     """One field that breaks its rule."""
 
     pointer: Annotated[str, Field(description="JSON pointer into the request.")]
+    code: Annotated[
+        str, Field(description="Which rule it breaks, as a name: out_of_range, missing.")
+    ]
     detail: str
 
 
@@ -21,6 +24,13 @@ class ProblemDocument(Wire):
     type: Annotated[str, Field(description="urn:shapersmith: and the name of the problem.")]
     title: str
     status: int
+    code: Annotated[
+        str,
+        Field(
+            description="What is wrong, as a name that does not change with the words of detail: "
+            "the code that all errors have in common, else the name of the problem."
+        ),
+    ]
     detail: str
     errors: tuple[FieldFault, ...] = ()
     request_id: str | None = None

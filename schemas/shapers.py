@@ -54,7 +54,10 @@ class ShaperRequest(Wire):
         """
         if self.sample_tolerance is not None and self.sample_time_s is None:
             raise InvalidInputError(
-                "sample_tolerance", self.sample_tolerance, "left out without sample_time_s"
+                "sample_tolerance",
+                self.sample_tolerance,
+                "left out without sample_time_s",
+                code="tolerance_without_samples",
             )
         names = [field.name for field in dataclasses.fields(self.registered().options)]
         return self.registered().options(**{name: getattr(self, name) for name in names})
@@ -87,7 +90,9 @@ class ShaperRequest(Wire):
             If a sample time is given, or a parameter breaks its rule.
         """
         if self.sample_time_s is not None:
-            raise InvalidInputError("sample_time_s", self.sample_time_s, f"left out: {reason}")
+            raise InvalidInputError(
+                "sample_time_s", self.sample_time_s, f"left out: {reason}", code="kind_not_sampled"
+            )
         return self.options()
 
 

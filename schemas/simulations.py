@@ -88,7 +88,9 @@ class SampledCommand(Wire):
         times = self.sample_time_s * np.arange(len(self.velocity_m_s))
         if times[-1] > LARGEST:
             rule = f"such that the last sample is at {LARGEST:g} s at most"
-            raise InvalidInputError("sample_time_s", self.sample_time_s, rule)
+            raise InvalidInputError(
+                "sample_time_s", self.sample_time_s, rule, code="samples_not_served"
+            )
         return commands.listed(times, _shares(self.velocity_m_s, speed_m_s))
 
 

@@ -84,14 +84,21 @@ class TableAxis(Wire):
     def _values(self) -> FloatArray:
         if self.values is not None:
             if (self.from_, self.to, self.points) != (None, None, None):
-                raise InvalidInputError("values", "values and a range", "given alone")
+                raise InvalidInputError(
+                    "values", "values and a range", "given alone", code="values_and_range"
+                )
             return np.array(self.values, dtype=np.float64)
         if self.from_ is None or self.to is None or self.points is None:
             raise InvalidInputError(
-                "from", self.from_, "given with to and points, or values in their place"
+                "from",
+                self.from_,
+                "given with to and points, or values in their place",
+                code="range_incomplete",
             )
         if self.points > MOST_POINTS:
-            raise InvalidInputError("points", self.points, f"at most {MOST_POINTS} on one axis")
+            raise InvalidInputError(
+                "points", self.points, f"at most {MOST_POINTS} on one axis", code="too_many_points"
+            )
         return space_evenly(self.from_, self.to, self.points, self.spacing)
 
 
@@ -153,11 +160,16 @@ class TableRequest(Wire):
         """
         if self.designs_file is not None:
             raise InvalidInputError(
-                "designs_file", self.designs_file, "left out over HTTP: give designs in its place"
+                "designs_file",
+                self.designs_file,
+                "left out over HTTP: give designs in its place",
+                code="file_over_http",
             )
         if (self.axes is None) == (self.designs is None):
             both = "neither" if self.axes is None else "both"
-            raise InvalidInputError("axes", both, "given, or designs in its place")
+            raise InvalidInputError(
+                "axes", both, "given, or designs in its place", code="axes_or_designs"
+            )
         with named("design"):
             subject = self.design.to_design()
         if self.fit is not None:
@@ -201,7 +213,10 @@ def with_subject(head: TableHead) -> TableHead:
     except ValidationError as error:
         first = error.errors()[0]
         raise InvalidInputError(
-            ("specification", *map(str, first["loc"])), first["input"], first["msg"]
+            ("specification", *map(str, first["loc"])),
+            first["input"],
+            first["msg"],
+            code="unreadable_specification",
         ) from None
     return replace(head, subject=request.to_design().subject)
 
@@ -218,7 +233,10 @@ def _listed(designs: list[dict[str, Any]], subject: Subject) -> tuple[tuple[Path
     paths = tuple(dict.fromkeys(path for line in lines for path in line))
     if not paths and len(designs) != 1:
         raise InvalidInputError(
-            "designs", len(designs), "one or more; where more than one, they vary something"
+            "designs",
+            len(designs),
+            "one or more; where more than one, they vary something",
+            code="nothing_varies",
         )
     values = np.empty((len(lines), len(paths)))
     for column, path in enumerate(paths):
@@ -231,7 +249,10 @@ def _listed(designs: list[dict[str, Any]], subject: Subject) -> tuple[tuple[Path
         if inner is None:
             first = next(number for number, line in enumerate(lines) if path in line)
             raise InvalidInputError(
-                ("designs", str(first), *path), lines[first][path], "the name of a number"
+                ("designs", str(first), *path),
+                lines[first][path],
+                "the name of a number",
+                code="not_a_number",
             )
     return paths, values
 
@@ -252,7 +273,9 @@ def _numbers(here: Any, path: Path, number: int) -> Iterator[tuple[Path, float]]
     elif isinstance(here, int | float) and not isinstance(here, bool):
         yield path, float(here)
     else:
-        raise InvalidInputError(("designs", str(number), *path), here, "a number")
+        raise InvalidInputError(
+            ("designs", str(number), *path), here, "a number", code="varied_not_a_number"
+        )
 
 
 class TableSize(Wire):

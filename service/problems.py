@@ -34,6 +34,11 @@ class ProblemKind:
     exit_status: int
     title: str
 
+    @property
+    def code(self) -> str:
+        """Its name in the style of codes, for a problem without a nearer one."""
+        return self.name.replace("-", "_")
+
 
 NOT_JSON = ProblemKind("not-json", HTTPStatus.BAD_REQUEST, 2, "The body is not JSON")
 INVALID = ProblemKind(
@@ -83,6 +88,34 @@ KIND_OF: dict[type[DesignError], ProblemKind] = {
 MOST_FAULTS = 20
 """Faults of a request that are told."""
 
+CODE_OF_TYPE = {
+    "union_tag_invalid": "unknown_kind",
+    "union_tag_not_found": "no_kind",
+    "literal_error": "not_one_of",
+    "enum": "not_one_of",
+    "finite_number": "not_finite",
+    "greater_than": "out_of_range",
+    "greater_than_equal": "out_of_range",
+    "less_than": "out_of_range",
+    "less_than_equal": "out_of_range",
+    "int_parsing_size": "out_of_range",
+    "string_too_short": "too_short",
+    "string_too_long": "too_long",
+    "string_pattern_mismatch": "wrong_form",
+    "int_from_float": "not_whole",
+    "bool_type": "wrong_type",
+    "int_type": "wrong_type",
+    "float_type": "wrong_type",
+    "string_type": "wrong_type",
+    "list_type": "wrong_type",
+    "tuple_type": "wrong_type",
+    "dict_type": "wrong_type",
+    "model_type": "wrong_type",
+    "model_attributes_type": "wrong_type",
+}
+"""Codes of what the wire models refuse, by pydantic's type of fault: those that would be several
+for one meaning. Any other, as ``missing`` and ``extra_forbidden``, is its own code."""
+
 LONGEST_TEXT = 300
 """Characters of a pointer or a rule that are told."""
 
@@ -102,6 +135,8 @@ class Problem:
         What is wrong, in words.
     errors
         The fields at fault.
+    code
+        What is wrong, as a name, where it says more than the kind.
     retry_after_s
         When it may be over, of what passes [s].
     trace
@@ -111,6 +146,7 @@ class Problem:
     kind: ProblemKind
     detail: str
     errors: tuple[FieldFault, ...] = ()
+    code: str | None = None
     retry_after_s: int = 1
     trace: tuple[TraceStep, ...] = ()
 
@@ -128,6 +164,7 @@ class Problem:
             type=f"urn:shapersmith:{self.kind.name}",
             title=self.kind.title,
             status=self.kind.http.value,
+            code=self.code or self.kind.code,
             detail=self.detail,
             errors=self.errors,
             request_id=request_id,
@@ -157,25 +194,45 @@ class ProblemError(Exception):
         self.headers = headers or {}
 
 
+def invalid_fields(detail: str, faults: tuple[FieldFault, ...]) -> Problem:
+    """Return the problem of fields that break their rules.
+
+    Parameters
+    ----------
+    detail
+        All of it in words.
+    faults
+        The fields.
+
+    Returns
+    -------
+    Problem
+        Of the code of the faults, where they have one in common.
+    """
+    codes = {fault.code for fault in faults}
+    return Problem(INVALID, detail, faults, code=codes.pop() if len(codes) == 1 else None)
+
+
 def problem_of_design(error: DesignError) -> Problem:
     """Translate an error of the mathematics."""
     if isinstance(error, InvalidInputError) and " " in error.name:
         # No field of the request: what a format finds in a row, made by the request as a whole.
         told = f"{error.name}: must be {error.rule}, got {_echo(error.value)}"
-        return Problem(INVALID, told, (FieldFault(pointer="", detail=told),))
+        return invalid_fields(told, (FieldFault(pointer="", code=error.code, detail=told),))
     if isinstance(error, InvalidInputError):
         fault = FieldFault(
             pointer=_cut(json_pointer(error.path)),
+            code=error.code,
             detail=f"must be {error.rule}, got {_echo(error.value)}",
         )
-        return Problem(INVALID, _sentence(fault), (fault,))
+        return invalid_fields(_sentence(fault), (fault,))
     faults: tuple[FieldFault, ...] = ()
     if isinstance(error, InfeasibleDesignError):
         faults = tuple(
-            FieldFault(pointer=json_pointer(path_of(name)), detail=detail)
+            FieldFault(pointer=json_pointer(path_of(name)), code=error.code, detail=detail)
             for name, detail in error.faults
         )
-    return Problem(KIND_OF[type(error)], str(error), faults, trace=error.trace)
+    return Problem(KIND_OF[type(error)], str(error), faults, code=error.code, trace=error.trace)
 
 
 def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
@@ -198,13 +255,17 @@ def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
         return Problem(NOT_JSON, faults[0]["msg"])
     parsed = json.loads(body)
     named = tuple(
-        FieldFault(pointer=_cut(pointer(fault["loc"], parsed)), detail=_cut(_refusal(fault)))
+        FieldFault(
+            pointer=_cut(pointer(fault["loc"], parsed)),
+            code=CODE_OF_TYPE.get(fault["type"], fault["type"]),
+            detail=_cut(_refusal(fault)),
+        )
         for fault in faults[:MOST_FAULTS]
     )
     told = "; ".join(map(_sentence, named))
     if len(faults) > MOST_FAULTS:
         told += f"; and {len(faults) - MOST_FAULTS} more"
-    return Problem(INVALID, told, named)
+    return invalid_fields(told, named)
 
 
 def problem_of_repetition(error: RepeatedNameError) -> Problem:
@@ -212,8 +273,10 @@ def problem_of_repetition(error: RepeatedNameError) -> Problem:
 
     Only one of the two values would be kept.
     """
-    fault = FieldFault(pointer=_cut(error.pointer), detail="must be given once")
-    return Problem(INVALID, _sentence(fault), (fault,))
+    fault = FieldFault(
+        pointer=_cut(error.pointer), code="name_repeated", detail="must be given once"
+    )
+    return invalid_fields(_sentence(fault), (fault,))
 
 
 def pointer(location: tuple[int | str, ...], body: Any) -> str:  # noqa: ANN401 - any JSON

@@ -126,6 +126,7 @@ def insensitivity(
             "impulses.times_s",
             f"{turn:.3g} rad of the plant's swing in all",
             f"at most {LONGEST_TURN_RAD:g} rad, beyond which phases lose their digits",
+            code="phases_lose_digits",
         )
     if _never_above(impulses, actuator, tolerance):
         return Insensitivity(

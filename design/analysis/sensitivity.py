@@ -40,7 +40,9 @@ class DampingRange:
         require_between("damping.from", self.start, 0.0, LARGEST_DAMPING_RATIO)
         require_between("damping.to", self.stop, 0.0, LARGEST_DAMPING_RATIO)
         if self.stop <= self.start:
-            raise InvalidInputError("damping.to", self.stop, f"greater than from, {self.start!r}")
+            raise InvalidInputError(
+                "damping.to", self.stop, f"greater than from, {self.start!r}", code="range_reversed"
+            )
         require_between("damping.points", self.points, 2, MOST_POINTS)
 
 
@@ -71,11 +73,16 @@ class SensitivityRange:
         require_between("to_ratio", self.to_ratio, *RATIO_BOUNDS)
         if self.to_ratio <= self.from_ratio:
             raise InvalidInputError(
-                "to_ratio", self.to_ratio, f"greater than from_ratio, {self.from_ratio!r}"
+                "to_ratio",
+                self.to_ratio,
+                f"greater than from_ratio, {self.from_ratio!r}",
+                code="ratios_reversed",
             )
         require_between("points", self.points, 2, MOST_POINTS)
         if not 0 < self.tolerance < 1:
-            raise InvalidInputError("tolerance", self.tolerance, "between 0 and 1, both excluded")
+            raise InvalidInputError(
+                "tolerance", self.tolerance, "between 0 and 1, both excluded", code="out_of_range"
+            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -135,7 +142,9 @@ def sensitivity(
     )
     residuals = np.abs(vectors)
     if not np.isfinite(residuals).all():
-        raise SolverFailedError("the sensitivity curve leaves the range of numbers")
+        raise SolverFailedError(
+            "the sensitivity curve leaves the range of numbers", code="curve_overflows"
+        )
     return Sensitivity(
         frequency_ratios=np.linspace(wanted.from_ratio, wanted.to_ratio, wanted.points),
         residuals=residuals,

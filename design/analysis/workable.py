@@ -55,6 +55,7 @@ def require_workable(mode: Mode, actuator: Actuator) -> None:
                 f"actuator.{name}",
                 f"{slowness:.3g} times slower",
                 f"at most {SLOWEST:g} times slower than the plant",
+                code="actuator_too_slow",
             )
         distance = abs(lag.denominator(mode.pole_rad_s))
         if distance < RESONANCE:
@@ -62,6 +63,7 @@ def require_workable(mode: Mode, actuator: Actuator) -> None:
                 f"actuator.{name}",
                 f"1/G = {distance:.1e} there",
                 "without a pole at the plant's own, where it rings with it",
+                code="actuator_resonant",
             )
     for name, ramp_s in zip(LIMITS, unit_ramps_s(actuator), strict=True):
         turn = mode.natural_frequency_rad_s * ramp_s
@@ -70,6 +72,7 @@ def require_workable(mode: Mode, actuator: Actuator) -> None:
                 f"actuator.{name}",
                 f"a ramp of {turn:.3g} rad of the plant's swing",
                 f"such that a ramp to or from full speed takes at most {LONGEST_RAMP_RAD:.5g} rad",
+                code="ramp_too_long",
             )
         left = abs(ramp_factors(np.array([mode.pole_rad_s]), np.array([ramp_s]))[0])
         if left < RESONANCE:
@@ -77,4 +80,5 @@ def require_workable(mode: Mode, actuator: Actuator) -> None:
                 f"actuator.{name}",
                 f"a ramp of {turn:.9g} rad of the plant's swing",
                 "such that a ramp does not last whole periods: alone it leaves no vibration",
+                code="ramp_of_whole_periods",
             )

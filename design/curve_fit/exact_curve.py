@@ -61,6 +61,7 @@ class ExactCurve:
                     "over",
                     axis.variable.meaning,
                     f"left out for {kind.name}: its amplitudes and their number may change",
+                    code="fit_not_served",
                 )
             self.formulations.append(form)
         self.amplitudes, last = (
@@ -73,6 +74,7 @@ class ExactCurve:
                 axis.variable.meaning,
                 f"a field on which the amplitudes of {kind.name} do not depend: a fit is of times; "
                 "a table holds both",
+                code="fitted_amplitudes_depend",
             )
         self.budget = Budget()
         self.exact_times_s = self._exact_times_s()
@@ -101,7 +103,7 @@ class ExactCurve:
             return design(plant, self.actuator, self.kind, self.options, self.budget).impulses
         except InfeasibleDesignError as error:
             raise InfeasibleDesignError(
-                f"at {self.axis.variable.meaning} = {x:.6g}: {error}"
+                f"at {self.axis.variable.meaning} = {x:.6g}: {error}", code=error.code
             ) from None
 
     def fitted(self, degree: int) -> Fit:
@@ -140,7 +142,8 @@ class ExactCurve:
         worst_residual = float(residuals.max())
         if not math.isfinite(worst_residual):
             raise SolverFailedError(
-                f"the fitted times of degree {degree} leave the range of numbers"
+                f"the fitted times of degree {degree} leave the range of numbers",
+                code="fit_overflows",
             )
         return Fit(
             variable=self.axis.variable,

@@ -64,5 +64,6 @@ def fit(
     raise InfeasibleDesignError(
         f"no degree up to {degree} leaves a residual of at most max_residual = {limit:g}; "
         f"the best, degree {best[1]}, leaves {best[0]:.3g}"
-        f"{f'; {curve.budget.in_words}' if curve.budget.spent else ''}"
+        f"{f'; {curve.budget.in_words}' if curve.budget.spent else ''}",
+        code="no_degree_suffices",
     )

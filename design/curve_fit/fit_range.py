@@ -45,19 +45,32 @@ class FitRange:
     def __post_init__(self) -> None:
         if not (math.isfinite(self.stop) and self.stop > self.start):
             raise InvalidInputError(
-                "to", self.stop, f"finite and greater than from, {self.start!r}"
+                "to",
+                self.stop,
+                f"finite and greater than from, {self.start!r}",
+                code="range_not_finite",
             )
         if (self.degree is None) == (self.max_residual is None):
             both = {"degree": self.degree, "max_residual": self.max_residual}
-            raise InvalidInputError("degree", both, "given, or max_residual in its place")
+            raise InvalidInputError(
+                "degree", both, "given, or max_residual in its place", code="degree_or_residual"
+            )
         if self.degree is not None:
             require_between("degree", self.degree, 0, HIGHEST_DEGREE)
         if self.max_residual is not None and not 0 < self.max_residual < 1:
             raise InvalidInputError(
-                "max_residual", self.max_residual, "between 0 and 1, both excluded"
+                "max_residual",
+                self.max_residual,
+                "between 0 and 1, both excluded",
+                code="out_of_range",
             )
         if self.form == "time_in_frequency" and self.over != "natural_frequency_rad_s":
-            raise InvalidInputError("form", self.form, "'dimensionless' over any but the frequency")
+            raise InvalidInputError(
+                "form",
+                self.form,
+                "'dimensionless' over any but the frequency",
+                code="form_not_served",
+            )
 
 
 def plants_at_ends(plant: Plant, wanted: FitRange) -> tuple[Plant, Plant]:
@@ -81,11 +94,13 @@ def plants_at_ends(plant: Plant, wanted: FitRange) -> tuple[Plant, Plant]:
         If the plant has no such field, or an end breaks its rule.
     """
     if not hasattr(plant, wanted.over):
-        raise InvalidInputError("over", wanted.over, "a field of the plant")
+        raise InvalidInputError(
+            "over", wanted.over, "a field of the plant", code="not_a_plant_field"
+        )
     ends = []
     for name, value in (("from", wanted.start), ("to", wanted.stop)):
         try:
             ends.append(vary(plant, (wanted.over,), value))
         except InvalidInputError as error:
-            raise InvalidInputError(name, value, error.rule) from None
+            raise error.at(name, value) from None
     return ends[0], ends[1]

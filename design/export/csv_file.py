@@ -105,7 +105,9 @@ def read_csv(file: BinaryIO) -> tuple[TableHead, Iterator[Rows]]:
         texts[name] = value.rstrip("\r\n")
     head = head_of(texts)
     if heading != ",".join(column.name for column in head.columns):
-        raise InvalidInputError("file", heading, "a heading that names the columns of its head")
+        raise InvalidInputError(
+            "file", heading, "a heading that names the columns of its head", code="wrong_heading"
+        )
     return head, runs_of_cells(head, _cells(text, len(texts) + 1))
 
 
@@ -117,7 +119,9 @@ def _cells(text: Iterator[str], before: int) -> Iterator[tuple[int, list[str]]]:
             yield before + lines.line_num, cells
     except csv.Error as error:
         number = before + lines.line_num
-        raise InvalidInputError(f"line {number}", str(error), "a row of cells") from None
+        raise InvalidInputError(
+            f"line {number}", str(error), "a row of cells", code="unreadable_cells"
+        ) from None
 
 
 def runs_of_cells(head: TableHead, rows: Iterator[tuple[int, list[str]]]) -> Iterator[Rows]:
@@ -162,6 +166,7 @@ def _rows_of_cells(head: TableHead, first: int, cells: list[tuple[int, list[str]
                 f"line {line}",
                 ",".join(row),
                 f"{numbers} numbers, a status and a reason",
+                code="unreadable_csv_row",
             ) from None
         if reason:
             reasons[index] = reason

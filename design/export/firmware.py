@@ -50,6 +50,7 @@ def require_positive_shaper(head: TableHead, firmware: str) -> None:
             "shaper.kind",
             list(amplitudes),
             f"a shaper of positive impulses for {firmware}: all amplitudes > 0",
+            code="shaper_not_positive",
         )
 
 
@@ -121,5 +122,6 @@ def require_positive_row(head: TableHead, rows: Rows, index: int, firmware: str)
             f"amplitudes of row {rows.first + index}",
             amplitudes.tolist(),
             f"above 0 and add up to 1 for {firmware}",
+            code="amplitudes_not_shares",
         )
     return Impulses(times_s=times_of(head, rows)[index], amplitudes=amplitudes)

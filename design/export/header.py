@@ -64,6 +64,7 @@ def head_of(texts: dict[str, str]) -> TableHead:
                 "specification_sha256",
                 values["specification_sha256"],
                 f"the hash of the file's specification, {sha256}",
+                code="wrong_hash",
             )
         return TableHead(
             version=values["tool"].removeprefix(f"{TOOL} "),
@@ -79,7 +80,10 @@ def head_of(texts: dict[str, str]) -> TableHead:
         )
     except (KeyError, ValueError, TypeError, AttributeError) as error:
         raise InvalidInputError(
-            "file", f"a head without a sound {error}", "a table as shapersmith writes it"
+            "file",
+            f"a head without a sound {error}",
+            "a table as shapersmith writes it",
+            code="unsound_head",
         ) from None
 
 

@@ -79,7 +79,9 @@ def _cells(line: str, number: int) -> list[str]:
         values = json.loads(line.removesuffix(","), parse_float=str, parse_int=str)
         return ["" if value is None else str(value) for value in values]
     except (ValueError, TypeError):
-        raise InvalidInputError(f"line {number}", line, "a row as a JSON array") from None
+        raise InvalidInputError(
+            f"line {number}", line, "a row as a JSON array", code="unreadable_json_row"
+        ) from None
 
 
 EXPORT = Export(

@@ -86,14 +86,21 @@ def check_klipper(head: TableHead) -> None:
             "shaper.kind",
             subject.kind.name,
             f"one of Klipper's own, {', '.join(NAMES)}: it takes no impulses",
+            code="not_klipper_shaper",
         )
     if not isinstance(subject.actuator, Ideal):
         raise InvalidInputError(
-            "actuator.kind", subject.actuator.kind, "ideal for Klipper: its shapers know no drive"
+            "actuator.kind",
+            subject.actuator.kind,
+            "ideal for Klipper: its shapers know no drive",
+            code="klipper_knows_no_actuator",
         )
     if isinstance(subject.options, MzvOptions) and subject.options.n > MOST_IMPULSES:
         raise InvalidInputError(
-            "shaper.n", subject.options.n, f"at most {MOST_IMPULSES} for Klipper"
+            "shaper.n",
+            subject.options.n,
+            f"at most {MOST_IMPULSES} for Klipper",
+            code="too_many_for_klipper",
         )
     require_times(head)
 
@@ -128,6 +135,7 @@ def write_klipper(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
                 f"damping_ratio of {where}",
                 mode.damping_ratio,
                 f"at most {LARGEST_DAMPING_RATIOS[name]} for Klipper's {name}",
+                code="too_damped_for_klipper",
             )
         shaped = require_positive_row(head, rows, index, "Klipper")
         if isinstance(options, ToleranceOptions):
@@ -167,6 +175,7 @@ def _exact(name: str, mode: Mode, options: object, shaped: Impulses, where: str)
                 t,
                 f"shorter for Klipper, whose equations of {n} impulses are too near singular: "
                 f"rounding moves its heights by up to {rounding:.1g}, at most {SAME:g} is the same",
+                code="klipper_near_singular",
             )
         played = klipper_impulses(name, hertz, damping, impulses=n, periods=t)
     else:
@@ -179,6 +188,7 @@ def _exact(name: str, mode: Mode, options: object, shaped: Impulses, where: str)
         [shaped.times_s.tolist(), shaped.amplitudes.tolist()],
         f"those that Klipper computes for {shaper}, times_s {played.times_s.tolist()} and "
         f"amplitudes {played.amplitudes.tolist()}",
+        code="klipper_computes_others",
     )
 
 
@@ -222,6 +232,7 @@ def _fitted(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str,
             f"impulses of {where}",
             [shaped.times_s.tolist(), shaped.amplitudes.tolist()],
             f"those of {row.kind.name} in continuous time, which Klipper fits",
+            code="not_continuous_time",
         )
     claims = made.certificate.claims
     told = _floored(cast(ToleranceOptions, row.options).tolerance)  # of every ei kind
@@ -241,6 +252,7 @@ def _fitted(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str,
         ", ".join(_percent(claim) for claim in broken),
         f"such that Klipper's {name} keeps what {row.kind.name} claims: "
         + ", ".join(f"at most {100 * claim.limit:.4g} %" for claim in broken),
+        code="klipper_breaks_claim",
     )
 
 

@@ -30,7 +30,12 @@ def check_mat(head: TableHead) -> None:
     widest = max(len(names_of(head, "field")), len(names_of(head, "result")))
     most = LARGEST_MATRIX_BYTES // (8 * max(widest, 1))
     if head.rows > most:
-        raise InvalidInputError("rows", head.rows, f"at most {most} for a .mat file; take parquet")
+        raise InvalidInputError(
+            "rows",
+            head.rows,
+            f"at most {most} for a .mat file; take parquet",
+            code="too_many_rows_for_mat",
+        )
 
 
 def write_mat(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
@@ -109,18 +114,25 @@ def read_mat(file: BinaryIO) -> tuple[TableHead, Iterator[Rows]]:
 
     start = file.read(HEADER_TEXT_BYTES)
     if not (start.startswith(HEADER_START) and len(start) == HEADER_TEXT_BYTES):
-        raise InvalidInputError("file", start[:20], "a .mat file of version 5")
+        raise InvalidInputError("file", start[:20], "a .mat file of version 5", code="not_mat_file")
     file.seek(0)
     try:
         held = loadmat(file, chars_as_strings=True)
     except (MatReadError, ValueError, TypeError, IndexError, OSError) as error:
         # What SciPy raises where a file of the right kind is cut or damaged.
-        raise InvalidInputError("file", str(error), "a whole .mat file") from None
+        raise InvalidInputError(
+            "file", str(error), "a whole .mat file", code="mat_file_damaged"
+        ) from None
     texts = {name: str(held[name][0]) for name in FACTS if name in held and held[name].size}
     head = head_of(texts)
     missing = {"fields", "results", "status", "reason_rows", "reasons"} - set(held)
     if missing:
-        raise InvalidInputError("file", f"without {', '.join(sorted(missing))}", "a whole table")
+        raise InvalidInputError(
+            "file",
+            f"without {', '.join(sorted(missing))}",
+            "a whole table",
+            code="table_incomplete",
+        )
     reasons = [str(cell[0]) for cell in held["reasons"][:, 0]] if held["reasons"].size else []
     rows = [int(number) - 1 for number in held["reason_rows"].ravel()]
     run = Rows(

@@ -121,7 +121,9 @@ def read_parquet(file: BinaryIO) -> tuple[TableHead, Iterator[Rows]]:
     try:
         opened = parquet.ParquetFile(file)
     except pa.ArrowException as error:
-        raise InvalidInputError("file", str(error), "a Parquet file") from None
+        raise InvalidInputError(
+            "file", str(error), "a Parquet file", code="not_parquet_file"
+        ) from None
     metadata = opened.schema_arrow.metadata or {}
     wanted = {
         name.decode(): text.decode()
@@ -131,7 +133,10 @@ def read_parquet(file: BinaryIO) -> tuple[TableHead, Iterator[Rows]]:
     head = head_of(wanted)
     if opened.schema_arrow.names != [column.name for column in head.columns]:
         raise InvalidInputError(
-            "file", opened.schema_arrow.names, "the columns that its head names"
+            "file",
+            opened.schema_arrow.names,
+            "the columns that its head names",
+            code="columns_unlike_head",
         )
     return head, _runs(head, opened)
 
@@ -162,7 +167,9 @@ def _runs(head: TableHead, opened: Any) -> Iterator[Rows]:  # noqa: ANN401
 
 def _code(name: str) -> int:
     if name not in STATUSES:
-        raise InvalidInputError("status", name, f"one of {', '.join(STATUSES)}")
+        raise InvalidInputError(
+            "status", name, f"one of {', '.join(STATUSES)}", code="unknown_status"
+        )
     return STATUSES.index(name)
 
 

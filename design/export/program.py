@@ -37,11 +37,16 @@ def check_program(head: TableHead) -> None:
     """Raise InvalidInputError where a program cannot take the table."""
     require_times(head)
     if head.rows < 1:
-        raise InvalidInputError("rows", head.rows, "at least 1: a program has no empty table")
+        raise InvalidInputError(
+            "rows", head.rows, "at least 1: a program has no empty table", code="program_empty"
+        )
     numbers = head.rows * (len(head.columns) - 1)
     if numbers > MOST_NUMBERS:
         raise InvalidInputError(
-            "rows", f"{head.rows} ({numbers} numbers)", f"of at most {MOST_NUMBERS} numbers in all"
+            "rows",
+            f"{head.rows} ({numbers} numbers)",
+            f"of at most {MOST_NUMBERS} numbers in all",
+            code="program_too_large",
         )
 
 
@@ -259,6 +264,6 @@ def decimal(value: float) -> str:
     ('2.0', '1.0e-07', '-1.5e+300')
     """
     if not math.isfinite(value):
-        raise InvalidInputError("value", value, "finite in a program")
+        raise InvalidInputError("value", value, "finite in a program", code="not_finite_in_program")
     mantissa, mark, exponent = repr(float(value)).partition("e")
     return (mantissa if "." in mantissa else f"{mantissa}.0") + mark + exponent

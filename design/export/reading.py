@@ -32,7 +32,12 @@ def rows_of(format_name: str, file: BinaryIO) -> tuple[TableHead, Iterator[Rows]
         If the format cannot be read back, or the file is no such table.
     """
     if format_name not in READERS:
-        raise InvalidInputError("format", format_name, f"one of {', '.join(READERS)} to be read")
+        raise InvalidInputError(
+            "format",
+            format_name,
+            f"one of {', '.join(READERS)} to be read",
+            code="format_not_readable",
+        )
     head, runs = READERS[format_name](file)
     return head, _counted(head, runs)
 
@@ -44,4 +49,9 @@ def _counted(head: TableHead, runs: Iterator[Rows]) -> Iterator[Rows]:
         yield run
         rows += run.status.size
     if rows != head.rows:
-        raise InvalidInputError("file", f"{rows} rows", f"of {head.rows} rows, as its head says")
+        raise InvalidInputError(
+            "file",
+            f"{rows} rows",
+            f"of {head.rows} rows, as its head says",
+            code="rows_unlike_head",
+        )

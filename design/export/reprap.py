@@ -59,7 +59,10 @@ def check_reprap(head: TableHead) -> None:
     require_positive_shaper(head, "RepRapFirmware")
     if not 1 < head.impulses <= MOST_IMPULSES:
         raise InvalidInputError(
-            "impulses", head.impulses, f"2 to {MOST_IMPULSES} for RepRapFirmware"
+            "impulses",
+            head.impulses,
+            f"2 to {MOST_IMPULSES} for RepRapFirmware",
+            code="wrong_count_for_reprap",
         )
     require_times(head)
 
@@ -96,6 +99,7 @@ def write_reprap(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
                 f"times_s of {where}",
                 times,
                 f"{SHORTEST_GAP_S:g} s or more apart for RepRapFirmware",
+                code="gap_too_short_for_reprap",
             )
         plant, actuator, _ = subject.at(paths, rows.fields[index].tolist())
         left, played = (
@@ -109,6 +113,7 @@ def write_reprap(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
                 f"such that RepRapFirmware, which counts {CLOCK_HZ} a second, leaves at most "
                 f"{100 * ROUNDED_AWAY:g} % more than {100 * left:.3g} %; it leaves "
                 f"{100 * played:.3g} %",
+                code="reprap_rounds_too_much",
             )
         newer = _command(amplitudes[:-1], delays)
         older = _command(list(accumulate(amplitudes[:-1])), gaps)

@@ -99,7 +99,8 @@ def humped(seed: str, damping_ratio: float, tolerance: float) -> Humps:
                     f"of {seed} with humps of {tolerance:g} at a damping ratio of "
                     f"{damping_ratio:g} none was found: followed from the undamped one, its zeros "
                     f"or impulses meet at a damping ratio of {damping:.3g} with humps of "
-                    f"{height:.3g}"
+                    f"{height:.3g}",
+                    code="humps_meet",
                 )
         return found
 

@@ -238,7 +238,8 @@ def unity_magnitude_problem(
     if shortest.sum() > horizon:
         raise InfeasibleDesignError(
             f"settling before each switch takes {shortest.sum() / PERIOD_RAD:.4g} periods in all, "
-            f"more than max_duration_periods = {max_duration_periods:g}"
+            f"more than max_duration_periods = {max_duration_periods:g}",
+            code="settling_exceeds_duration",
         )
     ratio = decel_over_accel(mode, actuator)
     if amplitudes is None:
@@ -357,7 +358,8 @@ def undamped_times_rad(
     if t3 > horizon_rad:
         raise InfeasibleDesignError(
             f"the fastest ordered solution takes {t3 / PERIOD_RAD:.6g} periods, more than "
-            f"max_duration_periods = {horizon_rad / PERIOD_RAD:g}"
+            f"max_duration_periods = {horizon_rad / PERIOD_RAD:g}",
+            code="ordered_exceeds_duration",
         )
     return np.array([0.0, t2, t3])
 
@@ -366,7 +368,8 @@ def _unit_triangle(alpha: float) -> tuple[float, float]:
     if alpha > LARGEST_ALPHA:
         raise InfeasibleDesignError(
             f"alpha = |G_decel/G_accel| at the plant's frequency is {alpha!r}, and the vector "
-            "diagram of three unit impulses closes only for alpha <= 2"
+            "diagram of three unit impulses closes only for alpha <= 2",
+            code="alpha_above_two",
         )
     half_angle = math.acos(alpha / 2)
     return half_angle, 2 * half_angle
@@ -381,7 +384,8 @@ def _triangle(alpha: float, amplitudes: FloatArray) -> tuple[float, float]:
             f"the vector diagram does not close: of its sides {sides[0]:.6g}, {sides[1]:.6g} and "
             f"{sides[2]:.6g} none may be longer than the other two together (amplitudes {a:g}, "
             f"{-b:g}, {c:g}; alpha = |G of the second step / G of the others| = {alpha:.6g} at the "
-            "plant's frequency)"
+            "plant's frequency)",
+            code="diagram_open",
         )
     # Closed but for rounding, a cosine may be beyond 1 by as much.
     second = math.acos(min(1.0, (a * a + sides[1] ** 2 - c * c) / (2 * a * sides[1])))

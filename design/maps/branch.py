@@ -56,4 +56,5 @@ def closed_form_branch(impulses: Impulses, plant: Plant, actuator: Actuator) -> 
         "quantity",
         "branch",
         f"asked of {BRANCHED}, of an undamped plant behind superposed steps",
+        code="branch_not_served",
     )

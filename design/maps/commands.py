@@ -40,7 +40,10 @@ def drive_designed_for(recipe: Recipe, actuator: Actuator) -> Actuator:
     if isinstance(actuator, FirstOrder | SecondOrder):
         return replace(actuator, model=recipe.designed_for)
     raise InvalidInputError(
-        "designed_for", recipe.designed_for, f"left out: one of kind {actuator.kind} has no model"
+        "designed_for",
+        recipe.designed_for,
+        f"left out: one of kind {actuator.kind} has no model",
+        code="no_model_to_design_for",
     )
 
 
@@ -85,7 +88,8 @@ def _with_mirrored_stop(start: Impulses, pulse_s: float) -> Impulses:
     if pulse_s < start.duration_s:
         raise InfeasibleDesignError(
             f"the pulse of {pulse_s:g} s is shorter than the start, {start.duration_s:g} s: its "
-            "mirror image would begin before it ends"
+            "mirror image would begin before it ends",
+            code="pulse_shorter_than_start",
         )
     stop = mirrored_stop(start)
     return Impulses(

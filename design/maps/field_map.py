@@ -84,21 +84,34 @@ def _require_consistent(case: MapCase) -> None:
         for name, given in (("shaper", case.shaper), ("move", case.move)):
             if given is not None:
                 raise InvalidInputError(
-                    name, "given", f"left out: {quantity} is of plant and actuator"
+                    name,
+                    "given",
+                    f"left out: {quantity} is of plant and actuator",
+                    code="quantity_of_plant_alone",
                 )
     if quantity in OF_DESIGNS and (recipe is None or not recipe.each):
         raise InvalidInputError(
-            "design", "once", f"each, for a map of {quantity}: what is held is alike in every cell"
+            "design",
+            "once",
+            f"each, for a map of {quantity}: what is held is alike in every cell",
+            code="design_per_cell_only",
         )
     if quantity == "branch" and (
         recipe is None or not recipe.kind.has_branches or case.move is not None
     ):
-        raise InvalidInputError("quantity", "branch", f"asked of {BRANCHED} alone")
+        raise InvalidInputError(
+            "quantity", "branch", f"asked of {BRANCHED} alone", code="branch_of_other_kind"
+        )
     if case.move is not None and recipe is None and case.shaper is not None:
-        raise InvalidInputError("move", "given", "left out, or impulses replaced by a shaper")
+        raise InvalidInputError(
+            "move", "given", "left out, or impulses replaced by a shaper", code="move_of_impulses"
+        )
     if (case.speed_m_s is not None) != (quantity == "deflection_m"):
         raise InvalidInputError(
-            "speed_m_s", case.speed_m_s, "given for a map of deflection_m, and for no other"
+            "speed_m_s",
+            case.speed_m_s,
+            "given for a map of deflection_m, and for no other",
+            code="speed_without_deflection",
         )
     if case.speed_m_s is not None:
         require_scale("speed_m_s", case.speed_m_s)
@@ -108,27 +121,34 @@ def _require_consistent(case: MapCase) -> None:
 
 def _require_bounded(case: MapCase, x: Axis, y: Axis | None) -> None:
     if y is not None and x.path == y.path:
-        raise InvalidInputError("y.field", "/".join(y.path), "another field than that of x")
+        raise InvalidInputError(
+            "y.field", "/".join(y.path), "another field than that of x", code="axes_alike"
+        )
     cells = x.values.size * (1 if y is None else y.values.size)
     most = MOST_CELLS
     if isinstance(case.shaper, Recipe) and case.shaper.each:
         most = MOST_DESIGNS if case.move is None else MOST_MOVES
     if cells > most:
-        raise InvalidInputError("x.points", f"{cells} cells", f"of a map of at most {most} cells")
+        raise InvalidInputError(
+            "x.points", f"{cells} cells", f"of a map of at most {most} cells", code="too_many_cells"
+        )
 
 
 def _with(whole: Cell, axis: Axis, name: str, value: float) -> Cell:
     part, *path = axis.path
     if part not in whole or not path:
         raise InvalidInputError(
-            f"{name}.field", "/".join(axis.path), f"a number of {' or '.join(whole)} as given"
+            f"{name}.field",
+            "/".join(axis.path),
+            f"a number of {' or '.join(whole)} as given",
+            code="not_a_number_of_map",
         )
     try:
         return {**whole, part: vary(whole[part], path, value)}
     except InvalidInputError as error:
         if error.name == "field":
             raise error.within(name) from None
-        raise InvalidInputError(f"{name}.values", value, error.rule) from None
+        raise error.at(f"{name}.values", value) from None
 
 
 def _values(case: MapCase, cells: list[list[Cell]], x: Axis, y: Axis | None) -> FloatArray:

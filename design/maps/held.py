@@ -39,7 +39,9 @@ def _held_command(case: MapCase) -> Impulses:
         cell = {"plant": case.plant, "actuator": case.actuator, "move": case.move}
         return design_command(case.shaper, cell)
     if case.shaper is None:
-        raise InvalidInputError("shaper", None, f"given, for a map of {case.quantity}")
+        raise InvalidInputError(
+            "shaper", None, f"given, for a map of {case.quantity}", code="shaper_missing"
+        )
     return case.shaper
 
 
@@ -73,7 +75,10 @@ def residuals_of_re_timed(
     half = command.times_s.size // 2
     if not math.isclose(command.times_s[half], move.pulse_s):
         raise InvalidInputError(
-            "move.pulse_s", move.pulse_s, "so long that start and stop do not overlap"
+            "move.pulse_s",
+            move.pulse_s,
+            "so long that start and stop do not overlap",
+            code="start_and_stop_overlap",
         )
     lines = cells if along_x else [list(line) for line in zip(*cells, strict=True)]
     pulses = np.array([cell["move"].pulse_s for cell in lines[0]])

@@ -57,7 +57,10 @@ def listed(times_s: FloatArray, velocities: FloatArray) -> Impulses:
     """
     if velocities.shape != times_s.shape:
         raise InvalidInputError(
-            "velocity_m_s", f"{velocities.size} numbers", f"as many as the times, {times_s.size}"
+            "velocity_m_s",
+            f"{velocities.size} numbers",
+            f"as many as the times, {times_s.size}",
+            code="velocities_unlike_times",
         )
     huge = ~(np.abs(velocities) <= LARGEST / 2)  # not a number is not
     if huge.any():
@@ -66,11 +69,15 @@ def listed(times_s: FloatArray, velocities: FloatArray) -> Impulses:
             f"velocity_m_s.{index}",
             f"{float(velocities[index]):g} times",
             f"a number, at most {LARGEST / 2:g} times full speed",
+            code="velocity_out_of_range",
         )
     last = np.append(times_s[1:] != times_s[:-1], True)
     if not np.any(velocities[last]):
         raise InvalidInputError(
-            "velocity_m_s", velocities[:1].tolist(), "not all zero, the last at each time"
+            "velocity_m_s",
+            velocities[:1].tolist(),
+            "not all zero, the last at each time",
+            code="velocities_all_zero",
         )
     return Impulses(times_s=times_s, amplitudes=np.diff(velocities, prepend=0.0)).merged()
 

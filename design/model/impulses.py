@@ -45,13 +45,14 @@ class Impulses:
     def __post_init__(self) -> None:
         if self.times_s.ndim != 1 or self.times_s.size == 0:
             raise InvalidInputError(
-                "times_s", list(self.times_s.shape), "a list of one or more times"
+                "times_s", list(self.times_s.shape), "a list of one or more times", code="no_times"
             )
         if self.amplitudes.shape != self.times_s.shape:
             raise InvalidInputError(
                 "amplitudes",
                 f"{self.amplitudes.size} numbers",
                 f"as many as times_s, which has {self.times_s.size}",
+                code="amplitudes_unlike_times",
             )
         heights = np.abs(self.amplitudes)
         times, total = self.times_s, float(heights.sum())
@@ -118,7 +119,10 @@ class Impulses:
             return self
         if not moves.any():
             raise InvalidInputError(
-                "amplitudes", self.amplitudes.tolist(), "not all zero, added up at each time"
+                "amplitudes",
+                self.amplitudes.tolist(),
+                "not all zero, added up at each time",
+                code="amplitudes_cancel",
             )
         # What is left out is added to the step before it: levels stay as they are.
         kept = np.flatnonzero(first)[moves]
@@ -132,7 +136,10 @@ class Impulses:
             if not np.abs(values).max() <= LARGEST:  # not a number is not
                 index = int(np.flatnonzero(~(np.abs(values) <= LARGEST))[0])
                 raise InvalidInputError(
-                    f"{name}.{index}", float(values[index]), f"between {-LARGEST:g} and {LARGEST:g}"
+                    f"{name}.{index}",
+                    float(values[index]),
+                    f"between {-LARGEST:g} and {LARGEST:g}",
+                    code="out_of_range",
                 )
         backward = self.times_s[1:] < self.times_s[:-1]
         if backward.any():
@@ -141,9 +148,12 @@ class Impulses:
                 f"times_s.{index}",
                 float(self.times_s[index]),
                 f"not before the time ahead of it, {float(self.times_s[index - 1])!r}",
+                code="time_before_last",
             )
         if not self.amplitudes.any():
-            raise InvalidInputError("amplitudes", self.amplitudes.tolist(), "not all zero")
+            raise InvalidInputError(
+                "amplitudes", self.amplitudes.tolist(), "not all zero", code="amplitudes_all_zero"
+            )
 
     @property
     def duration_s(self) -> float:

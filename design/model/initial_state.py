@@ -8,14 +8,12 @@ from design.errors import InvalidInputError
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
-from design.types import LARGEST
+from design.types import LARGEST, require_between
 
 
 def _require_sizes(record: object, *names: str) -> None:
     for name in names:
-        value = getattr(record, name)
-        if not abs(value) <= LARGEST:  # not a number is not
-            raise InvalidInputError(name, value, f"between {-LARGEST:g} and {LARGEST:g}")
+        require_between(name, getattr(record, name), -LARGEST, LARGEST)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,7 +145,7 @@ def free_swing(
             else "deflection_m and deflection_rate_m_s for a mode"
         )
         given = "an angle" if isinstance(initial, AngleSwing) else "a deflection"
-        raise InvalidInputError("initial", given, wanted)
+        raise InvalidInputError("initial", given, wanted, code="state_of_other_plant")
     if isinstance(plant, Pendulum) and isinstance(initial, AngleSwing):
         per_speed, power = plant.cable_length_m / velocity_m_s, -2
         state = (initial.angle_rad, initial.angle_rate_rad_s)
@@ -158,5 +156,7 @@ def free_swing(
         return None
     deflection, rate = (per_speed * one for one in state)
     if not math.hypot(deflection, rate) <= LARGEST:
-        raise InvalidInputError("initial", state, f"at most {LARGEST:g} times the speed")
+        raise InvalidInputError(
+            "initial", state, f"at most {LARGEST:g} times the speed", code="swing_too_large"
+        )
     return FreeSwing(deflection_s=deflection, rate=rate, frequency_power=power, delay_s=delay_s)

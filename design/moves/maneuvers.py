@@ -169,10 +169,16 @@ def maneuver(
             "actuator.dead_time_s",
             swing.delay_s,
             f"at most {LONGEST_PERIODS:g} periods of the plant where it swings already",
+            code="dead_time_too_long",
         )
     parts = _parts(plant, actuator, kind, kind.options() if options is None else options)
     if joint and parts.peak != 1:
-        raise InvalidInputError("joint", joint, "left out where max_velocity_ratio is not 1")
+        raise InvalidInputError(
+            "joint",
+            joint,
+            "left out where max_velocity_ratio is not 1",
+            code="joint_beyond_unit_velocity",
+        )
     if swing is not None:
         parts = with_swing(parts, swing)
     if pulse_s is None:
@@ -197,7 +203,8 @@ def maneuver(
     )
     if not judged.certificate.verified:
         raise SolverFailedError(
-            f"the whole move of {kind.name} was not verified: {shortfall_of(judged.certificate)}"
+            f"the whole move of {kind.name} was not verified: {shortfall_of(judged.certificate)}",
+            code="move_not_verified",
         )
     # The start ends at level 1, so its steps are odd in number: half of them, or one more.
     split = (command.times_s.size // 2) | 1
@@ -296,12 +303,17 @@ def _direction(
     """Check the numbers of a move; return its sign."""
     if (pulse_s is None) == (distance_m is None):
         given = "neither" if pulse_s is None else "both"
-        raise InvalidInputError("pulse_s", given, "given, or distance_m in its place")
+        raise InvalidInputError(
+            "pulse_s", given, "given, or distance_m in its place", code="pulse_or_distance"
+        )
     if pulse_s is not None:
         require_scale("pulse_s", pulse_s)
         if not SMALLEST <= abs(speed_m_s) <= LARGEST:
             raise InvalidInputError(
-                "speed_m_s", speed_m_s, f"{SMALLEST:g} to {LARGEST:g}, or minus"
+                "speed_m_s",
+                speed_m_s,
+                f"{SMALLEST:g} to {LARGEST:g}, or minus",
+                code="speed_out_of_range",
             )
         _require_provable("pulse_s", pulse_s, pulse_s, mode)
         return 1 if speed_m_s > 0 else -1
@@ -309,7 +321,10 @@ def _direction(
     distance = 0.0 if distance_m is None else distance_m
     if not SMALLEST <= abs(distance) <= LARGEST:
         raise InvalidInputError(
-            "distance_m", distance_m, f"between {SMALLEST:g} and {LARGEST:g} either way, not 0"
+            "distance_m",
+            distance_m,
+            f"between {SMALLEST:g} and {LARGEST:g} either way, not 0",
+            code="out_of_range",
         )
     _require_provable("distance_m", distance, abs(distance) / speed_m_s, mode)
     return 1 if distance > 0 else -1
@@ -318,7 +333,10 @@ def _direction(
 def _require_provable(name: str, value: float, travel_s: float, mode: Mode) -> None:
     if travel_s > LONGEST_PERIODS * mode.period_s:
         raise InvalidInputError(
-            name, value, f"no longer at this speed than {LONGEST_PERIODS:g} periods of the plant"
+            name,
+            value,
+            f"no longer at this speed than {LONGEST_PERIODS:g} periods of the plant",
+            code="move_too_long",
         )
 
 
@@ -333,6 +351,7 @@ def _parts(
             "shaper.kind",
             kind.name,
             "one of unity magnitude that leaves nothing: moves are solved on levels 0 and 1",
+            code="move_not_served",
         )
     settling = options if isinstance(options, SettleOptions) else SettleOptions()
     parts = Parts(
@@ -349,7 +368,9 @@ def _parts(
     try:
         return _with_stop(parts, plant, kind, options)
     except InfeasibleDesignError as error:
-        raise InfeasibleDesignError(f"the start exists, the stop does not: {error}") from error
+        raise InfeasibleDesignError(
+            f"the start exists, the stop does not: {error}", code=error.code
+        ) from error
 
 
 def _with_stop(
@@ -365,7 +386,7 @@ def _with_stop(
         tried = replace(parts, stop=_negative(found.impulses))
         if tried.verified(tried.whole(tried.rest_pulse_s)):
             return tried
-    raise SolverFailedError(f"the stop of {kind.name} was not verified")
+    raise SolverFailedError(f"the stop of {kind.name} was not verified", code="stop_not_verified")
 
 
 def _negative(impulses: Impulses) -> Impulses:

@@ -86,7 +86,10 @@ def program(
     samples = math.ceil(command.duration_s / sample_time_s - ON_SAMPLE)
     if samples >= MOST_SAMPLES:
         raise InvalidInputError(
-            "sample_time_s", sample_time_s, f"such that there are fewer than {MOST_SAMPLES} samples"
+            "sample_time_s",
+            sample_time_s,
+            f"such that there are fewer than {MOST_SAMPLES} samples",
+            code="too_many_samples",
         )
     played = split(command, sample_time_s)
     numbers = np.arange(samples + 1)

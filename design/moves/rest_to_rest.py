@@ -74,7 +74,8 @@ def over_pulse(parts: Parts, pulse_s: float) -> tuple[Impulses, bool]:
     if wanted_s <= 0:
         raise InfeasibleDesignError(
             f"a pulse of {pulse_s:g} s goes nowhere: the actuator takes {pulse_s - wanted_s:.4g} s "
-            "off its travel"
+            "off its travel",
+            code="pulse_goes_nowhere",
         )
     return _as_one(parts, wanted_s, pulse_s), True
 
@@ -195,7 +196,8 @@ def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> Impulses:
         raise InfeasibleDesignError(
             f"the swing at the first step is {size:.4g} times that of one unshaped step, and no "
             "command within the limits was found that cancels it; followed from none, "
-            f"{100 * share:.3g} % of it was cancelled at most: {error}"
+            f"{100 * share:.3g} % of it was cancelled at most: {error}",
+            code="swing_not_cancelled",
         ) from error
 
 
@@ -238,7 +240,8 @@ def _travelling(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Impul
         seeds = (Seed(name="last", gaps_rad=candidate.gaps_rad),)
     raise InfeasibleDesignError(
         f"no move on levels 0 and 1 was found whose travel is {wanted_s:.6g} s times its speed "
-        "behind the actuator given"
+        "behind the actuator given",
+        code="no_move_of_travel",
     )
 
 

@@ -67,7 +67,9 @@ def unmet(
     """
     if not ranked:
         reasons = [f"{one.choice.name}: {one.reason}" for one in refused[:MOST_REASONS]]
-        return InfeasibleDesignError(f"no shaper could be designed; {'; '.join(reasons)}")
+        return InfeasibleDesignError(
+            f"no shaper could be designed; {'; '.join(reasons)}", code="none_designed"
+        )
     eased = [*ranked, *_eased(question, ranked, budget)]
     faults = [
         (limit.fields[0], limit.told(nearest))
@@ -87,7 +89,8 @@ def unmet(
     told += [f"{one.choice.name} {one.reason}" for one in refused if not one.searched]
     return InfeasibleDesignError(
         f"no shaper of {len(ranked)} designed meets all of {_asked(question)}: {'; '.join(told)}",
-        tuple(faults),
+        code="none_meets_all",
+        faults=tuple(faults),
     )
 
 

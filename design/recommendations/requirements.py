@@ -78,13 +78,16 @@ class Requirements:
                 "tolerance",
                 self.tolerance,
                 f"at least {SMALLEST_TOLERANCE:g} and below 1, which no shaper leaves",
+                code="out_of_range",
             )
         if self.damping is not None:
             least, most = self.damping
             require_between("damping.from", least, 0.0, LARGEST_DAMPING_RATIO)
             require_between("damping.to", most, 0.0, LARGEST_DAMPING_RATIO)
             if most < least:
-                raise InvalidInputError("damping.to", most, f"at least from, {least!r}")
+                raise InvalidInputError(
+                    "damping.to", most, f"at least from, {least!r}", code="range_below_start"
+                )
         for name in ("max_duration_s", "sample_time_s"):
             value = getattr(self, name)
             if value is not None:
@@ -92,7 +95,9 @@ class Requirements:
         require_between("lowest_command", self.lowest_command, -FARTHEST_COMMAND, 0.0)
         require_between("highest_command", self.highest_command, 1.0, 1.0 + FARTHEST_COMMAND)
         if self.max_high_mode_gain is not None and not 0 < self.max_high_mode_gain <= LARGEST:
-            raise InvalidInputError("max_high_mode_gain", self.max_high_mode_gain, "> 0")
+            raise InvalidInputError(
+                "max_high_mode_gain", self.max_high_mode_gain, "> 0", code="out_of_range"
+            )
 
     def _require_band(self) -> None:
         require_said_once(self)
@@ -103,6 +108,7 @@ class Requirements:
                     self.half_width,
                     f"between 0 and {WIDEST_HALF_WIDTH:g}: from 1 on the band would reach zero "
                     "frequency",
+                    code="out_of_range",
                 )
             return
         if self.lower_ratio is None or self.upper_ratio is None:
@@ -113,12 +119,14 @@ class Requirements:
                 self.lower_ratio,
                 f"between {SMALLEST_RATIO:g} and 1: a band around the plant's frequency that does "
                 "not reach zero",
+                code="out_of_range",
             )
         if not 1 <= self.upper_ratio <= LARGEST_RATIO:
             raise InvalidInputError(
                 "upper_ratio",
                 self.upper_ratio,
                 f"between 1 and {LARGEST_RATIO:g}: a band around the plant's frequency",
+                code="out_of_range",
             )
 
     @property
@@ -200,14 +208,20 @@ def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) ->
         if requirements.band_is_given:
             name = "lower_ratio" if requirements.half_width is None else "half_width"
             raise InvalidInputError(
-                name, getattr(requirements, name), "left out: the plant's range is the band"
+                name,
+                getattr(requirements, name),
+                "left out: the plant's range is the band",
+                code="requirement_said_by_plant",
             )
         band = plant.band
     if isinstance(plant, Modes):
         for name in ("damping", "sample_time_s"):
             if getattr(requirements, name) is not None:
                 raise InvalidInputError(
-                    name, getattr(requirements, name), "left out for a plant of several modes"
+                    name,
+                    getattr(requirements, name),
+                    "left out for a plant of several modes",
+                    code="requirement_of_one_mode",
                 )
     modes = plant.modes
     if requirements.damping is not None:
@@ -245,6 +259,7 @@ def _require_a_unit(
             f"a ramp of {band[0] * periods:.4g} to {band[1] * periods:.4g} periods over the band",
             "such that at no frequency of the band it lasts whole periods: undamped, a ramp alone "
             "leaves no vibration there",
+            code="ramp_of_whole_periods_in_band",
         )
 
 
@@ -255,6 +270,7 @@ def _in_the_middle(mode: Mode, damping: tuple[float, float]) -> Mode:
             "plant.damping_ratio",
             mode.damping_ratio,
             f"within the range of damping given, {least:g} to {most:g}",
+            code="damping_outside_its_range",
         )
     return Mode(
         natural_frequency_rad_s=mode.natural_frequency_rad_s, damping_ratio=(least + most) / 2

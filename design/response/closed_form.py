@@ -175,7 +175,12 @@ def travel(impulses: Impulses, actuator: Actuator) -> float:
     """
     end = float(impulses.amplitudes.sum())
     if abs(end) > AT_REST * float(np.abs(impulses.amplitudes).sum()):
-        raise InvalidInputError("amplitudes", f"a sum of {end:g}", "of sum 0: a command to rest")
+        raise InvalidInputError(
+            "amplitudes",
+            f"a sum of {end:g}",
+            "of sum 0: a command to rest",
+            code="command_not_to_rest",
+        )
     changes = reference(impulses, actuator)
     forces = np.where(changes.accelerates, 0, 1)
     first, second = (part[0] for part in _coefficients(actuator))

@@ -65,7 +65,9 @@ def exact_positive(
     """
     require_workable(mode, actuator)
     if not is_of_one_sign(impulses):
-        raise InvalidInputError("amplitudes", impulses.amplitudes.tolist(), "of one sign")
+        raise InvalidInputError(
+            "amplitudes", impulses.amplitudes.tolist(), "of one sign", code="signs_mixed"
+        )
     total = float(impulses.amplitudes.sum())
     for reach in range(1, WIDEST_REACH + 1):
         samples, shares = shared(impulses, sample_time_s, reach=reach)
@@ -87,7 +89,8 @@ def exact_positive(
     raise InfeasibleDesignError(
         f"no amplitudes of one sign on {WIDEST_REACH} samples on each side of the impulses make "
         f"the residual{' and the slope' if slope else ''} zero at a sample time of "
-        f"{sample_time_s:g} s"
+        f"{sample_time_s:g} s",
+        code="no_positive_on_samples",
     )
 
 

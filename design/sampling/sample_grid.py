@@ -98,6 +98,7 @@ def carried(impulses: Impulses, sample_time_s: float) -> Impulses:
             "sample_time_s",
             sample_time_s,
             f"short enough that no two impulses come to one sample, here {samples}",
+            code="impulses_share_a_sample",
         )
     return Impulses(
         times_s=np.array(samples) * sample_time_s,
@@ -223,11 +224,17 @@ def _require_grid(impulses: Impulses, sample_time_s: float, longest_s: float, wh
     """Raise InvalidInputError for a sample time out of proportion to the shaper."""
     require_scale("sample_time_s", sample_time_s)
     if impulses.times_s.size > 1 and sample_time_s > longest_s * (1 + ON_SAMPLE):
-        raise InvalidInputError("sample_time_s", sample_time_s, f"at most {what}, {longest_s:g}")
+        raise InvalidInputError(
+            "sample_time_s",
+            sample_time_s,
+            f"at most {what}, {longest_s:g}",
+            code="sample_time_too_long",
+        )
     shortest_s = float(np.max(np.abs(impulses.times_s))) / MOST_SAMPLES
     if sample_time_s < shortest_s:
         raise InvalidInputError(
             "sample_time_s",
             sample_time_s,
             f"at least {shortest_s:g}, for all impulses to lie within {MOST_SAMPLES:,} samples",
+            code="sample_time_too_short",
         )

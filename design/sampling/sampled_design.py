@@ -106,7 +106,8 @@ def sampled_design(
     judged = judge(sampled.impulses, (mode,), certified_for, asked, name="the sampled shaper")
     if not judged.certificate.verified:
         raise SolverFailedError(
-            f"the sampled shaper is not what a formula says: {shortfall_of(judged.certificate)}"
+            f"the sampled shaper is not what a formula says: {shortfall_of(judged.certificate)}",
+            code="sampled_unlike_formula",
         )
     proven = replace(
         continuous,

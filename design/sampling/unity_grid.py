@@ -92,7 +92,9 @@ def _choices(centres: IntArray, most: int) -> IntArray:
     while (2 * reach + 1) ** free > (most if reach > 1 else MOST_CANDIDATES):
         reach -= 1
     if reach == 0:
-        raise InvalidInputError("impulses", centres.size, "few enough to search: at most 10")
+        raise InvalidInputError(
+            "impulses", centres.size, "few enough to search: at most 10", code="too_many_to_search"
+        )
     moves = list(itertools.product(range(-reach, reach + 1), repeat=free))
     samples = np.repeat(centres[None], len(moves), axis=0)
     samples[:, 1:] += np.array(moves, dtype=int)

@@ -180,6 +180,7 @@ class KindOf(Generic[Options]):
                 f"{len(case.modes)} modes",
                 f"a list of one: {self.name} serves a single mode; multi_zv, multi_umzv and "
                 "convolved serve several",
+                code="kind_of_one_mode",
             )
         if self.damping is not EVERY_PLANT:
             self.require_damping(case.modes)
@@ -222,4 +223,5 @@ def require_damping(
             f"{field_name}.damping_ratio",
             mode.damping_ratio,
             f"at most {damping.most:g} for {name}: beyond it {damping.beyond}",
+            code="too_damped_for_kind",
         )

@@ -60,7 +60,10 @@ class NegativeOptions(ShaperOptions):
     def __post_init__(self) -> None:
         if not 0 < self.negative_amplitude <= 1:
             raise InvalidInputError(
-                "negative_amplitude", self.negative_amplitude, "greater than 0 and at most 1"
+                "negative_amplitude",
+                self.negative_amplitude,
+                "greater than 0 and at most 1",
+                code="out_of_range",
             )
 
 
@@ -117,7 +120,8 @@ def _isosceles(b: float, damping_ratio: float, ratio: complex) -> float:
     if pull >= 1 + b:
         raise InfeasibleDesignError(
             f"the vector diagram does not close: behind the deceleration set an impulse of {b:g} "
-            f"acts as one of {pull:.6g}, more than the other two together, {1 + b:g}"
+            f"acts as one of {pull:.6g}, more than the other two together, {1 + b:g}",
+            code="negative_impulse_too_strong",
         )
     low, high = 0.0, math.pi / 2
     for _ in range(HALVINGS):

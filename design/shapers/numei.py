@@ -169,7 +169,8 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
     if shortest.sum() > horizon:
         raise InfeasibleDesignError(
             f"settling before each switch takes {shortest.sum() / PERIOD_RAD:.4g} periods in all, "
-            f"more than max_duration_periods = {options.max_duration_periods:g}"
+            f"more than max_duration_periods = {options.max_duration_periods:g}",
+            code="settling_exceeds_duration",
         )
     parameters = np.append(lag_parameters(mode, actuator), options.tolerance)
     name, near, (damping_ratio, tolerance) = _ideal(mode, options.tolerance, humps)

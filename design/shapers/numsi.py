@@ -115,7 +115,12 @@ class UnityBandOptions(SettleOptions):
         require_between("tolerance", self.tolerance, SMALLEST_TOLERANCE, LARGEST_TOLERANCE)
         require_between("half_width", self.half_width, NARROWEST, WIDEST)
         if self.impulses is not None and self.impulses not in COUNTS:
-            raise InvalidInputError("impulses", self.impulses, "3, 5, 7 or 9, or left out")
+            raise InvalidInputError(
+                "impulses",
+                self.impulses,
+                "3, 5, 7 or 9, or left out",
+                code="impulse_count_not_served",
+            )
 
     def with_band(self, half_width: float) -> Self:
         """Return the same with a band of a half width around 1."""
@@ -164,7 +169,8 @@ def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
     if not problems:
         raise InfeasibleDesignError(
             f"settling before each of {counts[0]} switches takes longer than "
-            f"max_duration_periods = {options.max_duration_periods:g}"
+            f"max_duration_periods = {options.max_duration_periods:g}",
+            code="switches_exceed_duration",
         )
     return BandSearch(
         problems=tuple(problems),

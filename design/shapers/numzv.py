@@ -50,6 +50,7 @@ def numzv(case: DesignCase[PeakOptions]) -> Formulation:
             "shaper.max_velocity_ratio",
             peak,
             "1 behind a rate-limited actuator, whose ramps are taken to be those of one speed",
+            code="velocity_ratio_of_ramps",
         )
     amplitudes = None if peak == 1 else np.array(heights)
     if mode.damping_ratio == 0 and actuator.model == "superposed":

@@ -215,16 +215,21 @@ class MzvOptions(ShaperOptions):
 
     def __post_init__(self) -> None:
         if not isinstance(self.n, int):
-            raise InvalidInputError("n", self.n, "a whole number")
+            raise InvalidInputError("n", self.n, "a whole number", code="not_whole")
         require_between("n", self.n, FEWEST_MZV, MOST_MZV)
         if self.t is not None and self.tau is not None:
-            raise InvalidInputError("tau", self.tau, "left out where t is given")
+            raise InvalidInputError(
+                "tau", self.tau, "left out where t is given", code="duration_said_twice"
+            )
         if self.t is not None and not 0 < self.t < (self.n - 1) / 2:
             raise InvalidInputError(
-                "t", self.t, f"between 0 and (n - 1)/2 = {(self.n - 1) / 2:g}, both excluded"
+                "t",
+                self.t,
+                f"between 0 and (n - 1)/2 = {(self.n - 1) / 2:g}, both excluded",
+                code="out_of_range",
             )
         if self.tau is not None and not 0 < self.tau < math.inf:
-            raise InvalidInputError("tau", self.tau, "finite and > 0")
+            raise InvalidInputError("tau", self.tau, "finite and > 0", code="not_positive")
 
     @property
     def duration_periods(self) -> float:
@@ -259,6 +264,7 @@ def mzv(case: DesignCase[MzvOptions]) -> Formulation:
             "shaper.t",
             options.duration_periods,
             f"longer: {options.n} impulses in as many damped periods would not all be positive",
+            code="too_short_to_be_positive",
         )
     if _last_is_rounding(weights, phase, mode.damping_ratio):
         require_damping("mzv", damping_bound(weights, phase), mode)

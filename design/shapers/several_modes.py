@@ -79,6 +79,7 @@ def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> Joi
                 f"{'multi_zv' if positive else 'multi_umzv'}: beyond it the mode's swing decays by "
                 f"more than {MOST_DECAY:g} nepers within half a period of the slowest mode; "
                 "convolved serves such modes",
+                code="mode_decays_too_fast",
             )
     return JointProblem(
         unit_poles=np.array([mode.pole_rad_s / w for mode in modes], dtype=np.complex128),
@@ -133,11 +134,16 @@ class ConvolvedOptions(ShaperOptions):
 
     def __post_init__(self) -> None:
         if self.base not in BASES:
-            raise InvalidInputError("base", self.base, f"one of {', '.join(BASES)}")
+            raise InvalidInputError(
+                "base", self.base, f"one of {', '.join(BASES)}", code="base_not_served"
+            )
         if self.tolerance is not None:
             if BASES[self.base].options is not ToleranceOptions:
                 raise InvalidInputError(
-                    "tolerance", self.tolerance, f"left out: {self.base} takes none"
+                    "tolerance",
+                    self.tolerance,
+                    f"left out: {self.base} takes none",
+                    code="base_takes_no_tolerance",
                 )
             ToleranceOptions(tolerance=self.tolerance)
 
@@ -172,6 +178,7 @@ def _require_provable(
             f"of fewer impulses for these {len(modes)} modes: convolved they are {impulses}, to be "
             f"simulated at some {frequencies:.0f} frequencies to prove their bands, and at most "
             f"{MOST_OVER_A_BAND / each:.2g} in all are behind an actuator of kind {actuator.kind}",
+            code="too_many_convolved",
         )
 
 

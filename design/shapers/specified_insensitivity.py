@@ -116,7 +116,10 @@ class BandOptions(ShaperOptions):
     def __post_init__(self) -> None:
         if not SMALLEST_TOLERANCE <= self.tolerance < 1:
             raise InvalidInputError(
-                "tolerance", self.tolerance, f"at least {SMALLEST_TOLERANCE:g} and below 1"
+                "tolerance",
+                self.tolerance,
+                f"at least {SMALLEST_TOLERANCE:g} and below 1",
+                code="out_of_range",
             )
         require_between("lowest_command", self.lowest_command, -LARGEST_LEVEL, 0.0)
         require_between("highest_command", self.highest_command, 1.0, 1.0 + LARGEST_LEVEL)
@@ -133,6 +136,7 @@ class BandOptions(ShaperOptions):
                         name,
                         getattr(self, name),
                         f"{usual:g} for positive amplitudes, whose command rises from 0 to 1",
+                        code="option_of_unity_magnitude",
                     )
         self._require_band()
 
@@ -155,6 +159,7 @@ class BandOptions(ShaperOptions):
                 "upper_ratio",
                 upper,
                 f"{narrow:.4g} to {wide:.4g} times lower_ratio, {lower!r}",
+                code="band_too_narrow_or_wide",
             )
 
     @property
@@ -187,6 +192,7 @@ def specified_insensitivity(case: DesignCase[BandOptions]) -> BandProblem:
             "shaper.amplitudes",
             options.amplitudes,
             "positive behind an actuator whose accelerating and decelerating sets differ",
+            code="sets_differ",
         )
     return BandProblem(
         unit_pole=mode.unit_pole,

@@ -66,7 +66,10 @@ class _Search:
             iteration = ipopt.ITERATION_WORK + STEP_WORK * problem.amplitudes.size
             self.budget.spend(iteration * outcome.iterations)
             if outcome.status is Status.TIME_LIMIT:
-                raise TimeLimitError(f"ipopt ran past its time at start {self.starts} of a move")
+                raise TimeLimitError(
+                    f"ipopt ran past its time at start {self.starts} of a move",
+                    code="move_past_time",
+                )
             in_time = outcome.unknowns.sum() <= problem.horizon_rad
             if outcome.status is Status.SOLVE_SUCCEEDED and in_time:
                 yield outcome.unknowns
@@ -142,7 +145,8 @@ def move_candidates(
     raise InfeasibleDesignError(
         f"no move on levels 0 and 1 was found that travels {travel_s:.6g} s times its speed within "
         f"{problem.horizon_rad / PERIOD_RAD:.4g} periods, in {search.starts} starts"
-        f"{f'; {search.budget.in_words}' if search.budget.spent else ''}"
+        f"{f'; {search.budget.in_words}' if search.budget.spent else ''}",
+        code="no_move_found",
     )
 
 

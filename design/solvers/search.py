@@ -163,7 +163,9 @@ def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Candi
         if not budget.spent:
             start = problem.start(seed.gaps_rad)
             yield from _solved(problem, start, seed.name, tried, budget)
-    raise InfeasibleDesignError(_searched(searched, spread, tried) + _unsearched(problem, budget))
+    raise InfeasibleDesignError(
+        _searched(searched, spread, tried) + _unsearched(problem, budget), code="no_solution_found"
+    )
 
 
 def _unsearched(problem: Problem, budget: Budget) -> str:
@@ -262,7 +264,7 @@ def _solved(
     outcome = ipopt.solve(problem, start)
     budget.spend(JUDGING_WORK + ipopt.work_of(problem.model, outcome.iterations))
     if outcome.status is Status.TIME_LIMIT:
-        raise TimeLimitError(f"ipopt ran past its time from seed {seed!r}")
+        raise TimeLimitError(f"ipopt ran past its time from seed {seed!r}", code="seed_past_time")
     gaps, ratios = problem.split(outcome.unknowns)
     in_time = bool(gaps.sum() <= problem.horizon_rad)
     budget.note(

@@ -87,7 +87,8 @@ def require_long_enough(problem: BandProblem, budget: Budget) -> None:
     raise InfeasibleDesignError(
         f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "
         f"within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural frequency: none "
-        f"is as short (proven), undamped it takes about {needed / PERIOD_RAD:.2g} periods{instead}"
+        f"is as short (proven), undamped it takes about {needed / PERIOD_RAD:.2g} periods{instead}",
+        code="duration_below_bound",
     )
 
 
@@ -119,7 +120,8 @@ def require_more_than_waiting(problem: BandProblem, budget: Budget) -> None:
             f"no shaper keeps a residual within {problem.tolerance:g} from {lower:g} to "
             f"{problem.band[1]:g} of the natural frequency faster, by more than "
             f"{100 * NO_FASTER:g} %, than {wait / PERIOD_RAD:.4g} periods of waiting for the "
-            "mode's own damping (proven): a smaller tolerance needs one"
+            "mode's own damping (proven): a smaller tolerance needs one",
+            code="waiting_is_as_fast",
         )
 
 
@@ -157,5 +159,6 @@ def require_in_time(problem: BandProblem, found: Bounded, budget: Budget) -> Non
         f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "
         f"within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural frequency: the "
         f"fastest shaper found takes {duration / PERIOD_RAD:.6g} periods, {known}; "
-        f"max_duration_periods = {1.0001 * duration / PERIOD_RAD:.4f}{instead} can be met"
+        f"max_duration_periods = {1.0001 * duration / PERIOD_RAD:.4f}{instead} can be met",
+        code="duration_below_fastest",
     )

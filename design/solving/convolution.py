@@ -38,7 +38,8 @@ def convolved(solved: list[Solution]) -> Solution:
     if low < -OVER_RANGE or high > 1 + OVER_RANGE:
         raise InfeasibleDesignError(
             f"the convolved command would go from {low:.6g} to {high:.6g} of full speed, beyond 0 "
-            "to 1; multi_umzv solves all modes jointly within that range"
+            "to 1; multi_umzv solves all modes jointly within that range",
+            code="convolved_beyond_full_speed",
         )
     report = replace(
         solved[0].solver,

@@ -82,7 +82,9 @@ def amplitudes_of(head: TableHead, rows: Rows) -> FloatArray:
 def _positions(head: TableHead, wanted: list[str], column: str) -> list[int]:
     names = names_of(head, "result")
     if not set(wanted) <= set(names):
-        raise InvalidInputError("columns", names, f"with {column!r} among them")
+        raise InvalidInputError(
+            "columns", names, f"with {column!r} among them", code="column_missing"
+        )
     return [names.index(name) for name in wanted]
 
 

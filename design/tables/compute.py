@@ -84,7 +84,8 @@ class _Table:
         wanted = self.times_s.shape[1]
         if found.impulses.times_s.size != wanted:
             raise SolverFailedError(
-                f"the design has {found.impulses.times_s.size} impulses, the table's rows {wanted}"
+                f"the design has {found.impulses.times_s.size} impulses, the table's rows {wanted}",
+                code="impulses_unlike_rows",
             )
         self.times_s[row] = found.impulses.times_s
         self.amplitudes[row] = found.impulses.amplitudes

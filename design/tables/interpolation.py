@@ -136,16 +136,33 @@ def interpolant(head: TableHead, rows: Rows) -> Interpolant:
     subject = subject_of(head)
     foreign = [name for name in names if name.partition(".")[0] not in {"plant", "actuator"}]
     if foreign:
-        raise InvalidInputError("fields", foreign, "fields of plant or actuator, to interpolate")
+        raise InvalidInputError(
+            "fields",
+            foreign,
+            "fields of plant or actuator, to interpolate",
+            code="fields_not_interpolated",
+        )
     if not names:
-        raise InvalidInputError("fields", [], "one or more, to interpolate")
+        raise InvalidInputError("fields", [], "one or more, to interpolate", code="no_fields")
     if not isinstance(subject.plant, Mode | Pendulum | SpringMass):
-        raise InvalidInputError("plant", subject.plant, "of one mode and frequency, to interpolate")
+        raise InvalidInputError(
+            "plant",
+            subject.plant,
+            "of one mode and frequency, to interpolate",
+            code="plant_not_interpolated",
+        )
     amplitudes = amplitudes_of(head, rows)[rows.designed]
     if not len(amplitudes):
-        raise InvalidInputError("rows", "none verified", "one or more verified, to interpolate")
+        raise InvalidInputError(
+            "rows", "none verified", "one or more verified, to interpolate", code="no_verified_row"
+        )
     if np.any(amplitudes != amplitudes[:1]):
-        raise InvalidInputError("amplitudes", "other ones from row to row", "the same in all rows")
+        raise InvalidInputError(
+            "amplitudes",
+            "other ones from row to row",
+            "the same in all rows",
+            code="amplitudes_vary",
+        )
     axes, order = _grid(rows.fields)
     frequencies, _ = _mode_of(subject.plant, list(names), rows.fields)
     phases = (times_of(head, rows) * frequencies[:, None])[order]
@@ -202,7 +219,10 @@ def _grid(fields: FloatArray) -> tuple[tuple[FloatArray, ...], IndexArray]:
     whole = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
     if whole.shape != fields.shape or np.any(whole != fields[order]):
         raise InvalidInputError(
-            "rows", f"{len(fields)} rows", f"all {len(whole)} points of a grid, each once"
+            "rows",
+            f"{len(fields)} rows",
+            f"all {len(whole)} points of a grid, each once",
+            code="not_a_grid",
         )
     return axes, order
 
@@ -230,7 +250,10 @@ def _times_s(made: Interpolant, points: FloatArray) -> FloatArray:
         outside = ~((values >= axis[0]) & (values <= axis[-1]))
         if outside.any():
             raise InvalidInputError(
-                name, float(values[outside][0]), f"between {axis[0]:g} and {axis[-1]:g}"
+                name,
+                float(values[outside][0]),
+                f"between {axis[0]:g} and {axis[-1]:g}",
+                code="out_of_range",
             )
         cell = np.clip(np.searchsorted(axis, values, side="right") - 1, 0, max(axis.size - 2, 0))
         start, weight = _weights(_coordinate(name, axis), _coordinate(name, values), cell)

@@ -56,12 +56,14 @@ def amplitudes_of(
             "design.shaper.kind",
             kind.name,
             "one with as many impulses in every row: those for several modes change with the plant",
+            code="impulses_vary_with_plant",
         )
     if isinstance(formulation, BandProblem | BandSearch):
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,
             "one with as many impulses in every row: those of a band change with plant and band",
+            code="impulses_vary_with_band",
         )
     if isinstance(formulation, ClosedForm):
         return tuple(formulation.impulses.amplitudes.tolist())
@@ -100,6 +102,7 @@ def impulses_of(plant: Plant, kind: ShaperKind, options: ShaperOptions | None) -
             "design.shaper.kind",
             kind.name,
             "one with as many impulses in every row: of those for several modes, convolved",
+            code="joint_kind_in_table",
         )
     return len(amplitudes_of(kind, options))
 

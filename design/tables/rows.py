@@ -188,6 +188,9 @@ def subject_of(head: TableHead) -> Subject:
     """
     if head.subject is None:
         raise InvalidInputError(
-            "subject", None, "made from the specification first, by schemas.tables.with_subject"
+            "subject",
+            None,
+            "made from the specification first, by schemas.tables.with_subject",
+            code="subject_not_made",
         )
     return head.subject

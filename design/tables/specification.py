@@ -78,31 +78,44 @@ class TableSpecification:
 
     def __post_init__(self) -> None:
         if (self.listed is None) == (not self.axes):
-            raise InvalidInputError("axes", len(self.axes), "given, or listed designs in its place")
+            raise InvalidInputError(
+                "axes",
+                len(self.axes),
+                "given, or listed designs in its place",
+                code="no_axes",
+            )
         if self.actuator.kind not in self.kind.actuators:
             raise InvalidInputError(
                 "actuator.kind",
                 self.actuator.kind,
                 f"one that {self.kind.name} serves: {', '.join(self.kind.actuators)}",
+                code="actuator_not_served",
             )
         paths = tuple(axis.path for axis in self.axes) if self.listed is None else self.listed_paths
         object.__setattr__(self, "fields", paths)
         for number, path in enumerate(self.fields):
             if path in self.fields[:number]:
                 raise InvalidInputError(
-                    f"axes.{number}.field", "/".join(path), "another field than those before it"
+                    f"axes.{number}.field",
+                    "/".join(path),
+                    "another field than those before it",
+                    code="field_repeated",
                 )
         self._check_shaper()
         self._check_columns()
         require_between("chunk_rows", self.chunk_rows, 1, MOST_CHUNK_ROWS)
         if self.listed is not None:
             if self.listed.shape[0] == 0:
-                raise InvalidInputError("designs", 0, "a list of one or more designs")
+                raise InvalidInputError(
+                    "designs", 0, "a list of one or more designs", code="no_designs"
+                )
             for path, values in zip(self.fields, self.listed.T, strict=True):
                 self._check_values(path, values, lambda index: f"designs.{index}")
         for number, axis in enumerate(self.axes):
             if axis.values.size == 0:
-                raise InvalidInputError(f"axes.{number}.values", [], "one or more values")
+                raise InvalidInputError(
+                    f"axes.{number}.values", [], "one or more values", code="no_values"
+                )
             place = f"axes.{number}.values"
             self._check_values(axis.path, axis.values, lambda _, place=place: place)
         self._check_amplitudes()
@@ -113,7 +126,10 @@ class TableSpecification:
         several = isinstance(self.plant, Modes)
         if several and not self.kind.serves_several:
             raise InvalidInputError(
-                "design.plant.kind", "modes", f"a plant of one mode for {self.kind.name}"
+                "design.plant.kind",
+                "modes",
+                f"a plant of one mode for {self.kind.name}",
+                code="kind_of_one_mode_in_table",
             )
         if self.impulses is not None:
             return
@@ -123,6 +139,7 @@ class TableSpecification:
                     "design.plant.kind",
                     "scheduled",
                     "a plant of one frequency where there are several rows: each row has its own",
+                    code="range_in_many_rows",
                 )
             found = impulses_of(self.plant, self.kind, self.options)
         except InvalidInputError:
@@ -133,15 +150,23 @@ class TableSpecification:
 
     def _check_columns(self) -> None:
         if not self.columns:
-            raise InvalidInputError("columns", [], f"one or more of {', '.join(COLUMNS)}")
+            raise InvalidInputError(
+                "columns", [], f"one or more of {', '.join(COLUMNS)}", code="no_columns"
+            )
         for number, name in enumerate(self.columns):
             if name not in COLUMNS or name in self.columns[:number]:
                 raise InvalidInputError(
-                    f"columns.{number}", name, f"one of {', '.join(COLUMNS)}, each once"
+                    f"columns.{number}",
+                    name,
+                    f"one of {', '.join(COLUMNS)}, each once",
+                    code="unknown_column",
                 )
         if "phases_rad" in self.columns and isinstance(self.plant, Modes | Scheduled):
             raise InvalidInputError(
-                "columns", "phases_rad", "left out for a plant that has no one frequency"
+                "columns",
+                "phases_rad",
+                "left out for a plant that has no one frequency",
+                code="phases_without_frequency",
             )
 
     def _check_amplitudes(self) -> None:
@@ -151,6 +176,7 @@ class TableSpecification:
                 "columns",
                 list(self.columns),
                 f"with amplitudes: those of {self.kind.name} depend on the damping, or on a field",
+                code="amplitudes_missing",
             )
 
     def _check_size(self) -> None:
@@ -160,6 +186,7 @@ class TableSpecification:
                 "chunk_rows",
                 self.chunk_rows,
                 f"at least {math.ceil(self.rows / MOST_CHUNKS)} for {self.rows} rows",
+                code="chunks_too_small",
             )
 
     def _check_values(self, path: Path, values: FloatArray, place: Any) -> None:  # noqa: ANN401
@@ -167,7 +194,7 @@ class TableSpecification:
         outside = np.flatnonzero(~np.isfinite(values))
         if outside.size:
             index = int(outside[0])
-            raise InvalidInputError(place(index), float(values[index]), "finite")
+            raise InvalidInputError(place(index), float(values[index]), "finite", code="not_finite")
         extremes = [int(values.argmin()), int(values.argmax())]
         above_zero = np.flatnonzero(values > 0)
         if above_zero.size:
@@ -180,14 +207,17 @@ class TableSpecification:
                 if error.name == "field":
                     where = place(index).removesuffix(".values")
                     raise error.within(where) from None
-                raise InvalidInputError(place(index), value, error.rule) from None
+                raise error.at(place(index), value) from None
 
     def _with(self, path: Path, value: float) -> dict[str, Any]:
         parts = {"plant": self.plant, "actuator": self.actuator, "shaper": self.options}
         part, *rest = path
         if part not in parts or not rest:
             raise InvalidInputError(
-                "field", "/".join(path), "a number of plant, actuator or shaper"
+                "field",
+                "/".join(path),
+                "a number of plant, actuator or shaper",
+                code="field_not_tabulated",
             )
         return {part: vary(parts[part], rest, value)}
 
@@ -295,6 +325,7 @@ def require_rows(rows: int) -> None:
             f"{rows:.3g} rows",
             f"of at most {MOST_ROWS:.0e} rows in all: take fewer points and interpolate, vary the "
             "ratio of two frequencies in place of both, or cut it into several tables",
+            code="too_many_rows",
         )
 
 
@@ -313,7 +344,12 @@ def columns_of(specification: TableSpecification) -> tuple[Column, ...]:
     """
     impulses = specification.impulses
     if impulses is None:
-        raise InvalidInputError("impulses", None, "counted first, by design.tables.compute.counted")
+        raise InvalidInputError(
+            "impulses",
+            None,
+            "counted first, by design.tables.compute.counted",
+            code="impulses_not_counted",
+        )
     series = {
         "times_s": [(f"t{number}_s", "s") for number in range(1, impulses + 1)],
         "amplitudes": [(f"a{number}", "1") for number in range(1, impulses + 1)],

@@ -73,7 +73,9 @@ def drifts_of_file(
             return drifts
         names = [column.name for column in head.columns]
         if [column.name for column in found.columns] != names:
-            raise InvalidInputError("file", "other columns", "a table of this specification")
+            raise InvalidInputError(
+                "file", "other columns", "a table of this specification", code="other_columns"
+            )
         try:
             _compare(drifts, head, old, rows, tolerances)
         except InvalidInputError as error:

@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 
 from schemas.pointers import path_of
 from schemas.problems import FieldFault
-from service.problems import INVALID, NOT_JSON, Problem, problem_of_repetition
+from service.problems import NOT_JSON, Problem, invalid_fields, problem_of_repetition
 from service.strict_json import RepeatedNameError, loads
 
 LISTED = re.compile(r"/designs/(\d+)(/.*)?\Z")
@@ -57,7 +57,7 @@ class Source:
                 continue
             line = self.lines[int(place[1])]
             told = f"{self.file} line {line}: {place[2] or ''} {fault.detail}".replace("  ", " ")
-            faults.append(FieldFault(pointer="/designs_file", detail=told))
+            faults.append(FieldFault(pointer="/designs_file", code=fault.code, detail=told))
         if faults == list(problem.errors):
             return problem
         detail = "; ".join(f"{fault.pointer}: {fault.detail}" for fault in faults)
@@ -97,14 +97,14 @@ def read_source(content: bytes, *, toml: bool, folder: Path) -> Source:
     if not isinstance(name, str):
         return Source(json.dumps(body, default=str).encode())
     if "designs" in body:
-        _refuse("designs_file and designs: give one of them")
+        _refuse("designs_file and designs: give one of them", code="designs_said_twice")
     try:
         with (folder / name).open(encoding="utf-8-sig") as file:
             listed, read = file.read(), os.fstat(file.fileno())
     except OSError as error:
-        _refuse(f"cannot read {name}: {error.strerror}")
+        _refuse(f"cannot read {name}: {error.strerror}", code="file_not_readable")
     except UnicodeDecodeError as error:
-        _refuse(f"{name} is no UTF-8 text: {error.reason}")
+        _refuse(f"{name} is no UTF-8 text: {error.reason}", code="file_not_utf8")
     designs = _from_csv(name, listed) if name.lower().endswith(".csv") else _lines(name, listed)
     del body["designs_file"]
     body["designs"] = [design for _, design in designs]
@@ -112,9 +112,9 @@ def read_source(content: bytes, *, toml: bool, folder: Path) -> Source:
     return Source(json.dumps(body, default=str).encode(), name, read, lines)
 
 
-def _refuse(detail: str) -> NoReturn:
-    fault = FieldFault(pointer="/designs_file", detail=detail)
-    raise ReadingError(Problem(INVALID, f"{fault.pointer}: {detail}", (fault,))) from None
+def _refuse(detail: str, code: str) -> NoReturn:
+    fault = FieldFault(pointer="/designs_file", code=code, detail=detail)
+    raise ReadingError(invalid_fields(f"{fault.pointer}: {detail}", (fault,))) from None
 
 
 def _lines(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
@@ -125,9 +125,12 @@ def _lines(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
         try:
             design = loads(line)
         except ValueError as error:
-            _refuse(f"{name} line {number}: {error}")
+            _refuse(f"{name} line {number}: {error}", code="line_not_json")
         if not isinstance(design, dict):
-            _refuse(f"{name} line {number}: must be a JSON object, got {line[:80]}")
+            _refuse(
+                f"{name} line {number}: must be a JSON object, got {line[:80]}",
+                code="line_not_object",
+            )
         designs.append((number, design))
     return designs
 
@@ -144,11 +147,14 @@ def _from_csv(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
             if not header:
                 header = _header(name, number, cells)
             elif len(cells) != len(header):
-                _refuse(f"{name} line {number}: {len(cells)} cells under {len(header)} headings")
+                _refuse(
+                    f"{name} line {number}: {len(cells)} cells under {len(header)} headings",
+                    code="cells_unlike_headings",
+                )
             else:
                 designs.append((number, _nested(name, number, header, cells)))
     except csv.Error as error:
-        _refuse(f"{name} line {table.line_num}: {error}")
+        _refuse(f"{name} line {table.line_num}: {error}", code="line_not_csv")
     return designs
 
 
@@ -159,7 +165,8 @@ def _header(name: str, number: int, cells: list[str]) -> list[str]:
         if not pointer.startswith("/") or pointers.count(pointer) > 1 or within:
             _refuse(
                 f"{name} line {number}: headings must be JSON pointers of numbers, each once, as "
-                f"/plant/cable_length_m; got {pointer!r}"
+                f"/plant/cable_length_m; got {pointer!r}",
+                code="heading_not_pointer",
             )
     return pointers
 
@@ -172,7 +179,10 @@ def _nested(name: str, number: int, header: list[str], cells: list[str]) -> dict
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            _refuse(f"{name} line {number}: {pointer} must be a finite number, got {cell!r}")
+            _refuse(
+                f"{name} line {number}: {pointer} must be a finite number, got {cell!r}",
+                code="cell_not_finite",
+            )
         *parts, last = path_of(pointer)
         here = design
         for part in parts:

@@ -122,7 +122,9 @@ def _format_of(path: Path) -> str:
         if path.suffix.lower() == export.suffix:
             return export.name
     endings = ", ".join(export.suffix for export in EXPORTS.values())
-    raise InvalidInputError("format", path.name, f"given, or the file's name end in {endings}")
+    raise InvalidInputError(
+        "format", path.name, f"given, or the file's name end in {endings}", code="format_unknown"
+    )
 
 
 def _say(text: str) -> None:

@@ -22,11 +22,11 @@ from service.jobs.records import Job
 from service.jobs.results import export_of
 from service.problems import (
     CONFLICT,
-    INVALID,
     NOT_FOUND,
     OVERLOADED,
     Problem,
     ProblemError,
+    invalid_fields,
     problem_of_design,
 )
 from service.settings import Settings
@@ -113,7 +113,9 @@ async def begin(request: Request) -> Response:
     try:
         job_id = await jobs.add(plan.job, key)
     except KeyReusedError:
-        raise _refused_key("not be one that began a table of another specification") from None
+        raise _refused_key(
+            "not be one that began a table of another specification", code="key_reused"
+        ) from None
     response = _answered(await _found(request, job_id), 202)
     response.headers["location"] = f"/v1/tables/{job_id}"
     return response
@@ -124,13 +126,16 @@ def _key_of(request: Request) -> str | None:
     if not keys:
         return None
     if len(keys) > 1 or not KEY.match(keys[0]):
-        raise _refused_key("be given once, as 1 to 255 printable ASCII characters")
+        raise _refused_key(
+            "be given once, as 1 to 255 printable ASCII characters", code="unreadable_key"
+        )
     return keys[0]
 
 
-def _refused_key(rule: str) -> ProblemError:
+def _refused_key(rule: str, code: str) -> ProblemError:
     detail = f"the header {KEY_HEADER} must {rule}"
-    return ProblemError(Problem(INVALID, detail, (FieldFault(pointer="", detail=detail),)))
+    fault = FieldFault(pointer="", code=code, detail=detail)
+    return ProblemError(invalid_fields(detail, (fault,)))
 
 
 @router.get(

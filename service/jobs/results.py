@@ -53,7 +53,9 @@ def export_of(name: str) -> Export:
         If there is none.
     """
     if name not in EXPORTS:
-        raise InvalidInputError("format", name, f"one of {', '.join(EXPORTS)}")
+        raise InvalidInputError(
+            "format", name, f"one of {', '.join(EXPORTS)}", code="format_not_served"
+        )
     return EXPORTS[name]
 
 

@@ -204,6 +204,7 @@ def _designed(request: DesignRequest) -> _Designed:
             "shaper.sample_time_s",
             sample_time_s,
             "left out for a plant of several modes or of a range",
+            code="samples_of_one_mode",
         )
     trace: list[TraceStep] = []
     budget = Budget(trace=trace if request.trace else None)

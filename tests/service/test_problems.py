@@ -1,12 +1,22 @@
 """Every error has its problem."""
 
 import pickle
-from typing import Any
+from typing import Any, get_args
 
 import pytest
+from pydantic_core.core_schema import ErrorType
 
 from design.errors import DesignError, InvalidInputError
-from service.problems import KIND_OF, Problem, pointer, problem_of_design
+from schemas.problems import FieldFault
+from service.problems import (
+    CODE_OF_TYPE,
+    KIND_OF,
+    OVERLOADED,
+    Problem,
+    invalid_fields,
+    pointer,
+    problem_of_design,
+)
 from service.strict_json import RepeatedNameError, loads, require_names_once
 
 
@@ -21,10 +31,15 @@ def test_every_error_of_the_mathematics_has_a_problem() -> None:
 
 @pytest.mark.parametrize("error", sorted(KIND_OF, key=str))
 def test_an_error_becomes_a_document_with_its_status(error: type[DesignError]) -> None:
-    made = InvalidInputError("a.b", 3, "even") if error is InvalidInputError else error("why")
+    made = (
+        InvalidInputError("a.b", 3, "even", "odd")
+        if error is InvalidInputError
+        else error("why", "odd")
+    )
     document = problem_of_design(made).document("id-1")
     assert document.status == KIND_OF[error].http
-    assert document.request_id == "id-1"
+    assert (document.code, document.request_id) == ("odd", "id-1")
+    assert [fault.code for fault in document.errors] == ["odd"] * len(document.errors)
     assert "why" in document.detail or "/a/b: must be even, got 3" in document.detail
 
 
@@ -61,7 +76,7 @@ def test_a_pointer_leaves_the_tags_of_unions_out(
 def test_a_name_that_somebody_chose_is_pointed_at_whatever_it_holds(
     name: str | tuple[str, ...], pointer: str, dotted: str
 ) -> None:
-    error = pickle.loads(pickle.dumps(InvalidInputError(name, 1, "2").within("outer.0")))
+    error = pickle.loads(pickle.dumps(InvalidInputError(name, 1, "2", "one").within("outer.0")))
     (fault,) = problem_of_design(error).errors
     assert fault.pointer == f"/outer/0{pointer}"
     assert str(error).startswith(f"outer.0.{dotted}")
@@ -93,6 +108,17 @@ def test_names_in_different_objects_are_different() -> None:
         loads('{"a": NaN}')
 
 
+def test_a_problem_has_the_code_that_its_faults_have_in_common_or_that_of_its_kind() -> None:
+    one, other = (FieldFault(pointer="/x", code=code, detail="") for code in ("missing", "odd"))
+    assert invalid_fields("", (one, one)).document().code == "missing"
+    assert invalid_fields("", (one, other)).document().code == "invalid_input"
+    assert Problem(OVERLOADED, "").document().code == "overloaded"
+
+
+def test_the_table_of_codes_knows_only_types_that_there_are() -> None:
+    assert set(CODE_OF_TYPE) <= set(get_args(ErrorType))
+
+
 def test_a_long_value_is_echoed_in_part() -> None:
-    problem: Problem = problem_of_design(InvalidInputError("x", "y" * 1000, "short"))
+    problem: Problem = problem_of_design(InvalidInputError("x", "y" * 1000, "short", "long"))
     assert len(problem.detail) < 150

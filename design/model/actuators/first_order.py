@@ -42,8 +42,9 @@ class FirstOrder:
         for name in ("accel_time_constant_s", "decel_time_constant_s"):
             value = getattr(self, name)
             if not (value == 0 or SMALLEST <= value <= LARGEST):
-                rule = f"0, or between {SMALLEST:g} and {LARGEST:g}"
-                raise InvalidInputError(name, value, rule)
+                raise InvalidInputError(
+                    name, value, f"0, or between {SMALLEST:g} and {LARGEST:g}", code="out_of_range"
+                )
         require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
 
     @property

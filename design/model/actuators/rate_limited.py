@@ -56,7 +56,10 @@ class RateLimited:
         require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
         if self.then.dead_time_s != 0:
             raise InvalidInputError(
-                "then.dead_time_s", self.then.dead_time_s, "0: dead_time_s beside it is the delay"
+                "then.dead_time_s",
+                self.then.dead_time_s,
+                "0: dead_time_s beside it is the delay",
+                code="delay_said_twice",
             )
 
     @property

@@ -31,5 +31,8 @@ def require_speed(actuator: Actuator, speed_m_s: float) -> None:
     """
     if isinstance(actuator, RateLimited) and abs(speed_m_s) != actuator.speed_m_s:
         raise InvalidInputError(
-            "speed_m_s", speed_m_s, f"the actuator's own speed_m_s, {actuator.speed_m_s!r}"
+            "speed_m_s",
+            speed_m_s,
+            f"the actuator's own speed_m_s, {actuator.speed_m_s!r}",
+            code="speed_not_actuators",
         )

@@ -33,7 +33,10 @@ class Modes:
     def __post_init__(self) -> None:
         if not 1 < len(self.modes) <= MOST_MODES:
             raise InvalidInputError(
-                "modes", f"{len(self.modes)} modes", f"a list of 2 to {MOST_MODES} here"
+                "modes",
+                f"{len(self.modes)} modes",
+                f"a list of 2 to {MOST_MODES} here",
+                code="wrong_count_of_modes",
             )
         for number, one in enumerate(self.modes):
             for earlier, other in enumerate(self.modes[:number]):
@@ -45,6 +48,7 @@ class Modes:
                         f"another mode than modes.{earlier}, its pole apart by {NEAREST_POLES:g} "
                         "of itself at least: modes so near are one, for which zvd or umzvd add "
                         "robustness",
+                        code="modes_too_near",
                     )
                 ratio = one.natural_frequency_rad_s / other.natural_frequency_rad_s
                 if max(ratio, 1 / ratio) > WIDEST_SPREAD:
@@ -53,9 +57,12 @@ class Modes:
                         one.natural_frequency_rad_s,
                         f"within {WIDEST_SPREAD:g} times of modes.{earlier}, "
                         f"{other.natural_frequency_rad_s!r}",
+                        code="modes_too_far",
                     )
 
     @property
     def mode(self) -> Mode:
         """Raise InvalidInputError: there is more than one."""
-        raise InvalidInputError("plant.modes", f"{len(self.modes)} modes", "a list of one here")
+        raise InvalidInputError(
+            "plant.modes", f"{len(self.modes)} modes", "a list of one here", code="single_mode_only"
+        )

@@ -31,6 +31,7 @@ class Scheduled:
                 "over",
                 "damping_ratio",
                 "a field that changes the frequency: sensitivity.damping tells of damping",
+                code="range_of_damping",
             )
         if not WIDEST_RANGE >= self.band[1] / self.band[0] > 1:
             raise InvalidInputError(
@@ -38,12 +39,15 @@ class Scheduled:
                 f"frequencies 1 to {self.band[1] / self.band[0]:.4g}",
                 "such that the highest frequency is more than the lowest, and at most "
                 f"{WIDEST_RANGE:g} times as high",
+                code="range_too_wide",
             )
 
     @property
     def mode(self) -> Mode:
         """Raise InvalidInputError: a scheduled plant has no one frequency."""
-        raise InvalidInputError("plant.kind", "scheduled", "a plant of one frequency here")
+        raise InvalidInputError(
+            "plant.kind", "scheduled", "a plant of one frequency here", code="single_frequency_only"
+        )
 
     @property
     def middle(self) -> Mode:

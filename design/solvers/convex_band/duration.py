@@ -49,5 +49,6 @@ def require_solvable(problem: BandProblem) -> None:
             f"a residual within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural "
             f"frequency takes about {half_periods:.3g} half periods of its middle and an impulse "
             f"in each; at most {MOST_HALF_PERIODS:g} are solved for: narrow the band, or allow a "
-            f"tolerance of {EASIER / math.cosh(ripples):.4g}"
+            f"tolerance of {EASIER / math.cosh(ripples):.4g}",
+            code="band_too_wide",
         )

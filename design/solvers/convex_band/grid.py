@@ -148,7 +148,9 @@ def least_on_grid(problem: BandProblem, grid: Grid, budget: Budget) -> ConeOutco
     outcome = clarabel.solve(program)
     budget.spend(clarabel.work_of(program, outcome))
     if outcome.status is not Status.SOLVE_SUCCEEDED:
-        raise SolverFailedError(f"clarabel ended with {outcome.status.value} on a band problem")
+        raise SolverFailedError(
+            f"clarabel ended with {outcome.status.value} on a band problem", code="clarabel_failed"
+        )
     return outcome
 
 

@@ -132,7 +132,8 @@ def shortest(problem: JointProblem, budget: Budget | None = None) -> Iterator[Sh
     raise InfeasibleDesignError(
         f"no command found without vibration in {f'all {modes} modes' if modes > 1 else 'the mode'}"
         f": none is shorter than {strongest[0] / PERIOD_RAD:.6g} periods of the slowest, and "
-        f"{programs} linear programs led to none{f'; {budget.in_words}' if budget.spent else ''}"
+        f"{programs} linear programs led to none{f'; {budget.in_words}' if budget.spent else ''}",
+        code="no_joint_command_found",
     )
 
 

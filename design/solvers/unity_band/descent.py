@@ -203,7 +203,9 @@ class Descent:
     ) -> tuple[FloatArray, float, FloatArray] | None:
         outcome, multipliers = step_over_disks(vectors, jacobians, bend, self.price, bounds)
         if outcome.status is Status.TIME_LIMIT:
-            raise TimeLimitError("ipopt ran past its time in a step over a band")
+            raise TimeLimitError(
+                "ipopt ran past its time in a step over a band", code="band_step_past_time"
+            )
         if outcome.status is not Status.SOLVE_SUCCEEDED:
             return None
         step = np.clip(outcome.unknowns[:-1], *bounds)

@@ -64,7 +64,7 @@ def solve(search: BandSearch, budget: Budget) -> Iterator[Solution]:
         if runs.budget.spent:
             break
         yield from runs.candidate(problem, seed, runs.run(problem, seed))
-    raise InfeasibleDesignError(runs.searched())
+    raise InfeasibleDesignError(runs.searched(), code="no_band_solution_found")
 
 
 class _Runs:

@@ -6,12 +6,12 @@ import pytest
 from design.curve_fit.fit import fit
 from design.curve_fit.fit_range import FitRange
 from design.curve_fit.polynomials import Fit
-from design.errors import InvalidInputError
 from design.export.structured_text import EXPORT as STRUCTURED_TEXT
 from design.shapers.registry import SHAPERS
 from design.tables.columns import times_of
 from design.tables.rows import Rows, TableHead, subject_of
 from tests.designed_tables import CRANE, designed_table, made_up_table
+from tests.refusals import refused
 from tests.structured_text import Block
 
 SAMPLE_TIME_S = 0.004
@@ -145,5 +145,5 @@ def test_the_comment_tells_tool_specification_units_and_worst_residual(
 
 
 def test_a_table_too_long_for_a_controller_is_refused() -> None:
-    with pytest.raises(InvalidInputError, match="of at most 200000 numbers"):
+    with refused("program_too_large", "rows", says="of at most 200000 numbers"):
         STRUCTURED_TEXT.checks(made_up_table(50_000, 1)[0])

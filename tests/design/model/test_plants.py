@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from design.errors import InvalidInputError
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
+from tests.refusals import refused
 
 FREQUENCIES = st.floats(1e-2, 1e3)
 DAMPING_RATIOS = st.floats(0.0, 0.99)
@@ -79,16 +79,16 @@ def test_a_plant_cannot_be_changed_after_its_check(record: Mode | Pendulum) -> N
 
 @pytest.mark.parametrize("value", [0.0, -3.0, math.nan, math.inf])
 def test_a_frequency_must_be_positive(value: float) -> None:
-    with pytest.raises(InvalidInputError, match=r"^natural_frequency_rad_s must be finite and > 0"):
+    with refused("not_positive", "natural_frequency_rad_s"):
         Mode(natural_frequency_rad_s=value)
 
 
 @pytest.mark.parametrize("value", [-0.01, 0.991, 1.0, math.nan])
 def test_a_plant_must_swing(value: float) -> None:
     rule = r"^damping_ratio must be between 0 and 0\.99, got "
-    with pytest.raises(InvalidInputError, match=rule):
+    with refused("out_of_range", "damping_ratio", says=rule):
         Mode(natural_frequency_rad_s=1.0, damping_ratio=value)
-    with pytest.raises(InvalidInputError, match=rule):
+    with refused("out_of_range", "damping_ratio", says=rule):
         Pendulum(cable_length_m=1.0, damping_ratio=value)
 
 
@@ -97,22 +97,20 @@ def test_the_heaviest_damping_is_accepted() -> None:
 
 
 def test_a_cable_must_have_a_length() -> None:
-    with pytest.raises(InvalidInputError, match=r"^cable_length_m must be finite and > 0, got 0"):
+    with refused("not_positive", "cable_length_m", says="finite and > 0, got 0"):
         Pendulum(cable_length_m=0.0)
 
 
 def test_gravity_must_pull_down() -> None:
-    with pytest.raises(InvalidInputError, match=r"^gravity_m_s2 must be finite and > 0, got -9.8"):
+    with refused("not_positive", "gravity_m_s2", says="finite and > 0, got -9.8"):
         Pendulum(cable_length_m=1.0, gravity_m_s2=-9.8)
 
 
 @pytest.mark.parametrize("value", [1e-300, 1e300])
 def test_sizes_that_overflow_when_squared_are_refused(value: float) -> None:
-    with pytest.raises(
-        InvalidInputError, match=r"^cable_length_m must be between 1e-12 and 1e\+12"
-    ):
+    with refused("out_of_range", "cable_length_m", says=r"between 1e-12 and 1e\+12"):
         Pendulum(cable_length_m=value)
-    with pytest.raises(InvalidInputError, match=r"^gravity_m_s2 must be between 1e-12 and 1e\+12"):
+    with refused("out_of_range", "gravity_m_s2", says=r"between 1e-12 and 1e\+12"):
         Pendulum(cable_length_m=1.0, gravity_m_s2=value)
-    with pytest.raises(InvalidInputError, match=r"^natural_frequency_rad_s must be between 1e-12"):
+    with refused("out_of_range", "natural_frequency_rad_s", says="between 1e-12"):
         Mode(natural_frequency_rad_s=value)

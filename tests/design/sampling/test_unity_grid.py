@@ -9,7 +9,7 @@ import pytest
 
 from design.analysis.residual import residual_vibration
 from design.claims import Quantity
-from design.errors import InfeasibleDesignError, InvalidInputError
+from design.errors import InfeasibleDesignError
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
@@ -23,6 +23,7 @@ from design.sampling.sample_grid import split
 from design.sampling.sampled import Sampled, sample
 from design.sampling.sampled_design import sampled_design
 from design.shapers.registry import SHAPERS
+from tests.refusals import refused
 from tests.second_route import claims_by_formula, residual_by_integration
 from tests.shaper_table import CRANE, FIRST_ORDER, IDEAL, THESIS
 
@@ -254,7 +255,7 @@ def test_only_amplitudes_that_alternate_are_given_more_impulses() -> None:
 
 @pytest.mark.parametrize("tolerance", [-0.1, 1.1, math.nan])
 def test_a_tolerance_must_be_a_share(tolerance: float) -> None:
-    with pytest.raises(InvalidInputError, match="sample_tolerance must be between 0 and 1"):
+    with refused("out_of_range", "sample_tolerance"):
         on_grid("umzv", PRINTER, IDEAL, 0.01, tolerance)
 
 

@@ -21,6 +21,7 @@ from design.shapers.ei import ToleranceOptions
 from design.shapers.positive import MzvOptions
 from design.shapers.registry import SHAPERS
 from design.shapers.several_modes import ConvolvedOptions
+from tests.refusals import refused
 from tests.second_route import claims_by_formula
 from tests.shaper_table import FIRST_ORDER, IDEAL, SHAPER_TABLE
 
@@ -104,7 +105,7 @@ def test_beyond_its_bound_a_kind_is_refused_by_name(name: str) -> None:
     if bound == LARGEST_DAMPING_RATIO:
         return
     rule = rf"^plant.damping_ratio must be at most {bound:g} for {name}: beyond it its last .*, got"
-    with pytest.raises(InvalidInputError, match=rule):
+    with refused("too_damped_for_kind", "plant.damping_ratio", says=rule):
         design(_mode(bound + 0.001), Ideal(), kind)
 
 
@@ -132,8 +133,10 @@ def test_zvd_to_zvddd_are_powers_of_zv_at_any_damping(order: int, z: float) -> N
 def test_an_mzv_of_many_impulses_says_up_to_which_damping_it_is_more_than_rounding() -> None:
     options = MzvOptions(n=12, t=5.4)
     assert design(_mode(0.5), Ideal(), SHAPERS["mzv"], options).certificate.verified
-    with pytest.raises(
-        InvalidInputError, match=r"must be at most 0\.\d+ for mzv: beyond it its last"
+    with refused(
+        "too_damped_for_kind",
+        "plant.damping_ratio",
+        says=r"must be at most 0\.\d+ for mzv: beyond it its last",
     ):
         design(_mode(0.9), Ideal(), SHAPERS["mzv"], options)
 
@@ -141,13 +144,13 @@ def test_an_mzv_of_many_impulses_says_up_to_which_damping_it_is_more_than_roundi
 def test_ei_of_a_small_tolerance_reaches_further_and_says_where_it_ends() -> None:
     made = design(_mode(0.707), Ideal(), SHAPERS["ei"], ToleranceOptions(tolerance=0.01))
     assert made.certificate.verified
-    with pytest.raises(InfeasibleDesignError, match="impulses meet at a damping ratio of 0"):
+    with refused("humps_meet"):
         design(_mode(0.707), Ideal(), SHAPERS["ei"], ToleranceOptions(tolerance=0.05))
 
 
 def test_of_several_modes_the_one_that_is_damped_too_much_is_named() -> None:
     plant = Modes(modes=(_mode(0.1), Mode(natural_frequency_rad_s=9.0, damping_ratio=0.96)))
-    with pytest.raises(InvalidInputError, match=r"^plant\.modes\.1\.damping_ratio .* for zvdd: "):
+    with refused("too_damped_for_kind", "plant.modes.1.damping_ratio", says="for zvdd: "):
         design(plant, Ideal(), SHAPERS["convolved"], ConvolvedOptions(base="zvdd"))
 
 
@@ -159,8 +162,8 @@ def test_modes_that_decay_at_once_are_refused_by_joint_shapers_and_convolved(
     name: str, modes: tuple[tuple[float, float], ...]
 ) -> None:
     plant = Modes(modes=tuple(Mode(natural_frequency_rad_s=w, damping_ratio=z) for w, z in modes))
-    with pytest.raises(
-        InvalidInputError, match=rf"damping_ratio must be at most 0\.\d+ for {name}"
+    with refused(
+        "mode_decays_too_fast", "plant.modes.1.damping_ratio", says=rf"at most 0\.\d+ for {name}"
     ):
         design(plant, Ideal(), SHAPERS[name])
     assert design(plant, Ideal(), SHAPERS["convolved"]).certificate.verified

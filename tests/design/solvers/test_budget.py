@@ -25,6 +25,7 @@ from design.shapers.specified_insensitivity import BandOptions
 from design.solvers import newton
 from design.solvers.budget import MOST_WORK, Budget
 from design.solving.solve import solve
+from tests.refusals import refused
 from tests.shaper_table import IDEAL, THESIS
 
 OVERSHOOT = 1_000_000
@@ -134,7 +135,7 @@ def test_a_cut_search_tells_what_it_searched_and_what_it_did_not() -> None:
         r"^no ordered solution with duration <= 3 periods in \d+ starts; nearest miss: .*; "
         r"durations up to 20 periods were not searched to the end: its budget of 0\.02 million"
     )
-    with pytest.raises(InfeasibleDesignError, match=message):
+    with refused("no_solution_found", says=message):
         for _ in solve(problem, Budget(most=20_000.0)):
             pass
 
@@ -183,7 +184,5 @@ def test_what_a_recommendation_has_no_budget_for_is_said(monkeypatch: pytest.Mon
 def test_a_fit_ends_with_its_budget(monkeypatch: pytest.MonkeyPatch) -> None:
     wanted = FitRange(over="damping_ratio", start=0.0, stop=0.2, max_residual=1e-16)
     monkeypatch.setattr("design.curve_fit.exact_curve.DESIGN_WORK", MOST_WORK / 30)
-    with pytest.raises(
-        InfeasibleDesignError, match=r"no degree up to \d leaves .*; its budget of 4"
-    ):
+    with refused("no_degree_suffices", says=r"no degree up to \d leaves .*; its budget of 4"):
         fit(MODE, IDEAL, SHAPERS["umzvd"], wanted)

@@ -25,34 +25,68 @@ def changed(pointer: str, value: Any) -> dict[str, Any]:
 
 
 FAULTS = [
-    pytest.param("/plant/cable_length_m", -0.8, "greater than 0", id="negative"),
-    pytest.param("/plant/cable_length_m", 0, "greater than 0", id="zero"),
-    pytest.param("/plant/cable_length_m", True, "valid number, got True", id="boolean"),
-    pytest.param("/plant/cable_length_m", "0.8", "valid number, got '0.8'", id="string"),
-    pytest.param("/plant/cable_length_m", None, "valid number", id="null"),
-    pytest.param("/plant/cable_length_m", [1], "valid number", id="list"),
-    pytest.param("/plant/damping_ratio", 1, "less than or equal to 0.99", id="damping-1"),
-    pytest.param("/plant/damping_ratio", -1e-9, "greater than or equal to 0", id="damping-below-0"),
-    pytest.param(NATURAL, float("nan"), "finite number", id="nan"),
-    pytest.param(NATURAL, float("inf"), "finite number", id="infinity"),
+    pytest.param("/plant/cable_length_m", -0.8, "greater than 0", "out_of_range", id="negative"),
+    pytest.param("/plant/cable_length_m", 0, "greater than 0", "out_of_range", id="zero"),
     pytest.param(
-        "/actuator/decel/damping_ratio", 9, "less than or equal to 5", id="actuator-damping"
+        "/plant/cable_length_m", True, "valid number, got True", "wrong_type", id="boolean"
     ),
-    pytest.param("/actuator/model", "other", "'superposed' or 'switched'", id="model"),
-    pytest.param("/plant/colour", "red", "Extra inputs", id="unknown-field"),
-    pytest.param("/nonsense", 1, "Extra inputs", id="unknown-top-field"),
-    pytest.param("/sensitivity/points", 10**7, "less than or equal to 20001", id="points"),
-    pytest.param("/sensitivity/points", 1, "greater than or equal to 2", id="one-point"),
-    pytest.param("/sensitivity/to_ratio", 0.4, "greater than from_ratio", id="ratios-reversed"),
-    pytest.param("/sensitivity/tolerance", 1, "less than 1", id="tolerance"),
-    pytest.param("/shaper/settle", 1, "valid boolean", id="settle"),
-    pytest.param("/shaper/max_duration_periods", 1e9, "less than or equal to 100", id="horizon"),
+    pytest.param(
+        "/plant/cable_length_m", "0.8", "valid number, got '0.8'", "wrong_type", id="string"
+    ),
+    pytest.param("/plant/cable_length_m", None, "valid number", "wrong_type", id="null"),
+    pytest.param("/plant/cable_length_m", [1], "valid number", "wrong_type", id="list"),
+    pytest.param(
+        "/plant/damping_ratio", 1, "less than or equal to 0.99", "out_of_range", id="damping-1"
+    ),
+    pytest.param(
+        "/plant/damping_ratio",
+        -1e-9,
+        "greater than or equal to 0",
+        "out_of_range",
+        id="damping-below-0",
+    ),
+    pytest.param(NATURAL, float("nan"), "finite number", "not_finite", id="nan"),
+    pytest.param(NATURAL, float("inf"), "finite number", "not_finite", id="infinity"),
+    pytest.param(
+        "/actuator/decel/damping_ratio",
+        9,
+        "less than or equal to 5",
+        "out_of_range",
+        id="actuator-damping",
+    ),
+    pytest.param(
+        "/actuator/model", "other", "'superposed' or 'switched'", "not_one_of", id="model"
+    ),
+    pytest.param("/plant/colour", "red", "Extra inputs", "extra_forbidden", id="unknown-field"),
+    pytest.param("/nonsense", 1, "Extra inputs", "extra_forbidden", id="unknown-top-field"),
+    pytest.param(
+        "/sensitivity/points", 10**7, "less than or equal to 20001", "out_of_range", id="points"
+    ),
+    pytest.param(
+        "/sensitivity/points", 1, "greater than or equal to 2", "out_of_range", id="one-point"
+    ),
+    pytest.param(
+        "/sensitivity/to_ratio",
+        0.4,
+        "greater than from_ratio",
+        "ratios_reversed",
+        id="ratios-reversed",
+    ),
+    pytest.param("/sensitivity/tolerance", 1, "less than 1", "out_of_range", id="tolerance"),
+    pytest.param("/shaper/settle", 1, "valid boolean", "wrong_type", id="settle"),
+    pytest.param(
+        "/shaper/max_duration_periods",
+        1e9,
+        "less than or equal to 100",
+        "out_of_range",
+        id="horizon",
+    ),
 ]
 
 
-@pytest.mark.parametrize(("pointer", "value", "rule"), FAULTS)
+@pytest.mark.parametrize(("pointer", "value", "rule", "code"), FAULTS)
 def test_a_fault_is_named_by_field_rule_and_value(
-    client: httpx.Client, pointer: str, value: Any, rule: str
+    client: httpx.Client, pointer: str, value: Any, rule: str, code: str
 ) -> None:
     answer = client.post("/v1/designs", content=json.dumps(changed(pointer, value)), headers=JSON)
     body = answer.json()
@@ -60,30 +94,35 @@ def test_a_fault_is_named_by_field_rule_and_value(
     assert answer.headers["content-type"] == "application/problem+json"
     assert [fault["pointer"] for fault in body["errors"]] == [pointer]
     assert rule in body["errors"][0]["detail"]
+    assert [body["code"], body["errors"][0]["code"]] == [code, code]
     assert body["request_id"] == answer.headers["x-request-id"]
 
 
 @pytest.mark.parametrize(
-    ("pointer", "value"),
+    ("pointer", "value", "code"),
     [
-        pytest.param("/plant", {"kind": "bridge"}, id="kind-of-plant"),
-        pytest.param("/plant", {}, id="no-kind"),
-        pytest.param("/actuator", {"kind": "hydraulic"}, id="kind-of-actuator"),
-        pytest.param("/shaper", {"kind": "magic"}, id="kind-of-shaper"),
-        pytest.param("/shaper", 3, id="no-object"),
+        pytest.param("/plant", {"kind": "bridge"}, "unknown_kind", id="kind-of-plant"),
+        pytest.param("/plant", {}, "no_kind", id="no-kind"),
+        pytest.param("/actuator", {"kind": "hydraulic"}, "unknown_kind", id="kind-of-actuator"),
+        pytest.param("/shaper", {"kind": "magic"}, "unknown_kind", id="kind-of-shaper"),
+        pytest.param("/shaper", 3, "wrong_type", id="no-object"),
     ],
 )
-def test_an_unknown_kind_is_named(client: httpx.Client, pointer: str, value: Any) -> None:
+def test_an_unknown_kind_is_named(
+    client: httpx.Client, pointer: str, value: Any, code: str
+) -> None:
     answer = client.post("/v1/designs", json=changed(pointer, value))
     assert answer.status_code == 422
     assert [fault["pointer"] for fault in answer.json()["errors"]] == [pointer]
+    assert [fault["code"] for fault in answer.json()["errors"]] == [code]
 
 
 def test_every_fault_of_a_request_is_told_at_once(client: httpx.Client) -> None:
     request = changed("/plant/damping_ratio", 2)
     del request["shaper"]
     faults = client.post("/v1/designs", json=request).json()["errors"]
-    assert {fault["pointer"] for fault in faults} == {"/plant/damping_ratio", "/shaper"}
+    told = {fault["pointer"]: fault["code"] for fault in faults}
+    assert told == {"/plant/damping_ratio": "out_of_range", "/shaper": "missing"}
 
 
 TWO_MODES = {
@@ -97,7 +136,7 @@ def test_several_modes_are_refused_by_a_shaper_of_one(client: httpx.Client) -> N
     body = answer.json()
     assert answer.status_code == 422
     assert body["errors"][0]["pointer"] == "/plant/modes"
-    assert "serves a single mode" in body["detail"]
+    assert body["code"] == body["errors"][0]["code"] == "kind_of_one_mode"
     assert "got '2 modes'" in body["detail"]
 
 
@@ -169,7 +208,11 @@ def test_an_overflowing_number_is_not_finite(client: httpx.Client) -> None:
     answer = client.post("/v1/designs", content=text, headers=JSON)
     assert answer.status_code == 422
     assert answer.json()["errors"] == [
-        {"pointer": NATURAL, "detail": "Input should be a finite number, got inf"}
+        {
+            "pointer": NATURAL,
+            "code": "not_finite",
+            "detail": "Input should be a finite number, got inf",
+        }
     ]
 
 
@@ -238,6 +281,7 @@ def test_an_infeasible_design_says_which_condition_fails(client: httpx.Client) -
     }
     answer = client.post("/v1/designs", json=request)
     assert (answer.status_code, answer.json()["type"]) == (422, "urn:shapersmith:infeasible")
+    assert answer.json()["code"] == "alpha_above_two"
     assert "is 2.5" in answer.json()["detail"]
     assert "alpha <= 2" in answer.json()["detail"]
 
@@ -415,7 +459,9 @@ def test_a_name_given_twice_is_refused_by_its_pointer(
     assert client.post(path, content=text, headers=JSON).is_success
     answer = client.post(path, content=repeated, headers=JSON)
     assert (answer.status_code, answer.json()["type"]) == (422, "urn:shapersmith:invalid-input")
-    assert answer.json()["errors"] == [{"pointer": pointer, "detail": "must be given once"}]
+    assert answer.json()["errors"] == [
+        {"pointer": pointer, "code": "name_repeated", "detail": "must be given once"}
+    ]
 
 
 def test_a_name_given_twice_in_a_line_of_a_batch_spoils_that_line_alone(
@@ -425,7 +471,9 @@ def test_a_name_given_twice_in_a_line_of_a_batch_spoils_that_line_alone(
     twice = line.replace('"shaper": {', '"shaper": {"kind": "umzv", ', 1)
     told = client.post("/v1/designs/batch", content=f"{line}\n{twice}\n{line}\n").text.splitlines()
     problem = json.loads(told[1])
-    assert problem["errors"] == [{"pointer": "/shaper/kind", "detail": "must be given once"}]
+    assert problem["errors"] == [
+        {"pointer": "/shaper/kind", "code": "name_repeated", "detail": "must be given once"}
+    ]
     assert told[0] == told[2]
 
 

@@ -135,4 +135,5 @@ def test_a_swing_beyond_reach_says_how_large_it_is(client: httpx.Client) -> None
     )
     assert answer.status_code == 422
     assert answer.json()["type"] == "urn:shapersmith:infeasible"
+    assert answer.json()["code"] == "swing_not_cancelled"
     assert "times that of one unshaped step" in answer.json()["detail"]
