@@ -28,9 +28,8 @@ class RefusingProtocol(HttpToolsProtocol):
             super()._start_asgi_task(cycle, app)  # type: ignore[arg-type]
             return
         request_id = request_id_of(scope)
-        cycle.response_started = cycle.response_complete = (
-            True  # what is left of the body is dropped
-        )
+        # What is yet to come of the body is dropped.
+        cycle.response_started = cycle.response_complete = True
         self.transport.write(self._written(problem, request_id, keep_alive=cycle.keep_alive))
         log_request(scope, request_id, problem.kind.http.value, started)
         if not cycle.keep_alive:
