@@ -9,7 +9,7 @@ from design.analysis.certificate import Certificate, certify
 from design.analysis.judge import DesignWarning, drive_warnings, judge, shortfall_of
 from design.claims import ZERO_LIMITS, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
-from design.formulations.unity_magnitude import PERIOD_RAD
+from design.formulations.gaps import PERIOD_RAD
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.rate_limited import RateLimited, Unlimited
 from design.model.actuators.registry import Actuator, require_speed

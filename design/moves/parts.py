@@ -9,8 +9,10 @@ from design.analysis.certificate import certify
 from design.claims import Promise
 from design.errors import InfeasibleDesignError
 from design.formulations.equations import Problem, Seed
-from design.formulations.lag_parameters import lag_parameters, swing_parameters, switched_order
-from design.formulations.unity_magnitude import UnityMagnitude, settling_gaps_rad
+from design.formulations.gaps import settling_gaps_rad
+from design.formulations.lag_parameters import lag_parameters, switched_order
+from design.formulations.unity_magnitude import UnityMagnitude
+from design.formulations.whole_move import swing_parameters
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses

@@ -7,9 +7,9 @@ import numpy as np
 from design.analysis.residual import swing_over_step
 from design.errors import InfeasibleDesignError
 from design.formulations.equations import Problem, Seed
-from design.formulations.lag_parameters import lag_parameters, swing_parameters, switched_order
-from design.formulations.unity_magnitude import settling_gaps_rad
-from design.formulations.whole_move import WholeMove, whole_move_problem
+from design.formulations.gaps import settling_gaps_rad
+from design.formulations.lag_parameters import lag_parameters, switched_order
+from design.formulations.whole_move import WholeMove, swing_parameters, whole_move_problem
 from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses
 from design.moves.parts import Parts

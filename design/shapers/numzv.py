@@ -4,15 +4,11 @@ import numpy as np
 
 from design.errors import InvalidInputError
 from design.formulations.formulation import ClosedForm, Formulation
-from design.formulations.unity_magnitude import (
-    PERIOD_RAD,
-    ZERO_VIBRATION,
-    alternating,
-    decel_over_accel,
-    settling_gaps_rad,
-    undamped_times_rad,
-    unity_magnitude_problem,
-)
+from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
+from design.formulations.lag_parameters import decel_over_accel
+from design.formulations.unity_magnitude import ZERO_VIBRATION
+from design.formulations.unity_magnitude_problem import alternating, unity_magnitude_problem
+from design.formulations.vector_diagram import undamped_times_rad
 from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses
 from design.shapers.kind import EVERY_ACTUATOR, CompiledRows, DesignCase, KindOf

@@ -1,10 +1,8 @@
 """NUMZVD: five impulses of unity magnitude, whose residual is flat over the frequency."""
 
 from design.formulations.formulation import Formulation
-from design.formulations.unity_magnitude import (
-    ZERO_VIBRATION_DERIVATIVE,
-    unity_magnitude_problem,
-)
+from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE
+from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.shapers.kind import EVERY_ACTUATOR, CompiledRows, DesignCase, KindOf
 from design.shapers.numzv import SOURCE
 from design.shapers.options import SettleOptions

@@ -7,7 +7,7 @@ import numpy as np
 
 from design.errors import InfeasibleDesignError, TimeLimitError
 from design.formulations.equations import Problem
-from design.formulations.unity_magnitude import PERIOD_RAD
+from design.formulations.gaps import PERIOD_RAD
 from design.formulations.whole_move import WholeMove, pulse_trains
 from design.solvers import ipopt
 from design.solvers.budget import Budget

@@ -178,10 +178,8 @@ def test_a_right_shaper_of_five_periods_is_verified() -> None:
 
 
 def long_solution(mode: Mode, actuator: FirstOrder) -> FloatArray:
-    from design.formulations.unity_magnitude import (
-        ZERO_VIBRATION_DERIVATIVE,
-        unity_magnitude_problem,
-    )
+    from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE
+    from design.formulations.unity_magnitude_problem import unity_magnitude_problem
     from design.solvers.search import candidates
 
     problem = unity_magnitude_problem(

@@ -12,8 +12,8 @@ from design.formulations.unity_magnitude import (
     ZERO_VIBRATION,
     ZERO_VIBRATION_DERIVATIVE,
     UnityMagnitude,
-    unity_magnitude_problem,
 )
+from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
