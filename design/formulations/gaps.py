@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from design.model.actuators.registry import Actuator, unit_ramps_s
+from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.types import FloatArray
 
@@ -67,3 +68,26 @@ def settling_gaps_rad(mode: Mode, actuator: Actuator, impulses: int, *, settle: 
         for ramp_s, settling_s in zip(ramps, settling, strict=True)
     ]
     return np.array([shortest[number % 2] for number in range(impulses - 1)])
+
+
+def of_gaps(
+    gaps_rad: FloatArray, natural_frequency_rad_s: float, amplitudes: FloatArray
+) -> Impulses:
+    """Return the impulses of dimensionless gaps.
+
+    Parameters
+    ----------
+    gaps_rad
+        Gaps between the impulses times the natural frequency, shape (n - 1,) [rad].
+    natural_frequency_rad_s
+        Turns them into times [rad/s].
+    amplitudes
+        Amplitudes of the impulses, shape (n,) [-].
+
+    Returns
+    -------
+    Impulses
+        The first at time 0.
+    """
+    phases = np.concatenate(([0.0], np.cumsum(gaps_rad)))
+    return Impulses(times_s=phases / natural_frequency_rad_s, amplitudes=amplitudes)

@@ -22,7 +22,6 @@ from design.response.closed_form import travel
 from design.solvers import newton
 from design.solvers.continuation import followed
 from design.solvers.search import candidates
-from design.solvers.solution import of_gaps
 from design.types import FloatArray
 
 SHORTEST_START_SHARE = 1 / 512
@@ -185,9 +184,8 @@ def with_swing(parts: Parts, swing: FreeSwing) -> Parts:
     swinging = replace(parts, swing=swing)
     try:
         for found in candidates(problem):
-            start = of_gaps(found.gaps_rad, w, problem.amplitudes)
-            if swinging.verified(start):
-                return replace(swinging, start=start)
+            if swinging.verified(found.impulses):
+                return replace(swinging, start=found.impulses)
     except InfeasibleDesignError:  # the stop may do what the start cannot
         pass
     return replace(swinging, apart=False, cancelled=path.share)

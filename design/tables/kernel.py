@@ -17,7 +17,7 @@ from design.formulations.gaps import PERIOD_RAD, SHORTEST_GAP_RAD
 from design.formulations.unity_magnitude_problem import ZV_POLYNOMIALS, ZVD_POLYNOMIALS
 from design.formulations.vector_diagram import LARGEST_ALPHA
 from design.model.lags import SETTLED_SHARE
-from design.solvers.search import HORIZONS_PERIODS, unit_starts
+from design.solvers.branches import HORIZONS_PERIODS, unit_starts
 from design.tables.compiled import compiled
 from design.tables.elementary import angle
 from design.tables.equations import LANES, LENGTH, RATIO, Switched, enter, free_motion

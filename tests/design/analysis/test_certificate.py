@@ -185,8 +185,7 @@ def long_solution(mode: Mode, actuator: FirstOrder) -> FloatArray:
     problem = unity_magnitude_problem(
         ZERO_VIBRATION_DERIVATIVE, mode, actuator, settle=True, max_duration_periods=6.0
     )
-    gaps = next(candidates(problem)).gaps_rad
-    return np.concatenate(([0.0], np.cumsum(gaps))) / mode.natural_frequency_rad_s
+    return next(candidates(problem)).impulses.times_s
 
 
 @pytest.mark.parametrize("z", [0.0, 0.1, 0.4])
