@@ -3,7 +3,8 @@
 from dataclasses import dataclass, replace
 
 from design.analysis.certificate import Certificate
-from design.analysis.judge import DesignWarning, drive_warnings
+from design.analysis.drive_warnings import drive_warnings
+from design.analysis.warnings import DesignWarning
 from design.analysis.workable import require_workable
 from design.certification import Certified, certify
 from design.errors import InvalidInputError

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from design.analysis.judge import sum_warnings
+from design.analysis.warnings import sum_warnings
 from design.fields import Axis
 from design.maps.field_map import field_map
 from design.maps.map_case import Map, MapCase

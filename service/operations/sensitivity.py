@@ -1,11 +1,8 @@
 """The sensitivity curve of any impulses."""
 
-from design.analysis.judge import sum_warnings
 from design.analysis.residual import residual_vibration
-from design.analysis.sensitivity import (
-    sensitivity,
-    worst_of,
-)
+from design.analysis.sensitivity import sensitivity, worst_of
+from design.analysis.warnings import sum_warnings
 from design.analysis.workable import require_workable
 from schemas.base import named
 from schemas.sensitivity import SensitivityOut, SensitivityRequest, SensitivityResponse

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from design.analysis.judge import DesignWarning, sum_warnings
+from design.analysis.warnings import DesignWarning, sum_warnings
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
