@@ -5,11 +5,11 @@ from typing import Annotated, Self
 from pydantic import Field
 
 from design.analysis.insensitivity import Insensitivity
-from design.analysis.sensitivity import (
+from design.analysis.sensitivity import Sensitivity
+from design.analysis.sensitivity_range import (
     MOST_POINTS,
     RATIO_BOUNDS,
     DampingRange,
-    Sensitivity,
     SensitivityRange,
 )
 from design.model.plants.mode import Mode

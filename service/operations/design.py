@@ -3,12 +3,9 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from design.analysis.sensitivity import (
-    Sensitivity,
-    SensitivityRange,
-    sensitivity,
-    worst_of,
-)
+from design.analysis.sensitivity import Sensitivity, sensitivity
+from design.analysis.sensitivity_range import SensitivityRange
+from design.analysis.worst_mode import worst_of
 from design.curve_fit.fit import fit
 from design.curve_fit.fit_range import plants_at_ends
 from design.errors import DesignError, InvalidInputError
@@ -25,12 +22,7 @@ from schemas.sensitivity import SensitivityOut
 from schemas.trace import TraceStepOut
 from service.operations.fit import fitted
 from service.operations.operation import Operation
-from service.operations.subject import (
-    NO_FIT_ON_SAMPLES,
-    of_modes,
-    on_samples,
-    subject_of,
-)
+from service.operations.subject import NO_FIT_ON_SAMPLES, of_modes, on_samples, subject_of
 from service.version import version
 
 
@@ -155,10 +147,7 @@ def design_picture(request: DesignRequest, image_format: Literal["png", "svg"]) 
     TimeLimitError
         If a solver ran past its time.
     """
-    from design.pictures.design_sheet import (  # noqa: PLC0415 - matplotlib takes a second
-        design_sheet,
-        figure_bytes,
-    )
+    from design.pictures.design_sheet import design_sheet, figure_bytes  # noqa: PLC0415 - matplotlib takes a second
     from design.pictures.trace_sheet import trace_sheet  # noqa: PLC0415
 
     done = _designed(request)

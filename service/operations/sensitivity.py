@@ -1,9 +1,10 @@
 """The sensitivity curve of any impulses."""
 
 from design.analysis.residual import residual_vibration
-from design.analysis.sensitivity import sensitivity, worst_of
+from design.analysis.sensitivity import sensitivity
 from design.analysis.warnings import sum_warnings
 from design.analysis.workable import require_workable
+from design.analysis.worst_mode import worst_of
 from schemas.base import named
 from schemas.sensitivity import SensitivityOut, SensitivityRequest, SensitivityResponse
 from schemas.warnings import WarningOut
