@@ -21,8 +21,9 @@ from schemas.fits import FitDesign
 from schemas.sensitivity import SensitivityOut
 from schemas.trace import TraceStepOut
 from service.operations.fit import fitted
+from service.operations.found_shaper import on_samples
 from service.operations.operation import Operation
-from service.operations.subject import NO_FIT_ON_SAMPLES, of_modes, on_samples, subject_of
+from service.operations.subject import NO_FIT_ON_SAMPLES, of_modes, subject_of
 from service.version import version
 
 

@@ -9,8 +9,9 @@ from design.maps.map_case import Map, MapCase
 from design.model.impulses import Impulses
 from schemas.base import named
 from schemas.maps import MapRequest, MapResponse
+from service.operations.found_shaper import found_shaper
 from service.operations.operation import Operation
-from service.operations.subject import found_shaper, subject_of
+from service.operations.subject import subject_of
 
 
 def map_over_fields(request: MapRequest) -> MapResponse:

@@ -5,16 +5,10 @@ from collections import Counter
 
 import pytest
 
-from service.workers.costs import (
-    FIRST_GUESS_S,
-    LONGEST_SHAPE,
-    MOST_SHAPES,
-    SLICE_S,
-    Costs,
-    shape_of,
-)
+from service.workers.costs import FIRST_GUESS_S, MOST_SHAPES, SLICE_S, Costs
 from service.workers.patience import BURST_S, INTERVAL_S, STANDING_S, Patience
 from service.workers.queue import FairQueue, Flow, Ticket
+from service.workers.shapes import LONGEST_SHAPE, shape_of
 
 
 def added(queue: FairQueue, flow: Flow, cost_s: float = 0.01) -> Ticket:
