@@ -6,8 +6,6 @@ from pydantic import Field
 
 from design.analysis.certificate import Certificate, Claim
 from design.model.impulses import Impulses
-from design.model.plants.registry import Plant
-from design.model.plants.scheduled import Scheduled
 from design.pipeline import Design
 from design.sampling.sampled import Sampled
 from schemas.actuators import ActuatorIn
@@ -15,6 +13,7 @@ from schemas.base import Wire, left_out_if_none
 from schemas.fits import FitIn, FitOut
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
+from schemas.ranges import RangeOut
 from schemas.sensitivity import ModeOut, OfModes, SensitivityIn, SensitivityOut
 from schemas.shapers import ShaperIn
 from schemas.trace import TraceStepOut
@@ -209,45 +208,6 @@ class SolverOut(Wire):
         float | None,
         Field(description="(duration - lower bound) / duration; null likewise [-]."),
     ]
-
-
-class RangeOut(Wire):
-    """What a shaper does over the range of a scheduled plant."""
-
-    natural_frequency_rad_s: Annotated[
-        float, Field(description="Middle of the range, for which the shaper is designed [rad/s].")
-    ]
-    lower_ratio: Annotated[float, Field(description="Lowest frequency over the middle one [-].")]
-    upper_ratio: Annotated[float, Field(description="Highest frequency over the middle one [-].")]
-    worst_residual: Annotated[
-        float, Field(description="Largest residual in the range, with the actuator given [-].")
-    ]
-
-    @classmethod
-    def from_design(cls, plant: Plant, design: Design) -> Self | None:
-        """Wrap the design records.
-
-        Parameters
-        ----------
-        plant
-            The plant of the request.
-        design
-            Its design.
-
-        Returns
-        -------
-        Self or None
-            None for a plant that is not scheduled.
-        """
-        if not isinstance(plant, Scheduled) or design.worst_in_range is None:
-            return None
-        low, high = plant.band
-        return cls.model_construct(
-            natural_frequency_rad_s=plant.middle.natural_frequency_rad_s,
-            lower_ratio=low,
-            upper_ratio=high,
-            worst_residual=design.worst_in_range,
-        )
 
 
 class DesignResponse(Wire):

@@ -15,7 +15,7 @@ from schemas.problems import ProblemDocument
 from service.catalogue import THESIS_CRANE
 from service.cli.rendering import as_table
 from service.files import write_whole
-from service.operations.design import design_picture
+from service.operations.design_picture import design_picture
 
 SLOW_START_S = 5.0
 """When a start is called slow [s]."""
