@@ -10,7 +10,8 @@ import urllib.error
 import urllib.request
 from pathlib import Path
 
-from schemas.designs import DesignRequest, DesignResponse
+from schemas.design_request import DesignRequest
+from schemas.designs import DesignResponse
 from schemas.problems import ProblemDocument
 from service.catalogue import THESIS_CRANE
 from service.cli.rendering import as_table

@@ -3,7 +3,7 @@
 from pydantic import ValidationError
 
 from design.errors import DesignError
-from schemas.designs import DesignRequest
+from schemas.design_request import DesignRequest
 from service.operations.design_file import design_file as file_of
 from service.problems import Problem, problem_of_design, problem_of_validation
 

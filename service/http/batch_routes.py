@@ -3,7 +3,7 @@
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
-from schemas.designs import DesignRequest
+from schemas.design_request import DesignRequest
 from service.http.answers import answer_line
 from service.http.batches import Batch
 from service.http.bodies import read_body

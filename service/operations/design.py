@@ -3,10 +3,11 @@
 from design.analysis.sensitivity import Sensitivity
 from design.analysis.worst_mode import worst_of
 from design.model.plants.scheduled import Scheduled
-from schemas.designs import DesignRequest, DesignResponse
+from schemas.design_request import DesignRequest
+from schemas.designs import DesignResponse
 from schemas.fits import FitDesign
 from schemas.ranges import RangeOut
-from schemas.sensitivity import SensitivityOut
+from schemas.sensitivity_curves import SensitivityOut
 from schemas.trace import TraceStepOut
 from service.operations.design_picture import design_picture
 from service.operations.fit import fitted

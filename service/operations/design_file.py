@@ -1,7 +1,7 @@
 """One design as a file, a table of one row."""
 
 from design.curve_fit.fit import fit
-from schemas.designs import DesignRequest
+from schemas.design_request import DesignRequest
 from service.operations.requested_design import requested_design
 from service.version import version
 

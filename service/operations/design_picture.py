@@ -5,7 +5,7 @@ from typing import Literal
 from design.analysis.sensitivity import sensitivity
 from design.analysis.sensitivity_range import SensitivityRange
 from design.analysis.worst_mode import worst_of
-from schemas.designs import DesignRequest
+from schemas.design_request import DesignRequest
 from service.operations.requested_design import requested_design
 
 

@@ -12,7 +12,8 @@ from design.pipeline import Design, design
 from design.solvers.budget import Budget
 from design.trace import TraceStep
 from schemas.base import named
-from schemas.designs import DesignRequest, SampledOut
+from schemas.design_request import DesignRequest
+from schemas.sampled import SampledOut
 from service.operations.found_shaper import on_samples
 from service.operations.subject import NO_FIT_ON_SAMPLES, subject_of
 
