@@ -3,7 +3,7 @@
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar, Generic, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -21,6 +21,34 @@ class Wire(BaseModel):
         """Return the canonical JSON: one line, keys sorted, with defaults."""
         told = self.model_dump(mode="json", by_alias=True, exclude_none=True)
         return json.dumps(told, sort_keys=True, separators=(",", ":"))
+
+
+Record = TypeVar("Record")
+
+
+class WireOf(Wire, Generic[Record]):
+    """The wire form of a record of the mathematics, whose fields are its own but for `kind`.
+
+    Attributes
+    ----------
+    RECORD
+        Class of the record.
+    """
+
+    RECORD: ClassVar[type[Any]]
+
+    def to_design(self) -> Record:
+        """Build the design record; a fault has the path of its field."""
+        values: dict[str, Any] = {}
+        for name in type(self).model_fields:
+            value = getattr(self, name)
+            if isinstance(value, WireOf):
+                with named(name):
+                    value = value.to_design()
+            if name != "kind":
+                values[name] = value
+        record: Record = self.RECORD(**values)
+        return record
 
 
 def _says_nothing(value: object) -> bool:
