@@ -25,7 +25,8 @@ from design.moves.rest_to_rest import faster_as_one, over_distance, over_pulse
 from design.pipeline import design
 from design.response.closed_form import travel
 from design.shapers.kind import ShaperKind
-from design.shapers.options import PeakOptions, SettleOptions, ShaperOptions
+from design.shapers.options import ShaperOptions
+from design.shapers.settle_options import PeakOptions, SettleOptions
 from design.solving.solve import solve
 from design.types import LARGEST, SMALLEST, require_scale
 

@@ -12,7 +12,8 @@ from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.humps import Humps, humped
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DesignCase, KindOf, ShaperKind
+from design.shapers.actuators import EVERY_ACTUATOR_BY_ITS_LAG
+from design.shapers.kind import DesignCase, KindOf, ShaperKind
 from design.shapers.options import (
     LARGEST_TOLERANCE,
     SMALLEST_TOLERANCE,

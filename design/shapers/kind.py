@@ -2,28 +2,17 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar, get_args
+from typing import Any, Generic, TypeVar
 
 from design.claims import Quantity
 from design.errors import InvalidInputError
 from design.formulations.formulation import Formulation
-from design.model.actuators.rate_limited import Unlimited
 from design.model.actuators.registry import Actuator
-from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.mode import Mode
+from design.shapers.damping import EVERY_PLANT, DampingBound, require_modes_damped
 from design.shapers.options import ShaperOptions
 
 Options = TypeVar("Options", bound=ShaperOptions)
-
-UNLIMITED_ACTUATORS = tuple(one.kind for one in get_args(Unlimited))
-"""Kinds of actuators without limits to the rate of the command."""
-
-EVERY_ACTUATOR = tuple(one.kind for one in get_args(Actuator))
-"""Kinds of actuators, the one that asks most of a shaper last: the catalogue's example has it."""
-
-EVERY_ACTUATOR_BY_ITS_LAG = tuple(
-    sorted(EVERY_ACTUATOR, key=lambda name: name not in {"ideal", "rate_limited"})
-)
-"""The same for shapers that only use the acceleration set, of which a lag asks most."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,22 +43,6 @@ class DesignCase(Generic[Options]):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DampingBound:
-    """Up to which damping ratio of the plant a kind of shaper exists as numbers.
-
-    Attributes
-    ----------
-    most
-        Largest damping ratio [-].
-    beyond
-        What its impulses are beyond it, in words.
-    """
-
-    most: float
-    beyond: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class CompiledRows:
     """How the compiled kernel of tables solves a kind whose equations are as many as its unknowns.
 
@@ -83,9 +56,6 @@ class CompiledRows:
 
     for_ideal: bool = False
     closed_form_undamped: bool = False
-
-
-EVERY_PLANT = DampingBound(most=LARGEST_DAMPING_RATIO, beyond="there is no such plant")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -183,45 +153,9 @@ class KindOf(Generic[Options]):
                 code="kind_of_one_mode",
             )
         if self.damping is not EVERY_PLANT:
-            self.require_damping(case.modes)
+            require_modes_damped(self.name, self.damping, case.modes)
         return self.formulation(case)
-
-    def require_damping(self, modes: tuple[Mode, ...]) -> None:
-        """Raise InvalidInputError for the first mode that is damped too much."""
-        for number, mode in enumerate(modes):
-            field_name = "plant" if len(modes) == 1 else f"plant.modes.{number}"
-            require_damping(self.name, self.damping, mode, field_name)
 
 
 ShaperKind = KindOf[Any]
 """A kind of shaper, whatever its parameters are."""
-
-
-def require_damping(
-    name: str, damping: DampingBound, mode: Mode, field_name: str = "plant"
-) -> None:
-    """Check that a mode is damped no more than a kind of shaper serves.
-
-    Parameters
-    ----------
-    name
-        Name of the kind.
-    damping
-        Its bound.
-    mode
-        The mode.
-    field_name
-        Dotted path of the mode, for the error.
-
-    Raises
-    ------
-    InvalidInputError
-        If the damping ratio is above the bound.
-    """
-    if mode.damping_ratio > damping.most:
-        raise InvalidInputError(
-            f"{field_name}.damping_ratio",
-            mode.damping_ratio,
-            f"at most {damping.most:g} for {name}: beyond it {damping.beyond}",
-            code="too_damped_for_kind",
-        )

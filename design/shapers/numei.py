@@ -27,13 +27,10 @@ from design.formulations.unity_magnitude_problem import alternating
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
-from design.shapers.kind import EVERY_ACTUATOR, DesignCase, KindOf, ShaperKind
-from design.shapers.options import (
-    LARGEST_TOLERANCE,
-    SMALLEST_TOLERANCE,
-    SettleOptions,
-    tolerance_field,
-)
+from design.shapers.actuators import EVERY_ACTUATOR
+from design.shapers.kind import DesignCase, KindOf, ShaperKind
+from design.shapers.options import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, tolerance_field
+from design.shapers.settle_options import SettleOptions
 from design.types import FloatArray, require_between
 
 SOURCE = (

@@ -15,7 +15,9 @@ from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.formulations.vector_diagram import undamped_times_rad
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DampingBound, DesignCase, KindOf
+from design.shapers.actuators import EVERY_ACTUATOR_BY_ITS_LAG
+from design.shapers.damping import DampingBound
+from design.shapers.kind import DesignCase, KindOf
 from design.shapers.negative import LONGEST_PERIODS, SOURCE
 from design.shapers.options import NoOptions
 

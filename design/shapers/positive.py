@@ -20,14 +20,9 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import ROUNDING, Impulses
 from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
-from design.shapers.kind import (
-    EVERY_ACTUATOR_BY_ITS_LAG,
-    DampingBound,
-    DesignCase,
-    KindOf,
-    ShaperKind,
-    require_damping,
-)
+from design.shapers.actuators import EVERY_ACTUATOR_BY_ITS_LAG
+from design.shapers.damping import DampingBound, require_damping
+from design.shapers.kind import DesignCase, KindOf, ShaperKind
 from design.shapers.options import NoOptions, ShaperOptions
 from design.types import require_between
 

@@ -7,8 +7,10 @@ from typing import ClassVar, Literal, Self
 from design.band import USUAL_HALF_WIDTH, ends_of, require_said_once
 from design.errors import InvalidInputError
 from design.formulations.bands import BandProblem
-from design.shapers.kind import UNLIMITED_ACTUATORS, DesignCase, KindOf
-from design.shapers.options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS, ShaperOptions
+from design.shapers.actuators import UNLIMITED_ACTUATORS
+from design.shapers.kind import DesignCase, KindOf
+from design.shapers.options import ShaperOptions
+from design.shapers.settle_options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
 from design.types import require_between
 
 NARROWEST, WIDEST = 0.01, 0.9

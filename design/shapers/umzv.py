@@ -8,7 +8,9 @@ from design.formulations.unity_magnitude import ZERO_VIBRATION, ZERO_VIBRATION_D
 from design.formulations.unity_magnitude_problem import alternating, unity_magnitude_problem
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.shapers.kind import EVERY_ACTUATOR, CompiledRows, DampingBound, DesignCase, KindOf
+from design.shapers.actuators import EVERY_ACTUATOR
+from design.shapers.damping import DampingBound
+from design.shapers.kind import CompiledRows, DesignCase, KindOf
 from design.shapers.options import NoOptions
 
 SOURCE = (

@@ -16,7 +16,7 @@ from design.model.actuators.second_order import SMALLEST_DAMPING_RATIO as SMALLE
 from design.model.actuators.second_order import SecondOrder
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
-from design.shapers.options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
+from design.shapers.settle_options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
 from design.shapers.umzv import LONGEST_PERIODS
 from design.tables.specification import TableSpecification
 from design.types import LARGEST, SMALLEST, BoolArray, FloatArray
