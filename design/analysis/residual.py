@@ -9,7 +9,7 @@ from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
 from design.model.plants.mode import Mode
-from design.model.reference_ramps import ramp_factors
+from design.model.ramps import ramp_factors
 
 
 def residual_vibration(

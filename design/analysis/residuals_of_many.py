@@ -12,7 +12,8 @@ from design.model.actuators.model import Model
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import SAME_TIME, Impulses
-from design.model.reference_ramps import Reference, ramp_factors, reference
+from design.model.ramps import Reference, ramp_factors
+from design.model.reference_ramps import reference
 from design.response.closed_form import lag_states, states_of
 from design.types import ComplexArray, FloatArray
 

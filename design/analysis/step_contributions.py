@@ -8,7 +8,8 @@ from design.analysis.passed_on_state import pass_on_state
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.reference_ramps import Reference, reference
+from design.model.ramps import Reference
+from design.model.reference_ramps import reference
 from design.response.closed_form import states_of
 from design.types import FloatArray
 

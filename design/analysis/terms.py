@@ -6,7 +6,7 @@ from design.analysis.step_contributions import step_contributions
 from design.analysis.vectors import join_sets
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.reference_ramps import ramp_factors
+from design.model.ramps import ramp_factors
 from design.types import ComplexArray
 
 

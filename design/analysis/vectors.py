@@ -8,7 +8,7 @@ from design.analysis.step_contributions import step_contributions
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
-from design.model.reference_ramps import ramp_factors
+from design.model.ramps import ramp_factors
 from design.types import ComplexArray
 
 SMALLEST_DENOMINATOR = 1e-12

@@ -7,6 +7,7 @@ import numpy as np
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
+from design.model.settling import settling_time_s
 from design.types import FloatArray
 
 PERIOD_RAD = 2 * math.pi
@@ -62,7 +63,7 @@ def settling_gaps_rad(mode: Mode, actuator: Actuator, impulses: int, *, settle: 
     ramps = unit_ramps_s(actuator)
     settling = (0.0, 0.0)
     if settle:
-        settling = actuator.accel_lag.settling_time_s(), actuator.decel_lag.settling_time_s()
+        settling = settling_time_s(actuator.accel_lag), settling_time_s(actuator.decel_lag)
     shortest = [
         max(SHORTEST_GAP_RAD, w * (ramp_s + settling_s))
         for ramp_s, settling_s in zip(ramps, settling, strict=True)

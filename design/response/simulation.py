@@ -18,7 +18,8 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.lags import Lag
-from design.model.reference_ramps import Reference, reference
+from design.model.ramps import Reference
+from design.model.reference_ramps import reference
 from design.response.matrix_exponential import exponentials
 from design.response.ramp_flows import ramp_flows
 from design.types import ComplexArray, FloatArray

@@ -39,7 +39,7 @@ ZVD = np.array(ZVD_POLYNOMIALS)
 
 @compiled
 def _settled(first: float, second: float, band: float, decay: float) -> float:
-    """Return `design.model.lags.Lag.settling_time_s` in units of the plant's frequency."""
+    """Return `design.model.settling.settling_time_s` in units of the plant's frequency."""
     if second == 0.0:
         return first * decay
     frequency = 1.0 / math.sqrt(second)
