@@ -1,46 +1,13 @@
 """Equations in the gaps between impulses, to be solved in least time."""
 
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 
 from design.claims import Promise
+from design.formulations.expressions import Model
 from design.model.actuators.registry import Actuator
-from design.types import BoolArray, FloatArray, Symbolic
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Expressions:
-    """CasADi expressions of a problem, all dimensionless.
-
-    Attributes
-    ----------
-    unknowns
-        Gaps between the impulses times the plant's natural frequency, shape (n - 1,) [rad], then
-        ratios of frequencies, if any are unknown too, shape (r,) [-].
-    parameters
-        What differs from one design to the next, shape (p,).
-    objective
-        To be minimised: the duration [rad].
-    equations
-        To be zero, as many as unknowns.
-    """
-
-    unknowns: Symbolic
-    parameters: Symbolic
-    objective: Symbolic
-    equations: Symbolic
-
-
-class Model(Protocol):
-    """A family of problems that differ in parameters only. Hashable: solvers build each once."""
-
-    def __hash__(self) -> int:
-        """Models are keys of the solvers' caches."""
-
-    def expressions(self) -> Expressions:
-        """Build the expressions."""
+from design.types import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -129,52 +96,17 @@ class Problem:
         )
 
     def split(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the gaps and the ratios of unknowns.
-
-        Parameters
-        ----------
-        unknowns
-            Shape (..., n - 1 + r) [rad], [-].
-
-        Returns
-        -------
-        FloatArray
-            Gaps, shape (..., n - 1) [rad].
-        FloatArray
-            Ratios, shape (..., r) [-].
-        """
+        """Return the gaps, shape (..., n - 1), and ratios, shape (..., r)."""
         count = self.shortest_gaps_rad.size
         return unknowns[..., :count], unknowns[..., count:]
 
     def start(self, gaps_rad: FloatArray) -> FloatArray:
-        """Return unknowns to start from: gaps, and the usual ratios.
-
-        Parameters
-        ----------
-        gaps_rad
-            Shape (..., n - 1) [rad].
-
-        Returns
-        -------
-        FloatArray
-            Shape (..., n - 1 + r) [rad], [-].
-        """
+        """Return unknowns to start from, shape (..., n - 1 + r)."""
         usual = np.broadcast_to(self.ratios.usual, (*gaps_rad.shape[:-1], self.ratios.usual.size))
         return np.concatenate((gaps_rad, usual), axis=-1)
 
     def allows(self, unknowns: FloatArray) -> BoolArray:
-        """Return whether unknowns are within bounds and horizon.
-
-        Parameters
-        ----------
-        unknowns
-            Shape (..., n - 1 + r) [rad], [-].
-
-        Returns
-        -------
-        BoolArray
-            Shape (...).
-        """
+        """Return whether unknowns are within bounds and horizon, shape (...)."""
         lowest, highest = self.bounds
         within = ((unknowns >= lowest) & (unknowns <= highest)).all(axis=-1)
         # Of what ran away the sum may be none.

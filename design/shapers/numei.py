@@ -11,7 +11,8 @@ from design.claims import ZERO_LIMITS, Promise, within
 from design.errors import InfeasibleDesignError
 from design.formulations.alternating import AlternatingBand
 from design.formulations.equal_sets import with_equal_sets
-from design.formulations.equations import Expressions, Problem, Ratios, Seed
+from design.formulations.equations import Problem, Ratios, Seed
+from design.formulations.expressions import Expressions
 from design.formulations.formulation import Formulation
 from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
 from design.formulations.humps import (

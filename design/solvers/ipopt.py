@@ -4,7 +4,8 @@ import functools
 import threading
 from typing import Any
 
-from design.formulations.equations import Model, Problem
+from design.formulations.equations import Problem
+from design.formulations.expressions import Model
 from design.solvers.buffered import Buffered
 from design.solvers.newton import instructions_of
 from design.solvers.outcome import Outcome, Status

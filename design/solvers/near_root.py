@@ -3,7 +3,7 @@
 import functools
 import threading
 
-from design.formulations.equations import Model
+from design.formulations.expressions import Model
 from design.solvers.buffered import Buffered
 from design.solvers.newton import TOLERANCE
 from design.types import FloatArray

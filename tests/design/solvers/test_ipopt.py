@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from design.formulations.equations import Expressions, Model, Problem
+from design.formulations.equations import Problem
+from design.formulations.expressions import Expressions, Model
 from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.model.actuators.ideal import Ideal
