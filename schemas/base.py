@@ -3,7 +3,7 @@
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Annotated, Any, ClassVar, Generic, TypeVar
+from typing import Annotated, Any, ClassVar, Generic, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -49,6 +49,15 @@ class WireOf(Wire, Generic[Record]):
                 values[name] = value
         record: Record = self.RECORD(**values)
         return record
+
+
+class OutOf(Wire, Generic[Record]):
+    """A part of an answer: what a record of the mathematics says by the same names."""
+
+    @classmethod
+    def from_design(cls, record: Record) -> Self:
+        """Wrap the design record."""
+        return cls.model_construct(**{name: getattr(record, name) for name in cls.model_fields})
 
 
 def _says_nothing(value: object) -> bool:

@@ -5,7 +5,8 @@ from typing import Annotated, Self
 from pydantic import Field
 
 from design.pipeline import Design
-from schemas.base import Wire, left_out_if_none
+from design.solvers.solution import SolverReport
+from schemas.base import OutOf, Wire, left_out_if_none
 from schemas.certificates import CertificateOut
 from schemas.fits import FitOut
 from schemas.impulses import ImpulsesWire
@@ -25,7 +26,7 @@ class ShaperOut(Wire):
     duration_s: Annotated[float, Field(description="Time that it adds to a move [s].")]
 
 
-class SolverOut(Wire):
+class SolverOut(OutOf[SolverReport]):
     """How the impulses were found."""
 
     name: str
@@ -112,7 +113,6 @@ class DesignResponse(Wire):
         Self
             Without what is None.
         """
-        solver = design.solver
         return cls.model_construct(
             shaper=ShaperOut.model_construct(
                 kind=kind,
@@ -126,15 +126,7 @@ class DesignResponse(Wire):
             modes=modes,
             scheduled=scheduled,
             fit=fit,
-            solver=SolverOut.model_construct(
-                name=solver.name,
-                status=solver.status,
-                iterations=solver.iterations,
-                seed=solver.seed,
-                starts=solver.starts,
-                lower_bound_s=solver.lower_bound_s,
-                gap=solver.gap,
-            ),
+            solver=SolverOut.from_design(design.solver),
             trace=trace,
             warnings=[WarningOut.from_design(warning) for warning in design.warnings],
             version=version,

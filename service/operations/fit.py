@@ -5,6 +5,7 @@ from design.curve_fit.fit_range import plants_at_ends
 from design.pipeline import design
 from schemas.base import named
 from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
+from schemas.samples import continuous_options
 from service.operations.operation import Operation
 from service.operations.subject import NO_FIT_ON_SAMPLES, subject_of
 
@@ -57,7 +58,7 @@ def fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
     """
     plant, actuator = subject_of(subject)
     with named("shaper"):
-        options = subject.shaper.continuous_options(NO_FIT_ON_SAMPLES)
+        options = continuous_options(subject.shaper, NO_FIT_ON_SAMPLES)
     with named("fit"):
         wanted = fit_in.to_design(subject.plant.kind)
         ends = plants_at_ends(plant, wanted)

@@ -7,6 +7,7 @@ from design.sampling.sampled import Sampled
 from design.sampling.sampled_design import sampled_design
 from design.shapers.options import ShaperOptions
 from schemas.base import named
+from schemas.samples import grid_tolerance
 from schemas.shapers import ShaperIn
 
 
@@ -83,5 +84,5 @@ def on_samples(
     """
     with named("shaper"):
         return sampled_design(
-            found, plant.mode, actuator, sample_time_s, tolerance=shaper.grid_tolerance()
+            found, plant.mode, actuator, sample_time_s, tolerance=grid_tolerance(shaper)
         )

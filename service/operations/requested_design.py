@@ -14,6 +14,7 @@ from design.trace import TraceStep
 from schemas.base import named
 from schemas.design_request import DesignRequest
 from schemas.sampled import SampledOut
+from schemas.samples import continuous_options
 from service.operations.found_shaper import on_samples
 from service.operations.subject import NO_FIT_ON_SAMPLES, subject_of
 
@@ -68,7 +69,7 @@ def requested_design(request: DesignRequest) -> RequestedDesign:
             curve_range = request.sensitivity.to_design()
     if request.fit is not None:
         with named("shaper"):
-            request.shaper.continuous_options(NO_FIT_ON_SAMPLES)
+            continuous_options(request.shaper, NO_FIT_ON_SAMPLES)
         with named("fit"):
             plants_at_ends(plant, request.fit.to_design(request.plant.kind))
     kind = request.shaper.registered()

@@ -13,6 +13,7 @@ from design.sampling.sampled_design import claims_on_samples
 from design.shapers.options import ShaperOptions
 from design.types import SMALLEST
 from schemas.base import named
+from schemas.samples import grid_tolerance
 from schemas.shapers import ShaperIn
 from schemas.simulations import ImpulsesCommand, SimulationRequest, SimulationResponse
 from service.operations.found_shaper import on_samples
@@ -83,7 +84,7 @@ def _shaped(
 ) -> ShapedCommand:
     found, claims = design(plant, actuator, shaper.registered(), options), None
     if shaper.sample_time_s is not None:
-        claims = claims_on_samples(found, shaper.grid_tolerance())
+        claims = claims_on_samples(found, grid_tolerance(shaper))
         found, _ = on_samples(found, plant, actuator, shaper, shaper.sample_time_s)
     return shaped_command(command, found, plant.modes, actuator, claims)
 
