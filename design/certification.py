@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from design.analysis.certificate import Certificate
-from design.analysis.insensitivity import insensitivity
 from design.analysis.judge import Judgement, judge, shortfall_of
 from design.analysis.rounding import require_doubles_to_hold
 from design.claims import Promise, zeros
@@ -14,14 +13,12 @@ from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
+from design.own_bands import with_own_band
 from design.ranges import promises_over, require_over
 from design.shapers.kind import ShaperKind
 from design.solvers.budget import Budget
 from design.solvers.solution import Solution
 from design.trace import TraceStep
-
-BAND_MARGIN = 1e-6
-"""Share by which a band is reported narrower than found: its ends are within the tolerance [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -86,7 +83,10 @@ def certify(
     try:
         for solution in solutions:
             kept = [
-                _with_its_band(one, solution, modes, formulation.designed_for) for one in promises
+                with_own_band(one, solution, modes, formulation.designed_for)
+                if one.quantity == "band" and one.band is None
+                else one
+                for one in promises
             ]
             if None in kept:
                 others += 1
@@ -170,23 +170,3 @@ def promises_of(
     return tuple(
         replace(promise, mode=number) for number in range(len(modes)) for promise in zeros(names)
     )
-
-
-def _with_its_band(
-    promise: Promise, solution: Solution, modes: tuple[Mode, ...], actuator: Actuator
-) -> Promise | None:
-    """Return a promise with the widest band around 1 that the impulses keep, where it has none.
-
-    None if they pass the tolerance between their own zeros: then they solve the equations, and have
-    another curve than these are to find.
-    """
-    if promise.quantity != "band" or promise.band is not None:
-        return promise
-    found = insensitivity(solution.impulses, modes[promise.mode], actuator, promise.limit)
-    if found is None:
-        return None
-    lower, upper = found.searched_from_ratio, found.searched_to_ratio
-    if ((solution.ratios < lower) | (solution.ratios > upper)).any():
-        return None
-    half_width = found.half_width * (1 - BAND_MARGIN)
-    return replace(promise, band=(1 - half_width, 1 + half_width))

@@ -13,8 +13,8 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
 from design.model.plants.mode import Mode
-from design.response.matrix_exponential import exponentials
 from design.response.simulation import ringing_after
+from design.response.swinging_state import swinging_state
 from design.types import ComplexArray, FloatArray
 
 TOLERANCE_MARGIN = 1e-9
@@ -147,7 +147,7 @@ def certify(
     logarithms = np.concatenate(([0.0], beside[min(highest, POLYNOMIAL_FROM)]))
     ratios = np.exp(logarithms)
     denominators = _Denominators.of(impulses, mode, actuator)
-    initial = None if swing is None else _initial_state(swing, mode, ratios)
+    initial = None if swing is None else swinging_state(swing, mode, ratios)
     ringing, unit = ringing_after(
         impulses, actuator, mode.natural_frequency_rad_s * ratios, mode.damping_ratio, initial
     )
@@ -272,21 +272,3 @@ def certify_modes(
         own = tuple(promise for promise in promises if promise.mode == number)
         claims += certify(impulses, mode, actuator, own, swing).claims
     return Certificate(claims=tuple(claims))
-
-
-def _initial_state(swing: FreeSwing, mode: Mode, ratios: FloatArray) -> FloatArray:
-    """Return ``q, q'/w`` of the mode at each ratio of frequencies, shape (f, 2).
-
-    The deflection is ``-q'/w^2``, and its rate ``q - v + 2 z q'/w``, at v = 0. During the dead time
-    of the actuator it moves freely.
-    """
-    z, w = mode.damping_ratio, mode.natural_frequency_rad_s * ratios
-    deflection, rate = np.multiply.outer(
-        (swing.deflection_s, swing.rate), ratios**swing.frequency_power
-    )
-    turned = -w * deflection
-    state = np.column_stack((rate - 2 * z * turned, turned))
-    free = np.array([[0.0, 1.0], [-1.0, -2 * z]])
-    freely: FloatArray = exponentials(swing.delay_s * w[:, None, None] * free)
-    moved: FloatArray = (freely @ state[..., None])[..., 0]
-    return moved
