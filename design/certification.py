@@ -23,18 +23,10 @@ from design.trace import TraceStep
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Certified:
-    """A solution that keeps what is promised of it.
+    """A solution that keeps what is promised of it."""
 
-    Attributes
-    ----------
-    solution
-        What a solver answered with.
-    judgement
-        Its certificate, and what it does with the actuator given.
-    """
-
-    solution: Solution
-    judgement: Judgement
+    solution: Solution  # What a solver answered with
+    judgement: Judgement  # Its certificate, and what it does with the actuator given
 
 
 def certify(

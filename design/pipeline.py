@@ -21,33 +21,18 @@ from design.solving.solve import solve
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Design:
-    """A verified shaper.
+    """A verified shaper."""
 
-    Attributes
-    ----------
-    impulses
-        The shaper.
-    residuals
-        What it leaves in each mode with the actuator given, whatever it was designed for [-].
-    certificate
-        Its claims, recomputed: for the actuator given if they hold there.
-    for_ideal
-        Whether they are for an ideal actuator, as they do not all hold with the one given.
-    solver
-        How it was found.
-    warnings
-        What to know besides.
-    worst_in_range
-        Of a scheduled plant, the most that it leaves at any frequency of the range, with the
-        actuator given; None of others [-].
-    """
-
-    impulses: Impulses
+    impulses: Impulses  # The shaper
+    # What it leaves in each mode with the actuator given, whatever it was designed for [-]
     residuals: tuple[float, ...]
-    certificate: Certificate
+    certificate: Certificate  # Its claims, recomputed: for the actuator given if they hold there
+    # Whether they are for an ideal actuator, as they do not all hold with the one given
     for_ideal: bool
-    solver: SolverReport
-    warnings: tuple[DesignWarning, ...]
+    solver: SolverReport  # How it was found
+    warnings: tuple[DesignWarning, ...]  # What to know besides
+    # Of a scheduled plant, the most that it leaves at any frequency of the range, with the actuator
+    # given; None of others [-]
     worst_in_range: float | None = None
 
     @property

@@ -56,27 +56,15 @@ METHOD = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Claim:
-    """One promise of a shaper, with the value found for it.
+    """One promise of a shaper, with the value found for it."""
 
-    Attributes
-    ----------
-    quantity
-        ``residual`` [-]; ``slope`` and the higher derivatives: its vector's change per relative
-        change of frequency [-]; ``band``: the largest residual over the band [-].
-    value
-        As recomputed [-].
-    limit
-        The claim holds if ``value <= limit`` [-], a tolerance with a margin of rounding.
-    mode
-        Number of the plant's mode that it is about, from 0.
-    band
-        Ends of the band, ratios of the mode's frequency [-]; None but for ``band``.
-    """
-
+    # ``residual`` [-]; ``slope`` and the higher derivatives: its vector's change per relative
+    # change of frequency [-]; ``band``: the largest residual over the band [-]
     quantity: Quantity
-    value: float
-    limit: float
-    mode: int = 0
+    value: float  # As recomputed [-]
+    limit: float  # The claim holds if ``value <= limit`` [-], a tolerance with a margin of rounding
+    mode: int = 0  # Number of the plant's mode that it is about, from 0
+    # Ends of the band, ratios of the mode's frequency [-]; None but for ``band``
     band: tuple[float, float] | None = None
 
     @property
@@ -191,13 +179,9 @@ class _Denominators:
 
     The vibration V has the poles of the sets. One near the mode's own bends V so much that no
     polynomial through some frequencies follows, nor does a difference; V D has none and is smooth.
-
-    Attributes
-    ----------
-    coefficients
-        Of the powers of the frequency's ratio to its nominal, ascending [-].
     """
 
+    # Of the powers of the frequency's ratio to its nominal, ascending [-]
     coefficients: list[complex]
 
     @classmethod

@@ -27,23 +27,15 @@ WIDEST_RATIOS = (1e-3, 100.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Insensitivity:
-    """The interval of frequency ratios around 1 on which the residual is within a tolerance.
+    """The interval of frequency ratios around 1 on which the residual is within a tolerance."""
 
-    Attributes
-    ----------
-    tolerance
-        The tolerance [-].
-    lower_ratio, upper_ratio
-        Edges of the connected interval that contains 1 [-]; None where the residual is within the
-        tolerance as far as was searched.
-    searched_from_ratio, searched_to_ratio
-        Between them the residual is within the tolerance: the edges, or where the search for one
-        ended without [-].
-    """
-
-    tolerance: float
+    tolerance: float  # The tolerance [-]
+    # Edges of the connected interval that contains 1 [-]; None where the residual is within the
+    # tolerance as far as was searched
     lower_ratio: float | None
     upper_ratio: float | None
+    # Between them the residual is within the tolerance: the edges, or where the search for one
+    # ended without [-]
     searched_from_ratio: float
     searched_to_ratio: float
 

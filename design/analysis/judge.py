@@ -20,24 +20,15 @@ from design.model.plants.mode import Mode
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Judgement:
-    """What a command does, held against what is claimed of it.
+    """What a command does, held against what is claimed of it."""
 
-    Attributes
-    ----------
-    certificate
-        The claims, recomputed: for the actuator given if all of them hold there.
-    for_ideal
-        Whether the certificate is for the actuator that the command was designed for, an ideal one,
-        in place of the one given.
-    residuals
-        Residual vibration of each mode with the actuator given [-].
-    warnings
-        One for the claims that do not hold with the actuator given, if there are any.
-    """
-
+    # The claims, recomputed: for the actuator given if all of them hold there
     certificate: Certificate
+    # Whether the certificate is for the actuator that the command was designed for, an ideal one,
+    # in place of the one given
     for_ideal: bool
-    residuals: tuple[float, ...]
+    residuals: tuple[float, ...]  # Residual vibration of each mode with the actuator given [-]
+    # One for the claims that do not hold with the actuator given, if there are any
     warnings: tuple[DesignWarning, ...]
 
     @property

@@ -16,26 +16,13 @@ from design.types import FloatArray
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Sensitivity:
-    """A sensitivity curve.
+    """A sensitivity curve."""
 
-    Attributes
-    ----------
-    frequency_ratios
-        True over nominal frequency, shape (m,) [-].
-    residuals
-        Residual vibration there, shape (m,) [-].
-    tolerance
-        Tolerance of the insensitivity [-].
-    insensitivity
-        None where the nominal itself is above the tolerance.
-    damping
-        Damping ratios and the residuals there, shape (k,) each [-]; None where not asked for.
-    """
-
-    frequency_ratios: FloatArray
-    residuals: FloatArray
-    tolerance: float
-    insensitivity: Insensitivity | None
+    frequency_ratios: FloatArray  # True over nominal frequency, shape (m,) [-]
+    residuals: FloatArray  # Residual vibration there, shape (m,) [-]
+    tolerance: float  # Tolerance of the insensitivity [-]
+    insensitivity: Insensitivity | None  # None where the nominal itself is above the tolerance
+    # Damping ratios and the residuals there, shape (k,) each [-]; None where not asked for
     damping: tuple[FloatArray, FloatArray] | None = None
 
 

@@ -15,19 +15,12 @@ RATIO_BOUNDS = (1e-6, 1e6)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DampingRange:
-    """Which damping ratios the plant may have.
+    """Which damping ratios the plant may have."""
 
-    Attributes
-    ----------
-    start, stop
-        Least and largest, ``0 <= start < stop <= 0.99`` [-].
-    points
-        Number of points, 2 to 20,001.
-    """
-
+    # Least and largest, ``0 <= start < stop <= 0.99`` [-]
     start: float
     stop: float
-    points: int = 101
+    points: int = 101  # Number of points, 2 to 20,001
 
     def __post_init__(self) -> None:
         require_between("damping.from", self.start, 0.0, LARGEST_DAMPING_RATIO)
@@ -41,24 +34,15 @@ class DampingRange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SensitivityRange:
-    """What part of the curve is wanted.
+    """What part of the curve is wanted."""
 
-    Attributes
-    ----------
-    from_ratio, to_ratio
-        First and last frequency ratio, ``0 < from < to`` [-].
-    points
-        Number of points, 2 to 20,001.
-    tolerance
-        Residual at which the insensitivity is told, 0 to 1, both excluded [-].
-    damping
-        Range of a curve over the damping ratio; None for no such curve.
-    """
-
+    # First and last frequency ratio, ``0 < from < to`` [-]
     from_ratio: float = 0.5
     to_ratio: float = 1.5
-    points: int = 201
+    points: int = 201  # Number of points, 2 to 20,001
+    # Residual at which the insensitivity is told, 0 to 1, both excluded [-]
     tolerance: float = 0.05
+    # Range of a curve over the damping ratio; None for no such curve
     damping: DampingRange | None = None
 
     def __post_init__(self) -> None:

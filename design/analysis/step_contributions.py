@@ -20,23 +20,15 @@ class StepContributions:
 
     ``V exp(s t_n) = sum (gain_i + s rate_i) G(s) exp(s (t_n - t_i))``, over both sets; the height
     of a ramp counts ``(1 - exp(-s T)) / (s T)`` times.
-
-    Attributes
-    ----------
-    until_last_s
-        Time from each change to the command's last step, shape (n,) [s].
-    columns
-        Gains by the acceleration set, by the deceleration set, then, if there are any, their rates,
-        shape (n, 2) or (n, 4).
-    ramps_s
-        Durations of the ramps, shape (n,); None where all are steps [s].
-    heights
-        Gains that are a ramp's height and not in ``columns``, shape (n, 2); None for steps.
     """
 
-    until_last_s: FloatArray
+    until_last_s: FloatArray  # Time from each change to the command's last step, shape (n,) [s]
+    # Gains by the acceleration set, by the deceleration set, then, if there are any, their rates,
+    # shape (n, 2) or (n, 4)
     columns: FloatArray
+    # Durations of the ramps, shape (n,); None where all are steps [s]
     ramps_s: FloatArray | None = None
+    # Gains that are a ramp's height and not in ``columns``, shape (n, 2); None for steps
     heights: FloatArray | None = None
 
 

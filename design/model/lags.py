@@ -15,18 +15,10 @@ SETTLED_SHARE = 0.8
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lag:
-    """Unit-gain lag of order two or less, ``G(p) = 1 / (1 + first p + second p^2)``.
+    """Unit-gain lag of order two or less, ``G(p) = 1 / (1 + first p + second p^2)``."""
 
-    Attributes
-    ----------
-    first_s
-        Coefficient of p, >= 0 [s].
-    second_s2
-        Coefficient of p^2, >= 0 [s^2]; 0 makes it first order, both 0 ideal.
-    """
-
-    first_s: float = 0.0
-    second_s2: float = 0.0
+    first_s: float = 0.0  # Coefficient of p, >= 0 [s]
+    second_s2: float = 0.0  # Coefficient of p^2, >= 0 [s^2]; 0 makes it first order, both 0 ideal
 
     @overload
     def denominator(self, pole_rad_s: complex) -> complex: ...

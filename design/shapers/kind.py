@@ -17,23 +17,12 @@ Options = TypeVar("Options", bound=ShaperOptions)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DesignCase(Generic[Options]):
-    """What a shaper is formulated for.
+    """What a shaper is formulated for."""
 
-    Attributes
-    ----------
-    modes
-        Those of the plant, in which nothing is to be left.
-    actuator
-        What drives it.
-    options
-        Parameters of the kind.
-    is_stop
-        Whether the negative of a stop is asked, the sets of the actuator being swapped for it.
-    """
-
-    modes: tuple[Mode, ...]
-    actuator: Actuator
-    options: Options
+    modes: tuple[Mode, ...]  # Those of the plant, in which nothing is to be left
+    actuator: Actuator  # What drives it
+    options: Options  # Parameters of the kind
+    # Whether the negative of a stop is asked, the sets of the actuator being swapped for it
     is_stop: bool = False
 
     @property
@@ -44,61 +33,33 @@ class DesignCase(Generic[Options]):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CompiledRows:
-    """How the compiled kernel of tables solves a kind whose equations are as many as its unknowns.
+    """How the compiled kernel of tables solves a kind of as many equations as unknowns."""
 
-    Attributes
-    ----------
-    for_ideal
-        Whether the shaper knows no actuator: its rows are solved for an ideal one.
-    closed_form_undamped
-        Whether it is a closed form for an undamped plant behind superposed steps.
-    """
-
+    # Whether the shaper knows no actuator: its rows are solved for an ideal one
     for_ideal: bool = False
+    # Whether it is a closed form for an undamped plant behind superposed steps
     closed_form_undamped: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KindOf(Generic[Options]):
-    """One kind of shaper, which worker processes are sent: no function of it is made in another.
+    """One kind of shaper, which worker processes are sent: no function of it is made in another."""
 
-    Attributes
-    ----------
-    name
-        Its ``kind`` on the wire.
-    summary
-        One sentence for the catalogue.
-    source
-        Where it was published.
-    claims
-        What its impulses keep small, by name: zero unless the formulation says more.
-    options
-        Record of its parameters; field metadata hold description and bounds.
-    actuators
-        Names of the actuator kinds that it serves.
-    formulation
-        From a case to a closed form or a problem.
-    most_modes
-        Modes of a plant that it serves, at most.
-    damping
-        Up to which damping ratio of the plant it is: `formulate` refuses what is beyond.
-    compiled_rows
-        How tables solve it without the pipeline; None of kinds whose rows are designs.
-    has_branches
-        Whether its undamped closed form has branches, that maps can show.
-    """
-
-    name: str
-    summary: str
-    source: str
+    name: str  # Its ``kind`` on the wire
+    summary: str  # One sentence for the catalogue
+    source: str  # Where it was published
+    # What its impulses keep small, by name: zero unless the formulation says more
     claims: tuple[Quantity, ...]
-    options: type[Options]
-    actuators: tuple[str, ...]
+    options: type[Options]  # Record of its parameters; field metadata hold description and bounds
+    actuators: tuple[str, ...]  # Names of the actuator kinds that it serves
+    # From a case to a closed form or a problem
     formulation: Callable[[DesignCase[Options]], Formulation]
-    most_modes: int = 1
+    most_modes: int = 1  # Modes of a plant that it serves, at most
+    # Up to which damping ratio of the plant it is: `formulate` refuses what is beyond
     damping: DampingBound = EVERY_PLANT
+    # How tables solve it without the pipeline; None of kinds whose rows are designs
     compiled_rows: CompiledRows | None = None
-    has_branches: bool = False
+    has_branches: bool = False  # Whether its undamped closed form has branches, that maps can show
 
     @property
     def serves_several(self) -> bool:

@@ -16,22 +16,16 @@ LARGEST_PEAK = 100.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SettleOptions(ShaperOptions):
-    """Parameters of the shapers whose steps may have to settle.
+    """Parameters of the shapers whose steps may have to settle."""
 
-    Attributes
-    ----------
-    settle
-        Whether the actuator must reach 80 % of each step before the next.
-    max_duration_periods
-        Longest shaper searched, in undamped periods of the plant [-].
-    """
-
+    # Whether the actuator must reach 80 % of each step before the next
     settle: bool = field(
         default=False,
         metadata={
             "description": "Let the actuator reach 80 % of each step before the next switch."
         },
     )
+    # Longest shaper searched, in undamped periods of the plant [-]
     max_duration_periods: float = field(
         default=3.0,
         metadata={
@@ -52,14 +46,9 @@ class SettleOptions(ShaperOptions):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PeakOptions(SettleOptions):
-    """Parameters of the shapers whose first pulse may be higher than the cruise speed.
+    """Parameters of the shapers whose first pulse may be higher than the cruise speed."""
 
-    Attributes
-    ----------
-    max_velocity_ratio
-        Height of that pulse over the cruise speed [-].
-    """
-
+    # Height of that pulse over the cruise speed [-]
     max_velocity_ratio: float = field(
         default=1.0,
         metadata={

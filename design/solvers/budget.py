@@ -15,20 +15,11 @@ MOST_WORK = 4_000_000
 
 @dataclass(slots=True)
 class Budget:
-    """What a search may do yet.
+    """What a search may do yet."""
 
-    Attributes
-    ----------
-    most
-        Work that it may do in all [units].
-    done
-        Work that it has done [units].
-    trace
-        Steps of the search, in order, of one that is watched; None of others.
-    """
-
-    most: float = MOST_WORK
-    done: float = 0.0
+    most: float = MOST_WORK  # Work that it may do in all [units]
+    done: float = 0.0  # Work that it has done [units]
+    # Steps of the search, in order, of one that is watched; None of others
     trace: list[TraceStep] | None = None
 
     def spend(self, work: float) -> None:

@@ -21,27 +21,13 @@ from service.operations.subject import NO_FIT_ON_SAMPLES, subject_of
 
 @dataclass(frozen=True, slots=True)
 class RequestedDesign:
-    """A design with all that was asked of it.
+    """A design with all that was asked of it."""
 
-    Attributes
-    ----------
-    plant
-        What moves.
-    design
-        The shaper that is sent: on samples where they were asked for.
-    curves
-        Its sensitivity curve in each mode; empty where none was asked for.
-    sampled
-        How it came to the samples; None where none were asked for.
-    trace
-        Steps of the search; empty where they were not asked for.
-    """
-
-    plant: Plant
-    design: Design
-    curves: list[Sensitivity]
-    sampled: SampledOut | None
-    trace: list[TraceStep]
+    plant: Plant  # What moves
+    design: Design  # The shaper that is sent: on samples where they were asked for
+    curves: list[Sensitivity]  # Its sensitivity curve in each mode; empty where none was asked for
+    sampled: SampledOut | None  # How it came to the samples; None where none were asked for
+    trace: list[TraceStep]  # Steps of the search; empty where they were not asked for
 
 
 def requested_design(request: DesignRequest) -> RequestedDesign:

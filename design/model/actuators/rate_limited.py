@@ -25,17 +25,6 @@ class RateLimited:
     The command's steps become ramps, steep as the limits allow: the first while the reference's
     magnitude grows, the second while it falls. A command that changes before its ramp is over
     turns the ramp; one that reverses passes zero.
-
-    Attributes
-    ----------
-    accel_limit_m_s2, decel_limit_m_s2
-        Largest rates of the reference, > 0 [m/s^2].
-    speed_m_s
-        Full speed: what a command of 1 stands for, > 0 [m/s].
-    then
-        What follows the ramps; its sets are those of the reference's latest change.
-    dead_time_s
-        Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
     """
 
     kind: ClassVar[str] = "rate_limited"
@@ -44,10 +33,13 @@ class RateLimited:
     PROOF_WORK: ClassVar[float] = 8.0
     """Work of proving an impulse at one frequency [units of `design.solvers.budget`]."""
 
+    # Largest rates of the reference, > 0 [m/s^2]
     accel_limit_m_s2: float
     decel_limit_m_s2: float
-    speed_m_s: float
+    speed_m_s: float  # Full speed: what a command of 1 stands for, > 0 [m/s]
+    # What follows the ramps; its sets are those of the reference's latest change
     then: Unlimited = field(default_factory=Ideal)
+    # Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual
     dead_time_s: float = 0.0
 
     def __post_init__(self) -> None:
