@@ -5,8 +5,7 @@ from typing import Annotated, Self
 from pydantic import Field
 
 from design.pipeline import Design
-from design.solvers.solution import SolverReport
-from schemas.base import OutOf, Wire, left_out_if_none
+from schemas.base import Wire, left_out_if_none
 from schemas.certificates import CertificateOut
 from schemas.fits import FitOut
 from schemas.impulses import ImpulsesWire
@@ -14,6 +13,7 @@ from schemas.ranges import RangeOut
 from schemas.sampled import SampledOut
 from schemas.sensitivity import ModeOut, OfModes
 from schemas.sensitivity_curves import SensitivityOut
+from schemas.solver import SolverOut
 from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut, Warnings
 
@@ -24,24 +24,6 @@ class ShaperOut(Wire):
     kind: str
     impulses: ImpulsesWire
     duration_s: Annotated[float, Field(description="Time that it adds to a move [s].")]
-
-
-class SolverOut(OutOf[SolverReport]):
-    """How the impulses were found."""
-
-    name: str
-    status: str
-    iterations: int
-    seed: str
-    starts: int
-    lower_bound_s: Annotated[
-        float | None,
-        Field(description="No shaper of its class is as short; null where nothing is proven [s]."),
-    ]
-    gap: Annotated[
-        float | None,
-        Field(description="(duration - lower bound) / duration; null likewise [-]."),
-    ]
 
 
 class DesignResponse(Wire):

@@ -2,19 +2,10 @@
 
 from typing import Annotated, Self
 
-from pydantic import Field
-
 from design.analysis.sensitivity import Sensitivity
 from schemas.base import Wire, left_out_if_none
+from schemas.damping import DampingOut
 from schemas.insensitivity import InsensitivityOut
-
-
-class DampingOut(Wire):
-    """What is left over the plant's damping ratio, its natural frequency as given."""
-
-    damping_ratio: list[float]
-    residual: list[float]
-    worst: Annotated[float, Field(description="Largest residual of the curve's points [-].")]
 
 
 class SensitivityOut(Wire):

@@ -1,35 +1,13 @@
-"""Which part of a sensitivity curve is wanted, over the frequency and over the damping ratio."""
+"""Which part of a sensitivity curve is wanted."""
 
 from dataclasses import dataclass
 
+from design.analysis.damping_curve import MOST_POINTS, DampingRange
 from design.errors import InvalidInputError
-from design.model.plants.mode import LARGEST_DAMPING_RATIO
 from design.types import require_between
-
-MOST_POINTS = 20_001
-"""Longest curve, a bound on the work of one request."""
 
 RATIO_BOUNDS = (1e-6, 1e6)
 """Frequency ratios of a curve [-]."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DampingRange:
-    """Which damping ratios the plant may have."""
-
-    # Least and largest, ``0 <= start < stop <= 0.99`` [-]
-    start: float
-    stop: float
-    points: int = 101  # Number of points, 2 to 20,001
-
-    def __post_init__(self) -> None:
-        require_between("damping.from", self.start, 0.0, LARGEST_DAMPING_RATIO)
-        require_between("damping.to", self.stop, 0.0, LARGEST_DAMPING_RATIO)
-        if self.stop <= self.start:
-            raise InvalidInputError(
-                "damping.to", self.stop, f"greater than from, {self.start!r}", code="range_reversed"
-            )
-        require_between("damping.points", self.points, 2, MOST_POINTS)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

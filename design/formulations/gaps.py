@@ -15,29 +15,6 @@ PERIOD_RAD = 2 * math.pi
 SHORTEST_GAP_RAD = 1e-6
 """Keeps the impulses in order; a thousandth of a degree of swing [rad]."""
 
-LAST_PULSE_VANISHES = (
-    f"its last pulse is shorter than impulses are kept apart, {SHORTEST_GAP_RAD:g} rad"
-)
-"""What becomes of steps up and down in turn as damping grows: early swings decay by themselves."""
-
-
-def damped_periods(mode: Mode, periods: float) -> float:
-    """Return in undamped periods how long some damped ones are [-].
-
-    Parameters
-    ----------
-    mode
-        The mode.
-    periods
-        Number of damped periods [-].
-
-    Returns
-    -------
-    float
-        Number of undamped periods [-].
-    """
-    return periods / math.sqrt(1 - mode.damping_ratio**2)
-
 
 def settling_gaps_rad(mode: Mode, actuator: Actuator, impulses: int, *, settle: bool) -> FloatArray:
     """Return the shortest gaps: just ordered, or settled to 80 %.

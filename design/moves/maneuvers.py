@@ -14,7 +14,7 @@ from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailed
 from design.formulations.gaps import PERIOD_RAD
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.rate_limited import RateLimited, Unlimited
-from design.model.actuators.registry import Actuator, require_speed
+from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing, InitialSwing, free_swing
@@ -22,11 +22,13 @@ from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
 from design.moves.parts import Parts, with_swing
 from design.moves.rest_to_rest import faster_as_one, over_distance, over_pulse
+from design.moves.speed import require_speed
 from design.pipeline import design
 from design.response.closed_form import travel
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
-from design.shapers.settle_options import PeakOptions, SettleOptions
+from design.shapers.peak_options import PeakOptions
+from design.shapers.settle_options import SettleOptions
 from design.solving.solve import solve
 from design.types import LARGEST, SMALLEST, require_scale
 

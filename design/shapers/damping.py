@@ -1,8 +1,10 @@
 """Up to which damping ratio of the plant a kind of shaper exists as numbers."""
 
+import math
 from dataclasses import dataclass
 
 from design.errors import InvalidInputError
+from design.formulations.gaps import SHORTEST_GAP_RAD
 from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
 
 
@@ -68,3 +70,27 @@ def require_modes_damped(name: str, damping: DampingBound, modes: tuple[Mode, ..
     for number, mode in enumerate(modes):
         field_name = "plant" if len(modes) == 1 else f"plant.modes.{number}"
         require_damping(name, damping, mode, field_name)
+
+
+LAST_PULSE_VANISHES = (
+    f"its last pulse is shorter than impulses are kept apart, {SHORTEST_GAP_RAD:g} rad"
+)
+"""What becomes of steps up and down in turn as damping grows: early swings decay by themselves."""
+
+
+def damped_periods(mode: Mode, periods: float) -> float:
+    """Return in undamped periods how long some damped ones are [-].
+
+    Parameters
+    ----------
+    mode
+        The mode.
+    periods
+        Number of damped periods [-].
+
+    Returns
+    -------
+    float
+        Number of undamped periods [-].
+    """
+    return periods / math.sqrt(1 - mode.damping_ratio**2)

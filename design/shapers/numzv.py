@@ -13,7 +13,7 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses
 from design.shapers.actuators import EVERY_ACTUATOR
 from design.shapers.kind import CompiledRows, DesignCase, KindOf
-from design.shapers.settle_options import PeakOptions
+from design.shapers.peak_options import PeakOptions
 
 SOURCE = "Kim, master thesis (2011), chapter 3"
 

@@ -13,12 +13,12 @@ from design.formulations.equations import Problem
 from design.formulations.formulation import ClosedForm, Convolution, Formulation, JointProblem
 from design.solvers import search
 from design.solvers.budget import Budget
-from design.solvers.solution import Solution, SolverReport
+from design.solvers.solution import Solution
 from design.solvers.unity_band import search as unity_band
 from design.solving import optima
+from design.solving.closed_form import solve_closed_form
 from design.solving.convolution import convolved
 from design.solving.distinct_steps import distinct_steps
-from design.trace import TraceStep
 
 
 def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[Solution]:
@@ -51,34 +51,12 @@ def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[So
         yield replace(solution, impulses=distinct_steps(solution.impulses))
 
 
-def _closed_form(formulation: ClosedForm, budget: Budget) -> Iterator[Solution]:
-    budget.note(
-        TraceStep(
-            stage="solve",
-            method=formulation.method,
-            start="none",
-            outcome="solve_succeeded",
-            duration_s=formulation.impulses.duration_s,
-        )
-    )
-    yield Solution(
-        impulses=formulation.impulses,
-        solver=SolverReport(
-            name=formulation.method,
-            status="solve_succeeded",
-            iterations=0,
-            seed="none",
-            starts=0,
-        ),
-    )
-
-
 def _convolution(formulation: Convolution, budget: Budget) -> Iterator[Solution]:
     yield convolved([next(solve(part, budget)) for part in formulation.parts])
 
 
 SOLVERS: dict[type[Formulation], Callable[[Any, Budget], Iterator[Solution]]] = {
-    ClosedForm: _closed_form,
+    ClosedForm: solve_closed_form,
     Problem: search.candidates,
     BandSearch: unity_band.solve,
     BandProblem: optima.solve_over_band,

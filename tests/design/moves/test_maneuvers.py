@@ -24,8 +24,9 @@ from design.moves.maneuvers import Maneuver, maneuver, mirrored_stop, swapped
 from design.pipeline import design
 from design.response.closed_form import travel
 from design.shapers.kind import ShaperKind
+from design.shapers.peak_options import PeakOptions
 from design.shapers.registry import SHAPERS
-from design.shapers.settle_options import PeakOptions, SettleOptions
+from design.shapers.settle_options import SettleOptions
 from tests.refusals import refused
 from tests.second_route import integrate, residual_by_integration
 from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, THESIS
