@@ -41,16 +41,10 @@ def certify(
 
     Parameters
     ----------
-    solutions
-        Those of the formulation, the likeliest optimum first.
-    formulation
-        What they solve.
-    kind
-        The shaper's.
-    plant
-        What moves.
-    actuator
-        What drives it.
+    solutions, formulation
+        What solves the formulation, the likeliest optimum first.
+    kind, plant, actuator
+        Kind of the shaper; what moves, and what drives it.
     budget
         That of the search, which notes what is rejected and why.
 
@@ -142,12 +136,8 @@ def promises_of(
 
     Parameters
     ----------
-    formulation
-        What is solved.
-    kind
-        The shaper's.
-    modes
-        The modes of the plant.
+    formulation, kind, modes
+        What is solved, the kind of the shaper, and the modes of the plant.
 
     Returns
     -------

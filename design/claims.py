@@ -38,10 +38,8 @@ def within(tolerance: float, band: tuple[float, float] | None) -> Promise:
 
     Parameters
     ----------
-    tolerance
-        Largest residual over the band [-].
-    band
-        Its ends, ratios of the mode's frequency [-]; None as of `Promise`.
+    tolerance, band
+        Largest residual over the band, and its ends, as of `Promise` [-].
 
     Returns
     -------

@@ -52,14 +52,10 @@ def design(
 
     Parameters
     ----------
-    plant
-        What moves.
-    actuator
-        What drives it.
-    kind
-        Entry of the registry.
-    options
-        Its parameters, an instance of ``kind.options``; its defaults if not given.
+    plant, actuator
+        What moves, and what drives it.
+    kind, options
+        Entry of the registry, and its parameters; their defaults if not given.
     budget
         What its search may do; that of one design if not given.
 
@@ -102,12 +98,8 @@ def check(
 
     Parameters
     ----------
-    plant, actuator
-        What moves, and what drives it.
-    kind
-        Kind of the shaper.
-    options
-        Its parameters; None for the kind's own.
+    plant, actuator, kind, options
+        As of `design`.
 
     Returns
     -------
@@ -141,10 +133,8 @@ def describe(certified: Certified, plant: Plant, actuator: Actuator) -> Design:
 
     Parameters
     ----------
-    certified
-        The solution and what was found of it.
-    plant, actuator
-        What moves, and what drives it.
+    certified, plant, actuator
+        The solution and what was found of it; what moves, and what drives it.
 
     Returns
     -------

@@ -22,10 +22,8 @@ def require_positive(name: str, value: float) -> None:
 
     Parameters
     ----------
-    name
-        Field that the error names.
-    value
-        The number, in any unit; nan is refused.
+    name, value
+        Field that the error names, and the number; nan is refused.
 
     Raises
     ------
@@ -45,10 +43,8 @@ def require_scale(name: str, value: float) -> None:
 
     Parameters
     ----------
-    name
-        Field that the error names.
-    value
-        A frequency, time or length in SI units.
+    name, value
+        Field that the error names, and the number; nan is refused.
 
     Raises
     ------
@@ -64,10 +60,8 @@ def require_between(name: str, value: float, lowest: float, highest: float) -> N
 
     Parameters
     ----------
-    name
-        Field that the error names.
-    value
-        The number; nan is refused.
+    name, value
+        Field that the error names, and the number; nan is refused.
     lowest, highest
         Bounds in the unit of ``value``, both allowed.
 

@@ -81,14 +81,7 @@ PlantDamping = Annotated[
 
 @contextmanager
 def named(field: str) -> Iterator[None]:
-    """Name the field in which a design record finds a fault.
-
-    The name is seen from the request.
-
-    Parameters
-    ----------
-    field
-        Dotted path from the request to the record.
+    """Name the field in which a design record finds a fault, by its path.
 
     Raises
     ------

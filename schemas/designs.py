@@ -71,22 +71,10 @@ class DesignResponse(Wire):
 
         Parameters
         ----------
-        kind
-            Name of the kind of shaper.
-        design
-            The shaper that is sent: on samples where they were asked for.
-        sampled
-            How it came to the samples.
-        sensitivity
-            Its curve.
-        modes
-            What it does to each of several modes.
-        scheduled
-            What it does over the range of a scheduled plant.
-        fit
-            Polynomials for its times.
-        trace
-            The steps of the search.
+        kind, design
+            Name of the kind; the shaper that is sent, on samples where they were asked for.
+        sampled, sensitivity, modes, scheduled, fit, trace
+            Each part that was asked for; None where it was not.
         version
             Of the tool.
 

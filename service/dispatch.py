@@ -37,10 +37,8 @@ def answer(operation: str, body: bytes) -> Answer:
 
     Parameters
     ----------
-    operation
-        Name of the operation.
-    body
-        The request as JSON.
+    operation, body
+        Name of the operation, and the request as JSON.
 
     Returns
     -------
@@ -63,10 +61,8 @@ def respond(
 
     Parameters
     ----------
-    operation
-        Name of the operation, as in `OPERATIONS`.
-    body
-        The request as JSON.
+    operation, body
+        Name of the operation, as in `OPERATIONS`, and the request as JSON.
     asked
         Fields of the request that are set once it is read: by options of the command line.
 
@@ -95,10 +91,8 @@ def answer_lines(operation: str, lines: list[bytes]) -> list[Answer]:
 
     Parameters
     ----------
-    operation
-        Name of the operation.
-    lines
-        The requests as JSON.
+    operation, lines
+        Name of the operation, and the requests as JSON.
 
     Returns
     -------

@@ -112,14 +112,10 @@ def certify(
 
     Parameters
     ----------
-    impulses
-        The shaper.
-    mode, actuator
-        What it was designed for.
-    promises
-        What it claims.
-    swing
-        What the payload swings already at the first step; it is not part of a band.
+    impulses, mode, actuator
+        The shaper, and what it was designed for.
+    promises, swing
+        What it claims; what the payload swings already at the first step, no part of a band.
 
     Returns
     -------
@@ -235,16 +231,10 @@ def certify_modes(
 
     Parameters
     ----------
-    impulses
-        The shaper.
-    modes
-        The modes of the plant, by the numbers that promises have.
-    actuator
-        What it was designed for.
-    promises
-        What it claims, each of one mode.
-    swing
-        What the payload swings already at the first step.
+    impulses, modes, actuator
+        The shaper, and what it was designed for; modes by the numbers that promises have.
+    promises, swing
+        As of `certify`.
 
     Returns
     -------

@@ -51,14 +51,11 @@ def judge(
 
     Parameters
     ----------
-    command
-        The steps that are sent: a shaper, a whole command, a program as it is played.
-    modes
-        The modes of the plant.
-    actuator
-        The drive that is given.
-    promises
-        What is promised of the command, each with a limit.
+    command, modes
+        The steps that are sent, a shaper, a whole command or a program as it is played; the modes
+        of the plant.
+    actuator, promises
+        The drive that is given; what is promised of the command, each with a limit.
     name
         What the command is called in a warning.
     designed_for

@@ -24,10 +24,8 @@ def residual_vibration(
 
     Parameters
     ----------
-    impulses
-        The command.
-    mode, actuator
-        The mode and its drive; no set may have its own pole at the mode's.
+    impulses, mode, actuator
+        The command, the mode and its drive; no set may have its own pole at the mode's.
     swing
         What the payload swings already at the first step; None for a plant at rest.
 

@@ -34,10 +34,8 @@ def sensitivity(
 
     Parameters
     ----------
-    impulses
-        A shaper or a whole command.
-    mode, actuator
-        The nominal mode and its actuator.
+    impulses, mode, actuator
+        A shaper or a whole command, the nominal mode and its actuator.
     wanted
         Range, points and tolerance.
 

@@ -40,10 +40,8 @@ def step_contributions(impulses: Impulses, actuator: Actuator) -> StepContributi
 
     Parameters
     ----------
-    impulses
-        The command.
-    actuator
-        The actuator, of either model, with limits or without.
+    impulses, actuator
+        The command, and the actuator, of either model, with limits or without.
 
     Returns
     -------

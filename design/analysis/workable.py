@@ -22,10 +22,8 @@ def require_workable(mode: Mode, actuator: Actuator) -> None:
 
     Parameters
     ----------
-    mode
-        The plant's mode.
-    actuator
-        The actuator, limits included.
+    mode, actuator
+        The plant's mode and its drive, limits included.
 
     Raises
     ------

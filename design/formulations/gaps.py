@@ -26,10 +26,8 @@ def settling_gaps_rad(mode: Mode, actuator: Actuator, impulses: int, *, settle: 
     ----------
     mode, actuator
         The plant's mode and its drive.
-    impulses
-        Number of impulses n.
-    settle
-        Whether each step must settle.
+    impulses, settle
+        Number of impulses n, and whether each step must settle.
 
     Returns
     -------
@@ -57,10 +55,8 @@ def of_gaps(
     ----------
     gaps_rad
         Gaps between the impulses times the natural frequency, shape (n - 1,) [rad].
-    natural_frequency_rad_s
-        Turns them into times [rad/s].
-    amplitudes
-        Amplitudes of the impulses, shape (n,) [-].
+    natural_frequency_rad_s, amplitudes
+        Turns them into times [rad/s]; heights of the impulses, shape (n,) [-].
 
     Returns
     -------

@@ -38,14 +38,11 @@ def unity_magnitude_problem(
 
     Parameters
     ----------
-    model
-        Number of impulses and order of the equations.
-    mode, actuator
-        The plant's mode and its drive.
-    settle
-        Whether each step must settle to 80 % before the next.
-    max_duration_periods
-        Longest shaper in undamped periods [-].
+    model, mode, actuator
+        Number of impulses and order of the equations; the plant's mode and its drive.
+    settle, max_duration_periods
+        Whether each step must settle to 80 % before the next; longest shaper in undamped periods
+        [-].
     amplitudes
         Heights, +1, -1, +1, ... if not given. Of three others the undamped triangle is the seed.
     seeds

@@ -31,15 +31,8 @@ class Lag:
     def step_error(self, time_s: float) -> float:
         """Return ``1 - v(t)`` of the response to a unit step [-].
 
-        Parameters
-        ----------
-        time_s
-            Time since the step, >= 0 [s].
-
-        Returns
-        -------
-        float
-            Negative where the response overshoots; 0 for an ideal lag.
+        Time counts from the step on, >= 0 [s]. Negative where the response overshoots; 0 for an
+        ideal lag.
         """
         if self.second_s2 == 0.0:
             return math.exp(-time_s / self.first_s) if self.first_s > 0 else 0.0

@@ -15,10 +15,8 @@ def reference(command: Impulses, actuator: Actuator) -> Reference:
 
     Parameters
     ----------
-    command
-        The command.
-    actuator
-        The actuator; all except a rate-limited one follow the command itself.
+    command, actuator
+        The command and the drive; all except a rate-limited one follow the command itself.
 
     Returns
     -------

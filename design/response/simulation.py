@@ -59,12 +59,8 @@ def dynamics_of(
 
     Parameters
     ----------
-    actuator
-        The actuator.
-    frequencies_rad_s
-        Natural frequencies of the modes, shape (f,) [rad/s].
-    damping_ratio
-        Of all modes, or of each, shape (f,) [-].
+    actuator, frequencies_rad_s, damping_ratio
+        As of `ringing_after`.
 
     Returns
     -------
@@ -133,12 +129,10 @@ def states_at_changes(
 
     Parameters
     ----------
-    changes
-        Of the reference.
-    dynamics
-        Of actuator and modes.
+    changes, dynamics
+        Changes of the reference; matrices of actuator and modes.
     initial
-        Of each mode before the first change, shape (f, 2); at rest if not given.
+        As of `ringing_after`.
 
     Returns
     -------
@@ -183,17 +177,15 @@ def ringing_after(
 
     Parameters
     ----------
-    impulses
-        The command.
-    actuator
-        The actuator between command and mode.
+    impulses, actuator
+        The command, and the actuator between command and mode.
     frequencies_rad_s
         Natural frequencies of the mode, shape (f,) [rad/s].
     damping_ratio
         Damping ratio of the mode, the same at all frequencies, or one for each, shape (f,) [-].
     initial
-        State ``q, q'/w`` of the mode at each frequency just before the first step, shape (f, 2);
-        at rest if not given, as the actuator is.
+        State ``q, q'/w`` of the mode at each frequency just before the first step, shape (f, 2); at
+        rest if not given, as the actuator is.
 
     Returns
     -------

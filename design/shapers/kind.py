@@ -73,10 +73,8 @@ class KindOf(Generic[Options]):
 
         Parameters
         ----------
-        modes
-            The modes of the plant.
-        actuator
-            What it is designed for.
+        modes, actuator
+            The modes of the plant, and what it is designed for.
         options
             Parameters of the kind; the usual ones if not given.
 

@@ -26,14 +26,10 @@ def attempt(
 
     Parameters
     ----------
-    problem
-        The problem.
-    start
-        Unknowns to start from, shape (n - 1 + r,): gaps [rad], then ratios [-], if any.
-    seed
-        Name of the start.
-    tried
-        Starts tried so far, this one included.
+    problem, start
+        The problem and unknowns to start from, see `ipopt.solve`.
+    seed, tried
+        Name of the start; starts tried so far, this one included.
     budget
         That of the search, in which the work is counted.
 
@@ -84,10 +80,8 @@ def duration_s(problem: Problem, gaps_rad: FloatArray) -> float | None:
 
     Parameters
     ----------
-    problem
-        The problem, whose frequency turns gaps into times.
-    gaps_rad
-        Shape (n - 1,) [rad].
+    problem, gaps_rad
+        The problem, whose frequency turns gaps into times; shape (n - 1,) [rad].
 
     Returns
     -------

@@ -32,19 +32,9 @@ class Budget:
         return self.done >= self.most
 
     def part(self, most: float) -> "Budget":
-        """Return a budget of a part of what is left.
+        """Return a budget of a part of what is left, at most so much work [units].
 
         The part counts its own work. The caller spends that work here too.
-
-        Parameters
-        ----------
-        most
-            Most work of the part [units]; what is left here, where that is less.
-
-        Returns
-        -------
-        Budget
-            With the same trace.
         """
         return Budget(most=min(most, max(self.most - self.done, 0.0)), trace=self.trace)
 

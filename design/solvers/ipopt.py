@@ -64,10 +64,8 @@ def work_of(model: Model, iterations: int) -> float:
 
     Parameters
     ----------
-    model
-        The family of the problem that is solved.
-    iterations
-        Iterations of IPOPT.
+    model, iterations
+        The family of the problem that is solved, and iterations of IPOPT.
 
     Returns
     -------

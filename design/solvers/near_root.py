@@ -39,12 +39,10 @@ def root(model: Model, start: FloatArray, parameters: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    model
-        The problem family.
+    model, parameters
+        The problem family and the parameters of the problem, shape (p,).
     start
         Unknowns to start from, shape (n,): gaps [rad], then ratios [-], if any.
-    parameters
-        Parameters of the problem, shape (p,).
 
     Returns
     -------

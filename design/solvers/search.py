@@ -23,10 +23,8 @@ def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Solut
 
     Parameters
     ----------
-    problem
-        The problem.
-    budget
-        What the search may do; that of one design if not given.
+    problem, budget
+        The problem; what the search may do, that of one design if not given.
 
     Yields
     ------

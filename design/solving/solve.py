@@ -29,10 +29,8 @@ def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[So
 
     Parameters
     ----------
-    formulation
-        A closed form, or a problem.
-    budget
-        What the search may do; that of one design if not given.
+    formulation, budget
+        A closed form or a problem; what the search may do, that of one design if not given.
 
     Yields
     ------

@@ -12,10 +12,8 @@ def answer_response(answer: Answer, request_id: str | None) -> Response:
 
     Parameters
     ----------
-    answer
-        The response of an operation, or a problem.
-    request_id
-        Id of the request, which a problem document repeats; None for none.
+    answer, request_id
+        The response of an operation, or a problem; id of the request, which a problem repeats.
 
     Returns
     -------

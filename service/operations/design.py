@@ -20,11 +20,6 @@ from service.version import version
 def design_shaper(request: DesignRequest) -> DesignResponse:
     """Design one shaper and prove it.
 
-    Parameters
-    ----------
-    request
-        The plant, the actuator and the shaper; whether its curve, coefficients and trace too.
-
     Returns
     -------
     DesignResponse

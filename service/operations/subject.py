@@ -26,11 +26,6 @@ class Subject(Protocol):
 def subject_of(request: Subject) -> tuple[Plant, Actuator]:
     """Return the plant and the actuator of a request.
 
-    Parameters
-    ----------
-    request
-        The request.
-
     Returns
     -------
     tuple of Plant and Actuator
