@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from design.analysis.band import largest_in_band
+from design.analysis.derivatives import POLYNOMIAL_FROM, polynomial_derivatives, polynomial_nodes
 from design.claims import ZERO_LIMITS, Promise, Quantity
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
@@ -34,19 +34,6 @@ ORDERS: dict[Quantity, int] = {
     "third_derivative": 3,
 }
 """What is taken at one frequency, and its order as a derivative."""
-
-POLYNOMIAL_FROM = 2
-"""Highest order asked for from which all derivatives are those of one polynomial."""
-
-NODES = 17
-REACH_RAD = 1.0
-LARGEST_REACH = 0.3
-"""Frequencies of that polynomial; the turn of the last phase from the middle one to the ends, which
-are at most a third away.
-
-Of a vibration that turns by phase p the third derivative is off by less than 1e-15 p^3 by the
-polynomial's degree, and by up to 1e-11 p^3 by rounding in what is simulated.
-"""
 
 METHOD = (
     "state of actuator and mode carried from step to step by matrix exponential; "
@@ -125,10 +112,13 @@ def certify(
     quantities = {promise.quantity for promise in promises}
     lasting_s = impulses.duration_s + (0.0 if swing is None else swing.delay_s)
     phase = max(1.0, mode.natural_frequency_rad_s * lasting_s)
-    step, reach = STEP_PHASE_RAD / phase, min(REACH_RAD / phase, LARGEST_REACH)
+    step = STEP_PHASE_RAD / phase
     highest = max((ORDERS.get(name, 0) for name in quantities), default=0)
-    beside = [np.zeros(0), step * np.array([-1.0, 1.0]), reach * chebyshev.chebpts1(NODES)]
-    logarithms = np.concatenate(([0.0], beside[min(highest, POLYNOMIAL_FROM)]))
+    reach = 0.0
+    beside: FloatArray = step * np.array([-1.0, 1.0]) if highest else np.zeros(0)
+    if highest >= POLYNOMIAL_FROM:
+        reach, beside = polynomial_nodes(phase)
+    logarithms = np.concatenate(([0.0], beside))
     ratios = np.exp(logarithms)
     denominators = _Denominators.of(impulses, mode, actuator)
     initial = None if swing is None else swinging_state(swing, mode, ratios)
@@ -141,11 +131,7 @@ def certify(
     entire = vectors * denominators.at(ratios)
     derivatives = [entire[0]]
     if highest >= POLYNOMIAL_FROM:
-        series = chebyshev.chebfit(chebyshev.chebpts1(NODES), entire[1:], NODES - 1)
-        derivatives += [
-            chebyshev.chebval(0.0, chebyshev.chebder(series, order, scl=1 / reach))
-            for order in range(1, highest + 1)
-        ]
+        derivatives += polynomial_derivatives(entire[1:], reach, highest)
     elif highest:
         derivatives.append((entire[2] - entire[1]) / (2 * step))
     quotients = denominators.divided(derivatives)

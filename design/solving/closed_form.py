@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from design.formulations.formulation import ClosedForm
 from design.solvers.budget import Budget
 from design.solvers.solution import Solution, SolverReport
+from design.solving.distinct_steps import distinct_steps
 from design.trace import TraceStep
 
 
@@ -33,7 +34,7 @@ def solve_closed_form(formulation: ClosedForm, budget: Budget) -> Iterator[Solut
         )
     )
     yield Solution(
-        impulses=formulation.impulses,
+        impulses=distinct_steps(formulation.impulses),
         solver=SolverReport(
             name=formulation.method,
             status="solve_succeeded",

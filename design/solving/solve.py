@@ -5,7 +5,6 @@ it in `SOLVERS`.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from typing import Any
 
 from design.formulations.bands import BandProblem, BandSearch
@@ -18,7 +17,6 @@ from design.solvers.unity_band import search as unity_band
 from design.solving import optima
 from design.solving.closed_form import solve_closed_form
 from design.solving.convolution import convolved
-from design.solving.distinct_steps import distinct_steps
 
 
 def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[Solution]:
@@ -45,8 +43,7 @@ def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[So
         If a solver stopped without an answer.
     """
     solver = SOLVERS[type(formulation)]
-    for solution in solver(formulation, Budget() if budget is None else budget):
-        yield replace(solution, impulses=distinct_steps(solution.impulses))
+    yield from solver(formulation, Budget() if budget is None else budget)
 
 
 def _convolution(formulation: Convolution, budget: Budget) -> Iterator[Solution]:
