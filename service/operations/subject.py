@@ -8,8 +8,6 @@ from schemas.actuators import ActuatorIn
 from schemas.base import named
 from schemas.plants import PlantIn
 
-NO_FIT_ON_SAMPLES = "a fit is over times that change smoothly, which whole samples do not"
-
 
 class Subject(Protocol):
     """A request about a plant and its actuator."""
