@@ -4,6 +4,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
+from design.checks import LARGEST
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.model import Model
@@ -14,7 +15,6 @@ from design.model.actuators.second_order import (
     SecondOrder,
     SecondOrderSet,
 )
-from design.types import LARGEST
 from schemas.base import Positive, WireOf
 
 Example = dict[str, Any]

@@ -7,9 +7,9 @@ from typing import Annotated, Any, ClassVar, Generic, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from design.checks import LARGEST
 from design.errors import InvalidInputError
 from design.model.plants.mode import LARGEST_DAMPING_RATIO
-from design.types import LARGEST
 
 
 class Wire(BaseModel):

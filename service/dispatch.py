@@ -84,19 +84,3 @@ def respond(
         return case.run(request.model_copy(update=asked) if asked else request)
     except DesignError as error:
         return problem_of_design(error)
-
-
-def answer_lines(operation: str, lines: list[bytes]) -> list[Answer]:
-    """Answer each line of a part of a batch.
-
-    Parameters
-    ----------
-    operation, lines
-        Name of the operation, and the requests as JSON.
-
-    Returns
-    -------
-    list of Answer
-        An answer to each, in order.
-    """
-    return [answer(operation, line) for line in lines]

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.analysis.vectors import residual_vectors
+from design.checks import require_between
 from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
-from design.types import FloatArray, require_between
+from design.types import FloatArray
 
 MOST_POINTS = 20_001
 """Longest curve, a bound on the work of one request."""

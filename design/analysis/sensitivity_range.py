@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from design.analysis.damping_curve import MOST_POINTS, DampingRange
+from design.checks import require_between
 from design.errors import InvalidInputError
-from design.types import require_between
 
 RATIO_BOUNDS = (1e-6, 1e6)
 """Frequency ratios of a curve [-]."""

@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from design.checks import LARGEST, SMALLEST, require_between
 from design.errors import InvalidInputError
 from design.model.impulses import Impulses
 from design.model.merging import merged
-from design.types import LARGEST, SMALLEST, FloatArray, require_between
+from design.types import FloatArray
 
 
 def step() -> Impulses:

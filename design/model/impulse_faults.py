@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from design.checks import LARGEST
 from design.errors import InvalidInputError
-from design.types import LARGEST, FloatArray
+from design.types import FloatArray
 
 
 def require_shapes(times_s: FloatArray, amplitudes: FloatArray) -> None:

@@ -4,8 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from design.checks import LARGEST
 from design.model.impulse_faults import require_numbers, require_shapes
-from design.types import LARGEST, BoolArray, FloatArray
+from design.types import BoolArray, FloatArray
 
 ROUNDING = 1e-12
 """Share of all steps' sizes below which one is none: rounding of their sum, not a command [-]."""

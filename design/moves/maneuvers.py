@@ -9,6 +9,7 @@ from design.analysis.certificate import Certificate, certify
 from design.analysis.drive_warnings import drive_warnings
 from design.analysis.judge import judge, shortfall_of
 from design.analysis.warnings import DesignWarning
+from design.checks import LARGEST, SMALLEST, require_scale
 from design.claims import ZERO_LIMITS, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.formulations.gaps import PERIOD_RAD
@@ -30,7 +31,6 @@ from design.shapers.options import ShaperOptions
 from design.shapers.peak_options import PeakOptions
 from design.shapers.settle_options import SettleOptions
 from design.solving.solve import solve
-from design.types import LARGEST, SMALLEST, require_scale
 
 LONGEST_PERIODS = 500.0
 """Longest pulse: up to it the certificate's slope, by differencing, stays clear of rounding [-]."""

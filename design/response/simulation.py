@@ -21,6 +21,7 @@ from design.model.lags import Lag
 from design.model.ramps import Reference
 from design.model.reference_ramps import reference
 from design.response.matrix_exponential import exponentials
+from design.response.one_state import one_state
 from design.response.ramp_flows import ramp_flows
 from design.types import ComplexArray, FloatArray
 
@@ -69,10 +70,9 @@ def dynamics_of(
     """
     both = (actuator.decel_lag, actuator.accel_lag)
     scale = max(lag.corner_rad_s for lag in both)
-    if actuator.model == "switched":
-        lags, coupled, jumps, kept = _one_state(both, scale)
-    else:
-        lags, coupled, jumps, kept = _side_by_side(both, scale)
+    blocks = [_lag_matrix(lag, scale) for lag in both]
+    arrange = one_state if actuator.model == "switched" else _side_by_side
+    lags, coupled, jumps, kept = arrange(blocks)
     size = lags.shape[-1]
     w = frequencies_rad_s
     matrices = np.zeros((len(lags), w.size, size + 2, size + 2))
@@ -88,10 +88,9 @@ def dynamics_of(
 
 
 def _side_by_side(
-    both: tuple[Lag, Lag], scale_rad_s: float
+    blocks: list[FloatArray],
 ) -> tuple[FloatArray, list[int], FloatArray, FloatArray]:
     """Lag states for superposed steps: each set has its own, excited by its own steps."""
-    blocks = [_lag_matrix(lag, scale_rad_s) for lag in both]
     orders = [len(block) for block in blocks]
     matrix = np.zeros((sum(orders), sum(orders)))
     jumps = np.zeros((2, sum(orders)))
@@ -104,22 +103,6 @@ def _side_by_side(
             coupled.append(start)
         start += order
     return matrix[None], coupled, jumps, np.ones_like(jumps)
-
-
-def _one_state(
-    both: tuple[Lag, Lag], scale_rad_s: float
-) -> tuple[FloatArray, list[int], FloatArray, FloatArray]:
-    """Lag states of a switched actuator: one state, moved by the set in force."""
-    blocks = [_lag_matrix(lag, scale_rad_s) for lag in both]
-    order = max(map(len, blocks))
-    matrices, jumps, kept = np.zeros((2, order, order)), np.zeros((2, order)), np.ones((2, order))
-    jumps[:, :1] = 1.0
-    for which, block in enumerate(blocks):
-        if len(block) == order:
-            matrices[which] = block
-        else:
-            kept[which] = 0.0
-    return matrices, [0] if order else [], jumps, kept
 
 
 def states_at_changes(

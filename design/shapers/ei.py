@@ -7,6 +7,7 @@ nominal one. The equations and their solution are those of `design.formulations.
 import functools
 from dataclasses import dataclass
 
+from design.checks import require_between
 from design.claims import ZERO_LIMITS, Promise, within
 from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.humps import Humps, humped
@@ -21,7 +22,6 @@ from design.shapers.options import (
     tolerance_field,
 )
 from design.shapers.positive import served
-from design.types import require_between
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from design.checks import require_between
 from design.claims import ZERO_LIMITS, Promise, within
 from design.errors import InfeasibleDesignError
 from design.formulations.alternating import AlternatingBand
@@ -32,7 +33,7 @@ from design.shapers.actuators import EVERY_ACTUATOR
 from design.shapers.kind import DesignCase, KindOf, ShaperKind
 from design.shapers.options import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, tolerance_field
 from design.shapers.settle_options import SettleOptions
-from design.types import FloatArray, require_between
+from design.types import FloatArray
 
 SOURCE = (
     'W. Singhose, W. Seering, N. Singer, "Time-optimal negative input shapers", J. Dyn. Sys., '

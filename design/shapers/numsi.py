@@ -7,6 +7,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from design.checks import require_between
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.formulations.alternating import AlternatingBand
 from design.formulations.bands import BandSearch, UnityBandProblem
@@ -22,7 +23,6 @@ from design.shapers.actuators import EVERY_ACTUATOR
 from design.shapers.kind import DesignCase, KindOf
 from design.shapers.options import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, tolerance_field
 from design.shapers.settle_options import SettleOptions
-from design.types import require_between
 
 NARROWEST = 1e-3
 WIDEST = 0.6

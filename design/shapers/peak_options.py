@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from design.checks import require_between
 from design.shapers.settle_options import SettleOptions
-from design.types import require_between
 
 SMALLEST_PEAK = 0.01
 LARGEST_PEAK = 100.0

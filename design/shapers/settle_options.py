@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, field
 
+from design.checks import require_between
 from design.shapers.options import ShaperOptions
-from design.types import require_between
 
 SHORTEST_HORIZON_PERIODS = 0.1
 LONGEST_HORIZON_PERIODS = 100.0

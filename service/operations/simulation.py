@@ -3,6 +3,7 @@
 import numpy as np
 
 from design.analysis.warnings import DesignWarning, sum_warnings
+from design.checks import SMALLEST
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
@@ -11,7 +12,6 @@ from design.moves.shaped_commands import ShapedCommand, shaped_command
 from design.pipeline import design
 from design.sampling.sampled_design import claims_on_samples
 from design.shapers.options import ShaperOptions
-from design.types import SMALLEST
 from schemas.base import named
 from schemas.samples import grid_tolerance
 from schemas.shapers import ShaperIn

@@ -3,14 +3,10 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from design.checks import LARGEST, SMALLEST, require_between
 from design.errors import InvalidInputError
 from design.model.actuators.model import Model
 from design.model.lags import Lag
-from design.types import (
-    LARGEST,
-    SMALLEST,
-    require_between,
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

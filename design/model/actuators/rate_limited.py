@@ -3,17 +3,13 @@
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from design.checks import LARGEST, require_between, require_scale
 from design.errors import InvalidInputError
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.model import Model
 from design.model.actuators.second_order import SecondOrder
 from design.model.lags import Lag
-from design.types import (
-    LARGEST,
-    require_between,
-    require_scale,
-)
 
 Unlimited = Ideal | FirstOrder | SecondOrder
 

@@ -3,13 +3,9 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from design.checks import LARGEST, require_between, require_scale
 from design.model.actuators.model import Model
 from design.model.lags import Lag
-from design.types import (
-    LARGEST,
-    require_between,
-    require_scale,
-)
 
 SMALLEST_DAMPING_RATIO = 0.1
 

@@ -4,7 +4,7 @@ import cmath
 import math
 from dataclasses import dataclass
 
-from design.types import require_between, require_scale
+from design.checks import require_between, require_scale
 
 LARGEST_DAMPING_RATIO = 0.99
 """A swing has decayed to 3e-10 there by the time at which `zv` answers it; from 0.9936 on, to less

@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass
 
+from design.checks import require_between, require_scale
 from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
-from design.types import require_between, require_scale
 
 STANDARD_GRAVITY_M_S2 = 9.80665
 """Standard acceleration of free fall [m/s^2] (3rd CGPM, 1901)."""

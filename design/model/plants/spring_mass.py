@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass
 
+from design.checks import require_between, require_scale
 from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
-from design.types import require_between, require_scale
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
