@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from design.analysis.certificate import Certificate
-from design.analysis.judge import Judgement, judge, shortfall_of
+from design.analysis.claims_in_words import shortfall_of
+from design.analysis.judge import Judgement, judge
 from design.analysis.rounding import require_doubles_to_hold
 from design.claims import Promise, zeros
 from design.errors import InfeasibleDesignError, SolverFailedError
@@ -17,8 +18,8 @@ from design.own_bands import with_own_band
 from design.ranges import promises_over, require_over
 from design.shapers.kind import ShaperKind
 from design.solvers.budget import Budget
+from design.solvers.search_steps import verdict_step
 from design.solvers.solution import Solution
-from design.trace import TraceStep
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -76,7 +77,9 @@ def certify(
             ]
             if None in kept:
                 others += 1
-                _note(budget, solution, "it is above the tolerance between its own zeros")
+                if budget.trace is not None:
+                    shortfall = "it is above the tolerance between its own zeros"
+                    budget.note(verdict_step(solution, shortfall))
                 continue
             judgement = judge(
                 solution.impulses,
@@ -87,7 +90,8 @@ def certify(
                 designed_for=formulation.designed_for,
             )
             certificate = judgement.certificate
-            _note(budget, solution, shortfall_of(certificate))
+            if budget.trace is not None:
+                budget.note(verdict_step(solution, shortfall_of(certificate)))
             if certificate.verified:
                 return Certified(solution=solution, judgement=judgement)
             if isinstance(plant, Scheduled):
@@ -110,20 +114,6 @@ def certify(
     raise SolverFailedError(
         f"no solution of {kind.name} was verified; of the last one {shortfall_of(unverified)}",
         code="none_verified",
-    )
-
-
-def _note(budget: Budget, solution: Solution, shortfall: str) -> None:
-    """Note that a solution was verified, or why it was rejected."""
-    budget.note(
-        TraceStep(
-            stage="certify",
-            method="certificate",
-            start=solution.solver.seed,
-            outcome="rejected" if shortfall else "verified",
-            duration_s=solution.impulses.duration_s,
-            detail=shortfall,
-        )
     )
 
 

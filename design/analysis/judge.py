@@ -101,13 +101,3 @@ def judge(
         residuals=tuple(residual_vibration(command, mode, actuator, swing) for mode in modes),
         warnings=warnings,
     )
-
-
-def shortfall_of(certificate: Certificate | None) -> str:
-    """Return what does not hold, in words."""
-    claims = () if certificate is None else certificate.claims
-    return ", ".join(
-        f"the {claim.quantity} is {claim.value:.3g}, allowed {claim.limit:g}"
-        for claim in claims
-        if not claim.holds
-    )

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.analysis.certificate import Certificate, certify
+from design.analysis.claims_in_words import shortfall_of
 from design.analysis.drive_warnings import drive_warnings
-from design.analysis.judge import judge, shortfall_of
+from design.analysis.judge import judge
 from design.analysis.warnings import DesignWarning
 from design.checks import LARGEST, SMALLEST, require_scale
 from design.claims import ZERO_LIMITS, zeros
