@@ -1,13 +1,13 @@
 """Solutions held against what is promised of them, until one keeps it."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from design.analysis.certificate import Certificate
 from design.analysis.claims_in_words import shortfall_of
 from design.analysis.judge import Judgement, judge
 from design.analysis.rounding import require_doubles_to_hold
-from design.claims import Promise, zeros
+from design.claims import ZERO_LIMITS, Promise
 from design.errors import InfeasibleDesignError, SolverFailedError
 from design.formulations.formulation import Convolution, Formulation
 from design.model.actuators.registry import Actuator
@@ -140,5 +140,7 @@ def promises_of(
     if isinstance(formulation, Convolution):
         names = formulation.zeros_of_parts
     return tuple(
-        replace(promise, mode=number) for number in range(len(modes)) for promise in zeros(names)
+        Promise(quantity=name, limit=ZERO_LIMITS[name], mode=number)
+        for number in range(len(modes))
+        for name in names
     )

@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from design.errors import InfeasibleDesignError
-from design.formulations.equations import Problem, Seed
+from design.formulations.equations import Problem
 from design.formulations.gaps import PERIOD_RAD, SHORTEST_GAP_RAD, settling_gaps_rad
 from design.formulations.lag_parameters import decel_over_accel, lag_parameters, switched_order
 from design.formulations.published_times import ZV_POLYNOMIALS, ZVD_POLYNOMIALS
+from design.formulations.seeds import Seed
 from design.formulations.unity_magnitude import UnityMagnitude
 from design.formulations.vector_diagram import undamped_seeds
 from design.model.actuators.rate_limited import RateLimited

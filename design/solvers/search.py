@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 
-from design.formulations.equations import Problem, Seed
+from design.formulations.equations import Problem
+from design.formulations.seeds import Seed
 from design.solvers.attempt import attempt
 from design.solvers.branches import branches
 from design.solvers.budget import Budget

@@ -9,6 +9,7 @@ from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.http.clients import client_of
+from service.http.handlers import send_problem
 from service.operations.table import TABLE
 from service.problems import INTERNAL, Problem
 from service.workers.protocol import Pool
@@ -107,7 +108,7 @@ class RequestMiddleware:
         try:
             problem = refusal_of(scope, scope["app"].state.pool)
             if problem is not None:
-                await _send_problem(problem, request_id, send_with_id)
+                await send_problem(problem, request_id, send_with_id)
             else:
                 await self._app(scope, receive, send_with_id)
         except ClientDisconnect:
@@ -115,25 +116,10 @@ class RequestMiddleware:
         except Exception:  # noqa: BLE001 - the last resort, logged with its traceback
             ERRORS.exception("request failed", extra={"fields": {"request_id": request_id}})
             if status == 0:
-                await _send_problem(
+                await send_problem(
                     Problem(INTERNAL, "the service failed; its log has the reason"),
                     request_id,
                     send_with_id,
                 )
         finally:
             log_request(scope, request_id, status, started)
-
-
-async def _send_problem(problem: Problem, request_id: str, send: Send) -> None:
-    body = problem.document(request_id).model_dump_json().encode()
-    headers = [
-        (b"content-type", b"application/problem+json"),
-        (b"content-length", str(len(body)).encode()),
-    ]
-    headers += [(name.encode(), value.encode()) for name, value in problem.headers.items()]
-    await send({
-        "type": "http.response.start",
-        "status": problem.kind.http.value,
-        "headers": headers,
-    })
-    await send({"type": "http.response.body", "body": body})

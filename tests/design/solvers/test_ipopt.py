@@ -13,7 +13,7 @@ from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.model.actuators.ideal import Ideal
 from design.solvers import ipopt
 from design.solvers.buffered import Buffered
-from design.solvers.ipopt_options import STATUS
+from design.solvers.ipopt_setup import STATUS
 from design.solvers.outcome import Status
 from tests.shaper_table import DAMPED, THESIS
 
