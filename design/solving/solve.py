@@ -10,6 +10,7 @@ from typing import Any
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import Problem
 from design.formulations.formulation import ClosedForm, Convolution, Formulation, JointProblem
+from design.formulations.ramped import RampedProblem
 from design.solvers import search
 from design.solvers.budget import Budget
 from design.solvers.solution import Solution
@@ -17,6 +18,7 @@ from design.solvers.unity_band import search as unity_band
 from design.solving import optima
 from design.solving.closed_form import solve_closed_form
 from design.solving.convolution import convolved
+from design.solving.ramps import solve_behind_limits
 
 
 def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[Solution]:
@@ -56,6 +58,7 @@ SOLVERS: dict[type[Formulation], Callable[[Any, Budget], Iterator[Solution]]] = 
     BandSearch: unity_band.solve,
     BandProblem: optima.solve_over_band,
     JointProblem: optima.solve_jointly,
+    RampedProblem: solve_behind_limits,
     Convolution: _convolution,
 }
 """What solves each class of formulation."""
