@@ -67,20 +67,6 @@ def judge(
     -------
     Judgement
         Its certificate is not verified where a promise holds with neither actuator.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from design.model.actuators.first_order import FirstOrder
-    >>> from design.model.actuators.ideal import Ideal
-    >>> from design.claims import zeros
-    >>> mode = Mode(natural_frequency_rad_s=3.5)
-    >>> phases = np.pi * np.array([0, 1 / 3, 2 / 3])
-    >>> umzv = Impulses(times_s=phases / 3.5, amplitudes=np.array([1.0, -1.0, 1.0]))
-    >>> drive = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.3)
-    >>> found = judge(umzv, (mode,), drive, zeros(["residual"]), name="umzv", designed_for=Ideal())
-    >>> found.certificate.verified, found.for_ideal, found.warnings[0].code
-    (True, True, 'actuator_ignored')
     """
     certificate = certify_modes(command, modes, actuator, promises, swing)
     failing = [claim for claim in certificate.claims if not claim.holds]
