@@ -54,10 +54,8 @@ def design(
     ----------
     plant, actuator
         What moves, and what drives it.
-    kind, options
-        Entry of the registry, and its parameters; their defaults if not given.
-    budget
-        What its search may do; that of one design if not given.
+    kind, options, budget
+        Entry of the registry; its parameters; what its search may do: the usual ones if not given.
 
     Returns
     -------

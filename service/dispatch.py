@@ -61,10 +61,8 @@ def respond(
 
     Parameters
     ----------
-    operation, body
-        Name of the operation, as in `OPERATIONS`, and the request as JSON.
-    asked
-        Fields of the request that are set once it is read: by options of the command line.
+    operation, body, asked
+        Name of the operation, the request as JSON, and fields that are set once it is read.
 
     Returns
     -------

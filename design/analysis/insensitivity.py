@@ -57,10 +57,9 @@ def insensitivity(
 ) -> Insensitivity | None:
     """Return the interval around 1 with the residual within a tolerance.
 
-    The interval is connected. Either edge is bracketed by a scan outward from 1, fine against the
+    Either edge of the connected interval is bracketed by a scan outward from 1, fine against the
     turn of the last impulse and with its near-misses looked at again, and then root-found, unless
-    it is proven that there is none. The scan does not depend on any plotted grid; it ends at
-    `WIDEST_RATIOS`, or after `MOST_SCAN_POINTS`, and says where it ended without an edge.
+    it is proven that there is none. The scan ends at `WIDEST_RATIOS`, or after `MOST_SCAN_POINTS`.
 
     Parameters
     ----------

@@ -52,14 +52,11 @@ def judge(
     Parameters
     ----------
     command, modes
-        The steps that are sent, a shaper, a whole command or a program as it is played; the modes
-        of the plant.
-    actuator, promises
-        The drive that is given; what is promised of the command, each with a limit.
-    name
-        What the command is called in a warning.
-    designed_for
-        The actuator for which the promises were made; the one given if left out.
+        The steps that are sent, and the modes of the plant.
+    actuator, designed_for
+        The drive that is given, and the one for which promises were made; the same if left out.
+    promises, name
+        What is promised of the command, and what the command is called in a warning.
     swing
         What the payload swings already at the first step.
 

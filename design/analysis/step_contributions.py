@@ -35,8 +35,8 @@ class StepContributions:
 def step_contributions(impulses: Impulses, actuator: Actuator) -> StepContributions:
     """Return what each change of the reference adds to the vibration.
 
-    A superposed step adds its height by its own set. Where one actuator is switched, its state is
-    taken from the old set and given to the new, and each would let it ring in its own way.
+    A superposed step adds its height by its own set. A switched actuator's state is taken from the
+    old set and given to the new, and each would let it ring in its own way.
 
     Parameters
     ----------

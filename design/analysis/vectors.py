@@ -104,13 +104,11 @@ def join_over_accel(
 
     Parameters
     ----------
-    sums
-        Gains by either set, then, if there are any, their rates: shape (m, 2) or (m, 4) [-], [s].
-    poles_rad_s
-        Upper poles, shape (m,) or (1,) [rad/s].
+    sums, poles_rad_s
+        Gains by either set, then their rates, if any, shape (m, 2) or (m, 4) [-], [s]; upper poles,
+        shape (m,) or (1,) [rad/s].
     accel, decel
-        ``1 / G`` of either set at the poles, shape (m,) or (1,) [-]; below 1e-12 that of the
-        deceleration set counts as 1e-12.
+        ``1 / G`` of either set there, shape (m,) or (1,) [-].
 
     Returns
     -------

@@ -42,12 +42,10 @@ def unity_magnitude_problem(
     model, mode, actuator
         Number of impulses and order of the equations; the plant's mode and its drive.
     settle, max_duration_periods
-        Whether each step must settle to 80 % before the next; longest shaper in undamped periods
-        [-].
-    amplitudes
-        Heights, +1, -1, +1, ... if not given. Of three others the undamped triangle is the seed.
-    seeds
-        Starts; needed for more than three other amplitudes.
+        Whether each step must settle before the next; longest shaper in undamped periods [-].
+    amplitudes, seeds
+        Heights, +1, -1, +1, ... if not given; of three others the undamped triangle is the seed, of
+        more the seeds are needed.
 
     Returns
     -------

@@ -162,13 +162,10 @@ def ringing_after(
     ----------
     impulses, actuator
         The command, and the actuator between command and mode.
-    frequencies_rad_s
-        Natural frequencies of the mode, shape (f,) [rad/s].
-    damping_ratio
-        Damping ratio of the mode, the same at all frequencies, or one for each, shape (f,) [-].
+    frequencies_rad_s, damping_ratio
+        Of the mode, shape (f,) each, or one damping ratio for all [rad/s], [-].
     initial
-        State ``q, q'/w`` of the mode at each frequency just before the first step, shape (f, 2); at
-        rest if not given, as the actuator is.
+        State ``q, q'/w`` just before the first step, shape (f, 2); at rest if not given.
 
     Returns
     -------

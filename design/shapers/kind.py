@@ -73,10 +73,8 @@ class KindOf(Generic[Options]):
 
         Parameters
         ----------
-        modes, actuator
-            The modes of the plant, and what it is designed for.
-        options
-            Parameters of the kind; the usual ones if not given.
+        modes, actuator, options
+            The modes of the plant, its drive, and parameters; the usual ones if not given.
 
         Returns
         -------

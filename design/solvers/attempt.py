@@ -23,12 +23,10 @@ def attempt(
 
     Parameters
     ----------
-    problem, start
-        The problem and unknowns to start from, see `ipopt.solve`.
-    seed, tried
-        Name of the start; starts tried so far, this one included.
-    budget
-        That of the search, in which the work is counted.
+    problem, start, seed
+        The problem, unknowns to start from, see `ipopt.solve`, and their name.
+    tried, budget
+        Starts tried so far, this one included; the budget of the search.
 
     Yields
     ------

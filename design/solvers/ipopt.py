@@ -42,8 +42,6 @@ def _iteration_work(model: Model) -> float:
 def solve(problem: Problem, start: FloatArray) -> Outcome:
     """Minimise the duration from one start.
 
-    The solver of the problem's family is built at its first use in this process.
-
     Parameters
     ----------
     problem

@@ -19,8 +19,7 @@ def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Solut
 
     Each solution comes from IPOPT, which starts at the problem's own seeds first. Newton's method
     sharpens the seeds, which halves the iterations of IPOPT, or follows them from what they solve.
-    IPOPT next starts at every root that Newton's method finds from `BRANCH_STARTS` starts spread
-    over the horizon, see `branches`. Where the budget is spent, the search ends.
+    Every branch comes next, see `branches`. Where the budget is spent, the search ends.
 
     Parameters
     ----------

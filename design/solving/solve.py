@@ -24,8 +24,7 @@ from design.solving.ramps import solve_behind_limits
 def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[Solution]:
     """Yield what solves a formulation, the likeliest optimum first.
 
-    No impulse of a solution is as small as rounding, and no two are at one time. A search ends
-    where its budget is spent.
+    No impulse of a solution is as small as rounding, and no two are at one time.
 
     Parameters
     ----------

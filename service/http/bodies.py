@@ -3,7 +3,10 @@
 import asyncio
 
 from starlette.requests import Request
+from starlette.responses import Response
 
+from service.dispatch import Answer
+from service.http.handlers import problem_response
 from service.problems import (
     REQUEST_TIMEOUT,
     TOO_LARGE,
@@ -21,10 +24,8 @@ async def read_body(request: Request, *, limit_bytes: int, media_types: tuple[st
 
     Parameters
     ----------
-    request, limit_bytes
-        The request, and its longest body [bytes].
-    media_types
-        Values of ``content-type`` that are accepted, the usual one first.
+    request, limit_bytes, media_types
+        The request, its longest body [bytes], and values of ``content-type``, the usual one first.
 
     Returns
     -------
@@ -56,3 +57,24 @@ async def read_body(request: Request, *, limit_bytes: int, media_types: tuple[st
         detail = f"the body did not arrive within {BODY_WAIT_S:g} s"
         raise ProblemError(Problem(REQUEST_TIMEOUT, detail)) from None
     return bytes(body)
+
+
+def answer_response(answer: Answer, request_id: str | None) -> Response:
+    """Return an answer as the response.
+
+    Parameters
+    ----------
+    answer, request_id
+        The response of an operation, or a problem; id of the request, which a problem repeats.
+
+    Returns
+    -------
+    Response
+        JSON, with the time of the work in the ``Server-Timing`` header [ms].
+    """
+    if isinstance(answer.outcome, Problem):
+        response = problem_response(answer.outcome, request_id)
+    else:
+        response = Response(answer.outcome, media_type="application/json")
+    response.headers["server-timing"] = f"work;dur={1e3 * answer.seconds:.3f}"
+    return response

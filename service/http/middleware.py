@@ -63,10 +63,8 @@ def log_request(scope: Scope, request_id: str, status: int, started_s: float) ->
 
     Parameters
     ----------
-    scope, request_id, status
-        The request, as ASGI has it; its id; the status of its answer.
-    started_s
-        When it began, by the clock of `time.perf_counter` [s].
+    scope, request_id, status, started_s
+        The request, its id, the status of its answer, and when it began by `time.perf_counter` [s].
     """
     ACCESS.info(
         "request",
