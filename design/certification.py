@@ -62,7 +62,7 @@ def certify(
         If there are solutions, and none keeps its promises.
     """
     modes = plant.modes
-    promises = promises_of(formulation, kind, modes)
+    promises = _promises_of(formulation, kind, modes)
     if isinstance(plant, Scheduled):
         promises = promises_over(plant, promises)
     unverified: Certificate | None = None
@@ -117,22 +117,12 @@ def certify(
     )
 
 
-def promises_of(
+def _promises_of(
     formulation: Formulation, kind: ShaperKind, modes: tuple[Mode, ...]
 ) -> tuple[Promise, ...]:
     """Return what is promised of a formulation's solutions.
 
     A formulation's own claims come first; without any its kind's count, each at zero in each mode.
-
-    Parameters
-    ----------
-    formulation, kind, modes
-        What is solved, the kind of the shaper, and the modes of the plant.
-
-    Returns
-    -------
-    tuple of Promise
-        With the numbers of the modes.
     """
     if formulation.claims:
         return formulation.claims

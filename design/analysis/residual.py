@@ -33,14 +33,6 @@ def residual_vibration(
     -------
     float
         At least 0 [-]; 1 for the unshaped step itself.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from design.model.actuators.ideal import Ideal
-    >>> half_period = Impulses(times_s=np.array([0.0, np.pi]), amplitudes=np.array([0.5, 0.5]))
-    >>> residual_vibration(half_period, Mode(natural_frequency_rad_s=1.0), Ideal()) < 1e-15
-    True
     """
     vector = residual_vectors(impulses, np.array([mode.pole_rad_s]), actuator)[0]
     if swing is not None:

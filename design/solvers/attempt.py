@@ -39,7 +39,7 @@ def attempt(
         If IPOPT ran past its time.
     """
     outcome = ipopt.solve(problem, start)
-    budget.spend(JUDGING_WORK + ipopt.work_of(problem.model, outcome.iterations))
+    budget.spend(JUDGING_WORK + outcome.iterations * ipopt.iteration_work(problem.model))
     if outcome.status is Status.TIME_LIMIT:
         raise TimeLimitError(f"ipopt ran past its time from seed {seed!r}", code="seed_past_time")
     gaps, ratios = problem.split(outcome.unknowns)

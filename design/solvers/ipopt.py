@@ -18,24 +18,9 @@ _one_at_a_time = threading.Lock()
 """One CasADi function used by two threads crashes the process."""
 
 
-def work_of(model: Model, iterations: int) -> float:
-    """Return the work of so many iterations [units].
-
-    Parameters
-    ----------
-    model, iterations
-        The family of the problem that is solved, and iterations of IPOPT.
-
-    Returns
-    -------
-    float
-        Work by the iterations and by the size of the family's equations [units].
-    """
-    return iterations * _iteration_work(model)
-
-
 @functools.cache
-def _iteration_work(model: Model) -> float:
+def iteration_work(model: Model) -> float:
+    """Return the work of an iteration on a family of problems [units]."""
     return ITERATION_WORK + INSTRUCTION_WORK * instructions_of(model)
 
 
