@@ -2,9 +2,11 @@
 
 import numpy as np
 
+from design.checks import LARGEST, SMALLEST, require_between
 from design.errors import InvalidInputError
 from design.model.impulses import Impulses
-from design.types import LARGEST, SMALLEST, FloatArray, require_between
+from design.model.merging import merged
+from design.types import FloatArray
 
 
 def step() -> Impulses:
@@ -79,7 +81,7 @@ def listed(times_s: FloatArray, velocities: FloatArray) -> Impulses:
             "not all zero, the last at each time",
             code="velocities_all_zero",
         )
-    return Impulses(times_s=times_s, amplitudes=np.diff(velocities, prepend=0.0)).merged()
+    return merged(Impulses(times_s=times_s, amplitudes=np.diff(velocities, prepend=0.0)))
 
 
 def convolved(command: Impulses, shaper: Impulses) -> Impulses:
@@ -113,4 +115,4 @@ def convolved(command: Impulses, shaper: Impulses) -> Impulses:
     times = np.add.outer(command.times_s, shaper.times_s).ravel()
     amplitudes = np.multiply.outer(command.amplitudes, shaper.amplitudes).ravel()
     order = np.argsort(times, kind="stable")
-    return Impulses(times_s=times[order], amplitudes=amplitudes[order]).merged()
+    return merged(Impulses(times_s=times[order], amplitudes=amplitudes[order]))

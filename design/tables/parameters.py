@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from design.analysis.workable import RESONANCE, SLOWEST
+from design.checks import LARGEST, SMALLEST
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.second_order import LARGEST_DAMPING_RATIO as LARGEST_LAG_DAMPING
@@ -16,10 +17,10 @@ from design.model.actuators.second_order import SMALLEST_DAMPING_RATIO as SMALLE
 from design.model.actuators.second_order import SecondOrder
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
-from design.shapers.options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
+from design.shapers.settle_options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
 from design.shapers.umzv import LONGEST_PERIODS
 from design.tables.specification import TableSpecification
-from design.types import LARGEST, SMALLEST, BoolArray, FloatArray
+from design.types import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -14,10 +14,9 @@ def shape_of(operation: str, body: bytes) -> Hashable:
 
     Parameters
     ----------
-    operation
-        Name of what is done with the body.
-    body
-        The request; beyond `LONGEST_SHAPE` only the magnitude of its length counts [bytes].
+    operation, body
+        Name of what is done with the request; beyond `LONGEST_SHAPE` only the magnitude of its
+        length counts [bytes].
 
     Returns
     -------

@@ -11,7 +11,8 @@ from scipy.linalg import expm
 
 from design.analysis.certificate import certify
 from design.analysis.residual import residual_vibration
-from design.analysis.sensitivity import residual_curve, sensitivity
+from design.analysis.residuals_of_many import residual_curve
+from design.analysis.sensitivity import sensitivity
 from design.analysis.sensitivity_range import SensitivityRange
 from design.analysis.vectors import residual_vectors
 from design.claims import zeros

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from design.types import LARGEST, ComplexArray, FloatArray
+from design.checks import LARGEST
+from design.types import ComplexArray, FloatArray
 
 PERIOD_RAD = 2 * math.pi
 

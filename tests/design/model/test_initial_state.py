@@ -21,7 +21,7 @@ from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.moves.maneuvers import Maneuver, maneuver
 from design.shapers.kind import ShaperKind
-from design.shapers.options import PeakOptions
+from design.shapers.peak_options import PeakOptions
 from design.shapers.registry import SHAPERS
 from tests.design.moves.test_maneuvers import any_actuator, levels
 from tests.refusals import refused

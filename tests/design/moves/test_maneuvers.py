@@ -19,12 +19,14 @@ from design.model.impulses import Impulses
 from design.model.initial_state import AngleSwing
 from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
+from design.model.settling import settling_time_s
 from design.moves.maneuvers import Maneuver, maneuver, mirrored_stop, swapped
 from design.pipeline import design
 from design.response.closed_form import travel
 from design.shapers.kind import ShaperKind
-from design.shapers.options import PeakOptions, SettleOptions
+from design.shapers.peak_options import PeakOptions
 from design.shapers.registry import SHAPERS
+from design.shapers.settle_options import SettleOptions
 from tests.refusals import refused
 from tests.second_route import integrate, residual_by_integration
 from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, THESIS
@@ -276,7 +278,7 @@ def test_a_shaper_that_knows_no_actuator_is_proven_for_the_ideal_one(
 
 def test_settling_on_request_holds_for_the_whole_move() -> None:
     options = SettleOptions(settle=True)
-    shortest = min(lag.settling_time_s() for lag in (THESIS.accel_lag, THESIS.decel_lag))
+    shortest = min(settling_time_s(lag) for lag in (THESIS.accel_lag, THESIS.decel_lag))
     for pulse_s in (2.0, 1.0):
         move = maneuver(
             CRANE, THESIS, NUMZVD, speed_m_s=SPEED_M_S, pulse_s=pulse_s, options=options

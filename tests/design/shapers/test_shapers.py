@@ -20,8 +20,9 @@ from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
 from design.pipeline import design
-from design.shapers.options import PeakOptions, SettleOptions
+from design.shapers.peak_options import PeakOptions
 from design.shapers.registry import SHAPERS
+from design.shapers.settle_options import SettleOptions
 from design.types import FloatArray
 from tests.second_route import (
     claims_by_formula,

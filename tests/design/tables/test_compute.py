@@ -20,8 +20,9 @@ from design.model.actuators.model import Model
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.pipeline import Design, design
-from design.shapers.options import PeakOptions, SettleOptions
+from design.shapers.peak_options import PeakOptions
 from design.shapers.registry import SHAPERS
+from design.shapers.settle_options import SettleOptions
 from design.solvers.branches import spread_starts
 from design.solvers.newton import roots
 from design.tables import compute, kernel, starts
