@@ -4,6 +4,7 @@ import json
 import os
 import re
 import signal
+import socket
 import sqlite3
 import subprocess
 import sys
@@ -16,6 +17,8 @@ from typing import Any
 import pytest
 
 from tests.conftest import CRANE, free_port
+from tests.patience import PATIENT_S
+from tests.processes import children, until
 from tests.service.cli.test_command_line import names_of
 from tests.service.http.test_tables_over_http import HEAVILY_DAMPED, TABLE
 
@@ -41,6 +44,13 @@ def spec(tmp_path: Path) -> Path:
     return path
 
 
+def answers(address: str) -> bool:
+    """Return whether somebody listens at an address of Dask."""
+    host, port = address.removeprefix("tcp://").split(":")
+    with socket.socket() as asking:
+        return asking.connect_ex((host, int(port))) == 0
+
+
 @contextmanager
 def cluster(workers: int) -> Iterator[str]:
     """Run a real Dask scheduler and worker processes, by Dask's own commands."""
@@ -61,11 +71,12 @@ def cluster(workers: int) -> Iterator[str]:
         )
     ]
     try:
+        until(lambda: answers(address), "the scheduler does not answer")
         yield address
     finally:
         for process in started:
             os.killpg(process.pid, signal.SIGKILL)
-            process.wait(10)
+            process.wait(PATIENT_S)
 
 
 def test_the_bytes_are_the_same_on_any_number_of_workers_and_on_dask(
@@ -310,11 +321,11 @@ def begun(spec: Path, path: Path, **options: Any) -> "Iterator[subprocess.Popen[
     )
     try:
         store = path.with_name(f".{path.name}.job")
-        deadline = time.monotonic() + 300
-        while chunks_done(store) == already:
-            assert process.poll() is None
-            assert time.monotonic() < deadline
-            time.sleep(0.02)
+        until(
+            lambda: chunks_done(store) != already or process.poll() is not None,
+            "no chunk is done",
+        )
+        assert process.poll() is None
         yield process
     finally:
         if process.poll() is None:
@@ -341,14 +352,14 @@ def test_an_interrupt_leaves_the_job_to_be_resumed(spec: Path, tmp_path: Path) -
     path = tmp_path / "t.csv"
     with begun(spec, path) as process:
         process.send_signal(signal.SIGINT)
-        _, told = process.communicate(timeout=300)
+        _, told = process.communicate(timeout=PATIENT_S)
     assert process.returncode == 1
     assert "the same command goes on where it was" in told
     assert "Traceback" not in told
     assert not path.exists()
     with begun(spec, path) as process:
         process.send_signal(signal.SIGINT)
-        _, told = process.communicate(timeout=300)
+        _, told = process.communicate(timeout=PATIENT_S)
     assert re.search(r"going on at [\d,]+ rows", told)
 
 
@@ -424,7 +435,6 @@ def test_what_makes_no_table_does_not_wait_for_its_libraries() -> None:
 
 def test_workers_killed_in_their_chunks_cost_nothing_but_time(spec: Path, tmp_path: Path) -> None:
     from service.jobs.store import MOST_FAILURES
-    from tests.processes import children
 
     spec.write_text(json.dumps({**LONG, "axes": [{**SMALL["axes"][0], "points": 600}]}))
     path, undisturbed = tmp_path / "t.csv", tmp_path / "u.csv"
@@ -437,7 +447,7 @@ def test_workers_killed_in_their_chunks_cost_nothing_but_time(spec: Path, tmp_pa
                 killed.add(max(found))
                 os.kill(max(found), signal.SIGKILL)
             time.sleep(0.02)
-        _, told = process.communicate(timeout=300)
+        _, told = process.communicate(timeout=PATIENT_S)
     assert process.returncode == 0, told
     assert "killed" in told or "died" in told
     assert table(spec, "-o", undisturbed).returncode == 0
