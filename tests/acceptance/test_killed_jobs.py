@@ -21,7 +21,7 @@ import pytest
 from tests.conftest import CRANE, Running, free_port, wait_until_ready
 from tests.patience import PATIENT_S
 from tests.postgres import Cluster, running_cluster
-from tests.service.cli.test_table_command import begun
+from tests.service.cli.table_runs import begun
 
 KILLS = int(os.environ.get("KILLS_OF_JOBS", "8"))
 

@@ -30,13 +30,13 @@ SHORT: dict[str, set[float]] = {
     # The limit itself is tested, by work that has no end. One thread is looked at in between.
     "service/http/test_leaving.py": {3.0},
     "service/http/test_server.py": {0.05, 0.5, 1.0},
-    "service/workers/test_worker_pool.py": {0.1},
+    "service/workers/test_pool.py": {0.1},
     # Whoever leaves asks and leaves until a worker had begun; a writer is looked at in between.
     "service/http/test_tables_apart.py": {0.5, 1.0},
     # What a killed process had is given to another soon; who is late loses nothing but time.
     "acceptance/test_killed_jobs.py": {1.0},
     "service/http/test_tables_over_http.py": {1.0},
-    "service/jobs/test_table_process.py": {1.0},
+    "service/jobs/test_keeping.py": {1.0},
 }
 """Limits that are short on purpose, by file."""
 

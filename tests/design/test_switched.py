@@ -25,7 +25,7 @@ from design.pipeline import design
 from design.response.closed_form import history
 from design.response.simulation import ringing_after, simulated_history
 from design.shapers.registry import SHAPERS
-from tests.second_route import integrate, residual_by_integration
+from tests.integration_route import integrate, residual_by_integration
 from tests.shaper_table import CRANE, DAMPED, THESIS
 
 SWITCHED = replace(THESIS, model="switched")

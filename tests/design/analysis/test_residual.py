@@ -16,7 +16,8 @@ from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.response.simulation import ringing_after
-from tests.second_route import claims_by_formula, residual_by_integration
+from tests.integration_route import residual_by_integration
+from tests.second_route import claims_by_formula
 from tests.shaper_table import CRANE, FIRST_ORDER, IDEAL, THESIS
 
 OSCILLATING = SecondOrder(

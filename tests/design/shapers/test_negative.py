@@ -18,8 +18,8 @@ from design.pipeline import design
 from design.shapers.negative import NegativeOptions
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
+from tests.integration_route import residual_by_integration
 from tests.refusals import refused
-from tests.second_route import residual_by_integration
 from tests.shaper_table import IDEAL, THESIS
 
 

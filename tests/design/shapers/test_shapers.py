@@ -23,11 +23,11 @@ from design.pipeline import design
 from design.shapers.options import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
+from tests.integration_route import residual_by_integration
 from tests.second_route import (
     claims_by_formula,
     ideal_derivative_by_formula,
     largest_in_band_by_formula,
-    residual_by_integration,
 )
 from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, PLANTS, SHAPER_TABLE, THESIS
 

@@ -18,7 +18,7 @@ from service.jobs.soundness import RULES, damage_of
 from service.jobs.store import Store
 from tests.job_stores import HOUR_S, done, job
 from tests.patience import PATIENT_S
-from tests.service.jobs.test_job_runner import inline, run, table
+from tests.service.jobs.test_runner import inline, run, table
 
 WRONG: list[Any] = ["many", "", -1, -0.5, 1e999, 10**15, b"\xff\xfe", "x\ud7ff", None]
 """What may come to stand in a column of SQLite, which takes anything anywhere."""
