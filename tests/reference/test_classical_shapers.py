@@ -171,3 +171,8 @@ def test_a_positive_shaper_is_exact_behind_asymmetric_and_switched_actuators(
         assert made.residual == pytest.approx(nominal, abs=1e-12)
         left = residual_by_integration(made.impulses, mode, actuator)
         assert left == pytest.approx(nominal, abs=1e-7)  # of the integrator
+
+
+def test_the_number_of_impulses_of_mzv_is_whole() -> None:
+    with refused("not_whole", "n"):
+        MzvOptions(n=3.5)  # type: ignore[arg-type]

@@ -9,8 +9,13 @@ from scipy.optimize import linprog
 
 from design.analysis.shortest import excluded_rad
 from design.model.plants.modes import Modes
+from design.pipeline import design
+from design.shapers.registry import SHAPERS
+from design.solvers.budget import Budget
 from design.types import FloatArray
-from tests.modes_cases import LARGER, PAIRS, left_by_formula, made, plant, random_plants
+from tests.modes_cases import LARGER, PAIR, PAIRS, left_by_formula, made, plant, random_plants
+from tests.refusals import refused
+from tests.shaper_table import IDEAL
 
 
 def least_violation(subject: Modes, duration_s: float, *, positive: bool) -> float:
@@ -170,3 +175,8 @@ def test_no_random_start_of_slsqp_is_shorter_than_the_bound_of_two_modes(seed: i
         # What it leaves, over the slope of what is left in time.
         assert solved.x[0] >= found.solver.lower_bound_s * (1 - 1e-5)
     assert solutions > 0
+
+
+def test_a_search_that_may_do_nothing_finds_no_command() -> None:
+    with refused("no_joint_command_found"):
+        design(PAIR, IDEAL, SHAPERS["multi_umzv"], None, Budget(most=1.0))
