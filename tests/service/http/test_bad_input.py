@@ -10,75 +10,38 @@ from tests.conftest import CRANE
 from tests.service.http.changed_request import JSON, NATURAL, changed
 
 FAULTS = [
-    pytest.param("/plant/cable_length_m", -0.8, "greater than 0", "out_of_range", id="negative"),
-    pytest.param("/plant/cable_length_m", 0, "greater than 0", "out_of_range", id="zero"),
-    pytest.param(
-        "/plant/cable_length_m", True, "valid number, got True", "wrong_type", id="boolean"
-    ),
-    pytest.param(
-        "/plant/cable_length_m", "0.8", "valid number, got '0.8'", "wrong_type", id="string"
-    ),
-    pytest.param("/plant/cable_length_m", None, "valid number", "wrong_type", id="null"),
-    pytest.param("/plant/cable_length_m", [1], "valid number", "wrong_type", id="list"),
-    pytest.param(
-        "/plant/damping_ratio", 1, "less than or equal to 0.99", "out_of_range", id="damping-1"
-    ),
-    pytest.param(
-        "/plant/damping_ratio",
-        -1e-9,
-        "greater than or equal to 0",
-        "out_of_range",
-        id="damping-below-0",
-    ),
-    pytest.param(NATURAL, float("nan"), "finite number", "not_finite", id="nan"),
-    pytest.param(NATURAL, float("inf"), "finite number", "not_finite", id="infinity"),
-    pytest.param(
-        "/actuator/decel/damping_ratio",
-        9,
-        "less than or equal to 5",
-        "out_of_range",
-        id="actuator-damping",
-    ),
-    pytest.param(
-        "/actuator/model", "other", "'superposed' or 'switched'", "not_one_of", id="model"
-    ),
-    pytest.param("/plant/colour", "red", "Extra inputs", "extra_forbidden", id="unknown-field"),
-    pytest.param("/nonsense", 1, "Extra inputs", "extra_forbidden", id="unknown-top-field"),
-    pytest.param(
-        "/sensitivity/points", 10**7, "less than or equal to 20001", "out_of_range", id="points"
-    ),
-    pytest.param(
-        "/sensitivity/points", 1, "greater than or equal to 2", "out_of_range", id="one-point"
-    ),
-    pytest.param(
-        "/sensitivity/to_ratio",
-        0.4,
-        "greater than from_ratio",
-        "ratios_reversed",
-        id="ratios-reversed",
-    ),
-    pytest.param("/sensitivity/tolerance", 1, "less than 1", "out_of_range", id="tolerance"),
-    pytest.param("/shaper/settle", 1, "valid boolean", "wrong_type", id="settle"),
-    pytest.param(
-        "/shaper/max_duration_periods",
-        1e9,
-        "less than or equal to 100",
-        "out_of_range",
-        id="horizon",
-    ),
+    pytest.param("/plant/cable_length_m", -0.8, "out_of_range", id="negative"),
+    pytest.param("/plant/cable_length_m", 0, "out_of_range", id="zero"),
+    pytest.param("/plant/cable_length_m", True, "wrong_type", id="boolean"),
+    pytest.param("/plant/cable_length_m", "0.8", "wrong_type", id="string"),
+    pytest.param("/plant/cable_length_m", None, "wrong_type", id="null"),
+    pytest.param("/plant/cable_length_m", [1], "wrong_type", id="list"),
+    pytest.param("/plant/damping_ratio", 1, "out_of_range", id="damping-1"),
+    pytest.param("/plant/damping_ratio", -1e-9, "out_of_range", id="damping-below-0"),
+    pytest.param(NATURAL, float("nan"), "not_finite", id="nan"),
+    pytest.param(NATURAL, float("inf"), "not_finite", id="infinity"),
+    pytest.param("/actuator/decel/damping_ratio", 9, "out_of_range", id="actuator-damping"),
+    pytest.param("/actuator/model", "other", "not_one_of", id="model"),
+    pytest.param("/plant/colour", "red", "extra_forbidden", id="unknown-field"),
+    pytest.param("/nonsense", 1, "extra_forbidden", id="unknown-top-field"),
+    pytest.param("/sensitivity/points", 10**7, "out_of_range", id="points"),
+    pytest.param("/sensitivity/points", 1, "out_of_range", id="one-point"),
+    pytest.param("/sensitivity/to_ratio", 0.4, "ratios_reversed", id="ratios-reversed"),
+    pytest.param("/sensitivity/tolerance", 1, "out_of_range", id="tolerance"),
+    pytest.param("/shaper/settle", 1, "wrong_type", id="settle"),
+    pytest.param("/shaper/max_duration_periods", 1e9, "out_of_range", id="horizon"),
 ]
 
 
-@pytest.mark.parametrize(("pointer", "value", "rule", "code"), FAULTS)
-def test_a_fault_is_named_by_field_rule_and_value(
-    client: httpx.Client, pointer: str, value: Any, rule: str, code: str
+@pytest.mark.parametrize(("pointer", "value", "code"), FAULTS)
+def test_a_fault_is_named_by_field_and_code(
+    client: httpx.Client, pointer: str, value: Any, code: str
 ) -> None:
     answer = client.post("/v1/designs", content=json.dumps(changed(pointer, value)), headers=JSON)
     body = answer.json()
     assert (answer.status_code, body["type"]) == (422, "urn:shapersmith:invalid-input")
     assert answer.headers["content-type"] == "application/problem+json"
     assert [fault["pointer"] for fault in body["errors"]] == [pointer]
-    assert rule in body["errors"][0]["detail"]
     assert [body["code"], body["errors"][0]["code"]] == [code, code]
     assert body["request_id"] == answer.headers["x-request-id"]
 
@@ -126,16 +89,14 @@ def test_an_infeasible_design_says_which_condition_fails(client: httpx.Client) -
     assert (answer.status_code, answer.json()["type"]) == (422, "urn:shapersmith:infeasible")
     assert answer.json()["code"] == "alpha_above_two"
     assert "is 2.5" in answer.json()["detail"]
-    assert "alpha <= 2" in answer.json()["detail"]
 
 
 def test_a_search_without_result_says_how_far_it_went(client: httpx.Client) -> None:
     short = changed("/shaper", {"kind": "numzvd", "max_duration_periods": 0.5})
     answer = client.post("/v1/designs", json=short)
     assert (answer.status_code, answer.json()["type"]) == (422, "urn:shapersmith:infeasible")
-    detail = answer.json()["detail"]
-    assert "duration <= 0.5 periods in 1026 starts" in detail
-    assert "nearest miss" in detail
+    assert answer.json()["code"] == "no_solution_found"
+    assert "0.5 periods in 1026 starts" in answer.json()["detail"]
 
 
 @pytest.mark.parametrize(

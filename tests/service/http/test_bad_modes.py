@@ -17,24 +17,27 @@ def test_several_modes_are_refused_by_a_shaper_of_one(client: httpx.Client) -> N
     assert answer.status_code == 422
     assert body["errors"][0]["pointer"] == "/plant/modes"
     assert body["code"] == body["errors"][0]["code"] == "kind_of_one_mode"
-    assert "got '2 modes'" in body["detail"]
 
 
 @pytest.mark.parametrize(
-    ("modes", "pointer", "text"),
+    ("modes", "pointer", "code"),
     [
-        ([{"natural_frequency_rad_s": 1.0 + number} for number in range(7)], "/plant/modes", "6"),
-        ([], "/plant/modes", "1"),
-        ([{"natural_frequency_rad_s": 3.5}] * 2, "/plant/modes/1", "modes so near are one"),
+        (
+            [{"natural_frequency_rad_s": 1.0 + number} for number in range(7)],
+            "/plant/modes",
+            "too_long",
+        ),
+        ([], "/plant/modes", "too_short"),
+        ([{"natural_frequency_rad_s": 3.5}] * 2, "/plant/modes/1", "modes_too_near"),
         (
             [{"natural_frequency_rad_s": 1.0}, {"natural_frequency_rad_s": 1001.0}],
             "/plant/modes/1/natural_frequency_rad_s",
-            "within 1000 times of modes.0",
+            "modes_too_far",
         ),
     ],
 )
 def test_bad_lists_of_modes_are_named(
-    client: httpx.Client, modes: list[dict[str, float]], pointer: str, text: str
+    client: httpx.Client, modes: list[dict[str, float]], pointer: str, code: str
 ) -> None:
     request = changed("/shaper", {"kind": "multi_zv"}) | {
         "plant": {"kind": "modes", "modes": modes}
@@ -43,7 +46,7 @@ def test_bad_lists_of_modes_are_named(
     assert answer.status_code == 422
     fault = answer.json()["errors"][0]
     assert fault["pointer"] == pointer
-    assert text in fault["detail"]
+    assert fault["code"] == code
 
 
 def test_what_serves_one_mode_says_so_of_several(client: httpx.Client) -> None:
@@ -69,6 +72,7 @@ def test_convolved_commands_beyond_their_range_are_refused_with_their_level(
     answer = client.post("/v1/designs", json=request)
     assert answer.status_code == 422
     assert answer.json()["type"] == "urn:shapersmith:infeasible"
+    assert answer.json()["code"] == "convolved_beyond_full_speed"
     assert "from -1 to 2 of full speed, beyond 0 to 1" in answer.json()["detail"]
 
 

@@ -203,7 +203,6 @@ def test_a_request_that_is_sent_again_with_its_key_begins_no_second_table(
     other = client.post("/v1/tables", json={**TABLE, "title": "another"}, headers=key)
     assert (other.status_code, other.json()["type"]) == (422, "urn:shapersmith:invalid-input")
     assert other.json()["code"] == "key_reused"
-    assert "Idempotency-Key" in other.json()["detail"]
     without = client.post("/v1/tables", json=TABLE)
     assert without.headers["location"] != first.headers["location"]
     ended(client, first.headers["location"])
@@ -220,7 +219,6 @@ def test_a_key_that_breaks_its_rule_is_refused(client: httpx.Client, keys: list[
     refused = client.post("/v1/tables", json=TABLE, headers=headers)
     assert (refused.status_code, refused.json()["type"]) == (422, "urn:shapersmith:invalid-input")
     assert refused.json()["code"] == "unreadable_key"
-    assert "Idempotency-Key" in refused.json()["detail"]
 
 
 def changed(service: Any, location: str, **values: Any) -> None:
