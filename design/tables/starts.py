@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from design.formulations.unity_magnitude import PERIOD_RAD, SHORTEST_GAP_RAD
+from design.formulations.gaps import PERIOD_RAD, SHORTEST_GAP_RAD
 from design.solvers.newton import LARGEST_STEP_RAD, TOLERANCE
 from design.tables.compiled import compiled
 from design.tables.elementary import near_angle

@@ -2,15 +2,16 @@
 
 from typing import Literal
 
-from design.analysis.judge import sum_warnings
+from design.analysis.warnings import sum_warnings
 from design.fields import Axis
 from design.maps.field_map import field_map
 from design.maps.map_case import Map, MapCase
 from design.model.impulses import Impulses
 from schemas.base import named
 from schemas.maps import MapRequest, MapResponse
+from service.operations.found_shaper import found_shaper
 from service.operations.operation import Operation
-from service.operations.subject import found_shaper, subject_of
+from service.operations.subject import subject_of
 
 
 def map_over_fields(request: MapRequest) -> MapResponse:

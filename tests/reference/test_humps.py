@@ -8,7 +8,8 @@ import pytest
 
 from design.analysis.certificate import certify
 from design.analysis.insensitivity import insensitivity
-from design.analysis.residual import residual_curve, residual_vibration
+from design.analysis.residual import residual_vibration
+from design.analysis.sensitivity import residual_curve
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
