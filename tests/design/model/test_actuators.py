@@ -24,7 +24,6 @@ SETS = st.builds(
 POLES = st.builds(complex, st.floats(-5.0, 0.0), st.floats(0.1, 20.0))
 
 
-@settings(derandomize=True, deadline=None)
 @given(one=SETS, pole=POLES)
 def test_a_second_order_denominator_is_the_published_polynomial(
     one: SecondOrderSet, pole: complex
@@ -91,7 +90,7 @@ def test_a_critical_lag_settles_where_its_closed_form_says() -> None:
     assert 4.0 * settling_time_s(lag) == pytest.approx(phase, rel=1e-11)  # bisected to 1e-12
 
 
-@settings(derandomize=True, deadline=None, max_examples=80)
+@settings(max_examples=80)
 @given(one=SETS, share=st.sampled_from([0.5, 0.8, 0.9, 0.98]))
 def test_settling_is_the_last_exit_from_the_band_of_a_dense_sampling(
     one: SecondOrderSet, share: float
@@ -106,7 +105,6 @@ def test_settling_is_the_last_exit_from_the_band_of_a_dense_sampling(
     assert (errors[times > settled * (1 + 1e-9)] <= 1 - share).all()
 
 
-@settings(derandomize=True, deadline=None)
 @given(one=SETS, scale=st.floats(0.1, 10.0))
 def test_settling_scales_with_time(one: SecondOrderSet, scale: float) -> None:
     slower = Lag(first_s=one.lag.first_s * scale, second_s2=one.lag.second_s2 * scale**2)

@@ -22,8 +22,8 @@ from design.model.plants.mode import Mode
 from design.moves.playback import motion
 from design.response.closed_form import travel
 from service.dispatch import respond
+from tests.integration_route import residual_by_integration
 from tests.refusals import refused
-from tests.second_route import residual_by_integration
 
 MODE = Mode(natural_frequency_rad_s=3.0, damping_ratio=0.02)
 FIRST = FirstOrder(accel_time_constant_s=0.3, decel_time_constant_s=0.05)

@@ -30,6 +30,7 @@ from design.tables.compiled import compiled
 from design.tables.compute import compute_rows, counted_rows
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL
 from design.tables.specification import TableSpecification
+from tests.patience import PATIENT_S
 from tests.shaper_table import CRANE, THESIS
 from tests.table_cases import random_table
 
@@ -154,7 +155,7 @@ def test_compiled_rows_are_the_same_to_the_bit_on_any_kind_of_machine(tmp_path: 
             capture_output=True,
             text=True,
             check=True,
-            timeout=300,
+            timeout=PATIENT_S,
         ).stdout
         for changes in ({}, plain)
     ]

@@ -35,7 +35,7 @@ from design.pictures.vector_panel import vibration_vectors
 from design.pipeline import Design, design
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
-from tests.design.test_rate_limited import random_case
+from tests.design.model.actuators.test_rate_limited import random_case
 
 CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81).mode
 CRANE_DRIVE = SecondOrder(

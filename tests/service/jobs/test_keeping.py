@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from tests.conftest import CRANE, Running, running_service
-from tests.processes import HUNG_S, children, of_service, table_process, until
+from tests.patience import PATIENT_S
+from tests.processes import children, of_service, table_process, until
 from tests.service.http.test_tables_over_http import ENDLESS, TABLE, ended
 
 
@@ -27,7 +28,7 @@ def begun(service: Running, table: object) -> str:
 
 
 def chunks(service: Running, state: str) -> int:
-    with sqlite3.connect(service.data / "jobs.sqlite", timeout=60) as store:
+    with sqlite3.connect(service.data / "jobs.sqlite", timeout=PATIENT_S) as store:
         wanted = "SELECT count(*) FROM chunks WHERE state = ?"
         return int(store.execute(wanted, (state,)).fetchone()[0])
 
@@ -64,7 +65,7 @@ def test_it_gives_its_chunks_back_and_ends_with_the_service(
 ) -> None:
     at_work(service)
     service.process.send_signal(number)
-    assert service.process.wait(HUNG_S) == (0 if number == signal.SIGTERM else -number)
+    assert service.process.wait(PATIENT_S) == (0 if number == signal.SIGTERM else -number)
     until(lambda: not of_service(service), "processes outlive the service")
     assert chunks(service, "running") == 0
 

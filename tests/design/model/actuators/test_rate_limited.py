@@ -30,8 +30,8 @@ from design.response.closed_form import history, travel
 from design.response.simulated_history import simulated_history
 from design.response.simulation import ringing_after
 from design.shapers.registry import SHAPERS
+from tests.integration_route import integrate
 from tests.refusals import refused
-from tests.second_route import integrate
 from tests.shaper_table import CRANE, LIMITED, THESIS
 
 ALONE = RateLimited(accel_limit_m_s2=1.0, decel_limit_m_s2=2.5, speed_m_s=0.2)

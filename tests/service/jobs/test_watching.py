@@ -12,6 +12,7 @@ from service.jobs import watching
 from service.jobs.asking import UnansweredError
 from service.jobs.records import Job
 from service.jobs.watching import Watching
+from tests.patience import PATIENT_S
 
 JOB = Job(
     id=32 * "0",
@@ -71,7 +72,7 @@ def watched(
         watch = Watching(looks, stopping)
         return list(await asyncio.gather(*(seen(watch.events(JOB)) for _ in range(streams))))
 
-    return asyncio.run(asyncio.wait_for(all_seen(), 120))
+    return asyncio.run(asyncio.wait_for(all_seen(), PATIENT_S))
 
 
 @pytest.mark.parametrize("state", ["done", "failed", "cancelled"])
@@ -131,4 +132,4 @@ def test_nobody_looks_any_more_when_all_streams_have_left() -> None:
             assert name_and_done(event) == ("done", 0)
         assert looks.count == count
 
-    asyncio.run(asyncio.wait_for(left(), 120))
+    asyncio.run(asyncio.wait_for(left(), PATIENT_S))

@@ -1,14 +1,11 @@
-"""Who is next, who may wait, and what work is expected to cost: no process, no clock."""
+"""Who is next: fair between clients and between small and large work; no process, no clock."""
 
 import random
 from collections import Counter
 
 import pytest
 
-from service.workers.costs import FIRST_GUESS_S, MOST_SHAPES, SLICE_S, Costs
-from service.workers.patience import BURST_S, INTERVAL_S, STANDING_S, Patience
 from service.workers.queue import FairQueue, Flow, Ticket
-from service.workers.shapes import LONGEST_SHAPE, shape_of
 
 
 def added(queue: FairQueue, flow: Flow, cost_s: float = 0.01) -> Ticket:
@@ -150,123 +147,3 @@ def test_the_expected_wait_is_that_of_a_simulation() -> None:
             before += 1
         # A flow of fewer tickets than its share ends early: the others go faster then.
         assert 0.01 * before <= told_s + 0.01 * 4
-
-
-def test_work_that_differs_in_numbers_only_is_expected_to_cost_alike() -> None:
-    bodies = [b'{"plant": {"cable_length_m": 0.8}}', b'{"plant": {"cable_length_m": -1.2e-3}}']
-    one, other = (shape_of("design", body) for body in bodies)
-    assert one == other
-    assert one != shape_of("map", bodies[0])
-    assert one != shape_of("design", bodies[0].replace(b"cable", b"other"))
-    assert shape_of("design", b"1" * LONGEST_SHAPE + b"22") == ("design", 15)
-
-
-def test_costs_are_learned_and_forgotten() -> None:
-    costs = Costs()
-    assert costs.of("a", "new") == FIRST_GUESS_S
-    for _ in range(50):
-        costs.record("a", "slow", 20.0)
-        costs.record("a", "quick", 0.002)
-    assert costs.of("b", "slow") == pytest.approx(20.0)
-    assert costs.of("b", "quick") == pytest.approx(0.002)
-    assert costs.of("b", "new") == pytest.approx(0.002, rel=0.01)
-    for number in range(MOST_SHAPES):
-        costs.record("a", number, 1.0)
-    assert costs.of("b", "slow") == costs.of("b", "new")
-
-
-def test_what_runs_long_is_expected_of_its_client_alone_and_unlearned() -> None:
-    costs = Costs()
-    for _ in range(20):
-        costs.record("a", "map", 0.002)
-    costs.at_least("a", "map", 3.0)
-    costs.record("a", "map", 20.0)
-    assert costs.of("a", "map") > SLICE_S
-    assert costs.of("b", "map") < SLICE_S
-    for _ in range(20):
-        costs.record("a", "map", 0.002)
-    assert costs.of("a", "map") < 0.01
-
-
-def test_what_waits_for_something_makes_no_machine_slow() -> None:
-    costs = Costs()
-    for number in range(100):
-        costs.took(5.0 if number % 25 == 0 else 0.004, 0.003)
-    for _ in range(20):
-        costs.took(0.004, 0.003)
-    assert costs.slowness < 3.0
-
-
-def admitted(
-    rate: float, clients: int | None, seconds: float, server_s: float = 0.002
-) -> tuple[list[float], int]:
-    """Play arrivals at one server; return the waits of who was admitted, and how many were not.
-
-    ``clients``: how many wait for their answer before they ask again; None for any number.
-    """
-    patience, now, free_at, waits, refused = Patience(), 0.0, 0.0, [], 0
-    ends: list[float] = []
-    asking = [0.0] * clients if clients is not None else []
-    while now < seconds:
-        now = min(asking) if clients is not None else now + 1 / rate
-        for end in [end for end in ends if end <= now]:
-            patience.answered(end)
-            ends.remove(end)
-        if clients is not None:
-            asking.remove(now)
-        wait_s = max(free_at - now, 0.0)
-        if patience.admits(now, wait_s, server_s):
-            waits.append(wait_s)
-            free_at = max(free_at, now) + server_s
-            ends.append(free_at)
-            if clients is not None:
-                asking.append(free_at)
-        else:
-            refused += 1
-            if clients is not None:
-                asking.append(now + 1.0)  # as Retry-After says
-    return waits, refused
-
-
-@pytest.mark.parametrize("load", [1.5, 3.0, 10.0])
-def test_under_a_lasting_overload_what_is_served_is_served_soon(load: float) -> None:
-    waits, refused = admitted(load * 500, None, 60.0)
-    assert sorted(waits)[int(0.99 * len(waits))] <= STANDING_S + 0.002
-    assert len(waits) >= 0.99 * 60 * 500
-    assert refused == pytest.approx((load - 1) * 500 * 60, rel=0.02)
-
-
-@pytest.mark.parametrize("clients", [1, 8, 32, 64, 120])
-def test_clients_that_wait_for_their_answers_are_not_refused(clients: int) -> None:
-    waits, refused = admitted(0.0, clients, 20.0)
-    assert refused == 0
-    assert max(waits) <= BURST_S
-
-
-def test_clients_that_begin_one_after_another_and_ask_again_at_once_are_no_overload() -> None:
-    patience, answered, now = Patience(), 0, 0.0
-    for step in range(4000):
-        now += 0.001
-        arriving = 1 if step < 32 or step % 2 else 0  # 32 clients, then one a free server
-        for _ in range(arriving):
-            assert patience.admits(now, 0.055, 0.002)
-            assert not patience.refuses(now, 0.055, 0.002)
-        if step % 2:
-            patience.answered(now)
-            answered += 1
-    assert answered == 2000
-
-
-def test_a_burst_is_served_and_forgotten() -> None:
-    patience = Patience()
-    waits = [0.002 * number for number in range(120)]
-    assert all(patience.admits(0.0, wait_s, 0.002) for wait_s in waits)
-    assert not patience.admits(0.0, BURST_S + 0.01, 0.002)
-    later = 20 * INTERVAL_S
-    assert patience.admits(later, 0.0, 0.002)
-    assert patience.admits(later + INTERVAL_S, BURST_S, 0.002)
-
-
-def test_a_request_that_takes_long_may_wait_longer() -> None:
-    assert Patience().admits(0.0, 1.5, 0.2)
-    assert not Patience().admits(0.0, 1.5, 0.02)

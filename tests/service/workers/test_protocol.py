@@ -11,12 +11,12 @@ from service.workers.pool import WorkerPool
 from service.workers.protocol import Pool
 from service.workers.runs import TaskError
 from tests import pool_tasks as tasks
-from tests.processes import HUNG_S
+from tests.patience import PATIENT_S
 
 POOLS: dict[str, Callable[[], Pool]] = {
     "inline": InlinePool,
     "processes": lambda: WorkerPool(
-        workers=1, time_limit_s=HUNG_S, max_pending=10, memory_bytes=1024**3
+        workers=1, time_limit_s=PATIENT_S, max_pending=10, memory_bytes=1024**3
     ),
 }
 
@@ -37,7 +37,7 @@ def played(pool: Pool, story: Callable[[], Awaitable[None]]) -> None:
         finally:
             await pool.close()
 
-    asyncio.run(asyncio.wait_for(played_whole(), HUNG_S))
+    asyncio.run(asyncio.wait_for(played_whole(), PATIENT_S))
 
 
 async def refusal(work: Awaitable[object]) -> TaskError:

@@ -20,9 +20,7 @@ from service.jobs.records import Done, Job, NewJob
 from service.jobs.runner import MOST_KILLS, Runner
 from service.jobs.store import MOST_FAILURES, Store
 from tests.conftest import CRANE
-
-HUNG_S = 120.0
-"""Ends a test that hangs; none is judged by it [s]."""
+from tests.patience import PATIENT_S
 
 SOUND = Done(blob=b"rows", verified=1, infeasible=0)
 
@@ -87,8 +85,8 @@ def run(store: Store, start: Callable[[], Started], *jobs: NewJob) -> list[str]:
     for job in jobs:
         store.add(job)
     told: list[str] = []
-    runner = Runner(store, start, database_wait_s=1.0, tell=told.append)
-    hung = time.monotonic() + HUNG_S
+    runner = Runner(store, start, database_wait_s=PATIENT_S, tell=told.append)
+    hung = time.monotonic() + PATIENT_S
 
     def until() -> bool:
         assert time.monotonic() < hung, told
@@ -285,7 +283,7 @@ def test_a_pool_tells_by_what_fault_its_worker_died(end: tuple[Any, ...], fault:
     pool = processes(2)
     try:
         with pytest.raises(BrokenExecutor):
-            pool.executor.submit(*end).result(HUNG_S)
+            pool.executor.submit(*end).result(PATIENT_S)
         assert pool.fault() == fault
     finally:
         pool.end()
@@ -294,7 +292,7 @@ def test_a_pool_tells_by_what_fault_its_worker_died(end: tuple[Any, ...], fault:
 def breaks(pool: Started) -> Exception | None:
     """Return how a pool refuses a task, None where it does it."""
     try:
-        pool.executor.submit(time.sleep, 0.01).result(HUNG_S)
+        pool.executor.submit(time.sleep, 0.01).result(PATIENT_S)
     except (BrokenExecutor, OSError, EOFError) as error:
         return error
     return None
@@ -302,10 +300,10 @@ def breaks(pool: Started) -> Exception | None:
 
 def test_workers_whose_fork_server_died_end_with_their_pool() -> None:
     pool = processes(1)
-    worker = pool.executor.submit(os.getpid).result(HUNG_S)
+    worker = pool.executor.submit(os.getpid).result(PATIENT_S)
     server = forkserver._forkserver._forkserver_pid  # type: ignore[attr-defined]
     os.kill(server, signal.SIGKILL)
-    hung = time.monotonic() + HUNG_S
+    hung = time.monotonic() + PATIENT_S
     while breaks(pool) is None:
         assert time.monotonic() < hung
     assert pool.fault() == ""
@@ -314,5 +312,5 @@ def test_workers_whose_fork_server_died_end_with_their_pool() -> None:
         assert time.monotonic() < hung
         time.sleep(0.01)
     again = processes(1)
-    assert again.executor.submit(abs, -1).result(HUNG_S) == 1
+    assert again.executor.submit(abs, -1).result(PATIENT_S) == 1
     again.end()

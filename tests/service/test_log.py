@@ -11,7 +11,7 @@ import pytest
 
 from service import log
 from tests.conftest import Running, free_port, wait_until_ready
-from tests.processes import HUNG_S
+from tests.patience import PATIENT_S
 
 
 def record(number: int) -> logging.LogRecord:
@@ -27,7 +27,7 @@ def test_lines_that_nobody_reads_are_dropped_and_counted(monkeypatch: pytest.Mon
     for number in range(sent):
         handler.handle(record(number))
     handler.finish()  # in vain
-    monkeypatch.setattr(log, "LAST_LINES_S", HUNG_S)
+    monkeypatch.setattr(log, "LAST_LINES_S", PATIENT_S)
     told = []
     with os.fdopen(reading) as lines:
         for line in lines:
@@ -63,7 +63,7 @@ def test_a_service_whose_log_nobody_reads_answers_and_stops(tmp_path: Path) -> N
             for _ in range(1500):  # more lines than a pipe holds
                 assert client.get("/health/live").status_code == 200
         process.terminate()
-        assert process.wait(HUNG_S) == 0
+        assert process.wait(PATIENT_S) == 0
     finally:
         process.kill()
         process.communicate()

@@ -120,7 +120,7 @@ def test_only_ended_jobs_that_are_old_are_dropped(store: Store) -> None:
     store.add(unfinished)
     assert store.cancel(ended.id)
     assert store.claim("a", 1) == [Claim(unfinished.id, 0)]
-    assert store.drop_ended(60.0) == 0
+    assert store.drop_ended(HOUR_S) == 0
     time.sleep(0.01)
     assert store.drop_ended(0.0) == 1
     assert store.job(ended.id) is None
@@ -144,7 +144,7 @@ def test_many_claim_at_once_and_none_gets_what_another_has(store: Store, url: st
     claimed: list[Claim] = []
 
     def claim(name: str) -> None:
-        mine = Store(url, stalled_s=30.0, version="1")
+        mine = Store(url, stalled_s=HOUR_S, version="1")
         while got := mine.claim(name, 3):
             claimed.extend(got)
         mine.close()
@@ -170,7 +170,7 @@ def older(url: str) -> None:
 
 
 def test_a_store_of_an_older_schema_is_migrated_with_its_jobs(url: str) -> None:
-    first = Store(url, stalled_s=1.0, version="1")
+    first = Store(url, stalled_s=HOUR_S, version="1")
     changed(url, state="cancelled")  # what other tests left
     new = job()
     first.add(new)
@@ -178,7 +178,7 @@ def test_a_store_of_an_older_schema_is_migrated_with_its_jobs(url: str) -> None:
     assert first.finish("w", claim, done())
     first.close()
     older(url)
-    again = Store(url, stalled_s=1.0, version="1")
+    again = Store(url, stalled_s=HOUR_S, version="1")
     found = again.job(new.id)
     assert found is not None
     assert (found.rows, found.chunks, found.done) == (10, 3, 4)
@@ -193,18 +193,18 @@ def test_a_store_of_an_older_schema_is_migrated_with_its_jobs(url: str) -> None:
 
 def test_a_store_of_a_newer_schema_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "jobs.sqlite"
-    Store(f"sqlite:///{file}", stalled_s=1.0).close()
+    Store(f"sqlite:///{file}", stalled_s=HOUR_S).close()
     with sqlite3.connect(file) as connection:
         connection.execute("UPDATE alembic_version SET version_num = '9999'")
     connection.close()
     with pytest.raises(StoreError, match="schema 9999, made by a newer version"):
-        Store(f"sqlite:///{file}", stalled_s=1.0)
+        Store(f"sqlite:///{file}", stalled_s=HOUR_S)
 
 
 @pytest.mark.parametrize("url", ["mysql://host/x", "nothing", "sqlite:////proc/no/jobs.sqlite"])
 def test_a_url_that_is_no_store_is_refused(url: str) -> None:
     with pytest.raises(StoreError, match="job store"):
-        Store(url, stalled_s=1.0)
+        Store(url, stalled_s=HOUR_S)
 
 
 def test_the_migrations_lead_to_the_tables_that_the_store_uses(url: str) -> None:
@@ -213,7 +213,7 @@ def test_the_migrations_lead_to_the_tables_that_the_store_uses(url: str) -> None
 
     from service.jobs.schema import METADATA
 
-    Store(url, stalled_s=1.0).close()
+    Store(url, stalled_s=HOUR_S).close()
     engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
     with engine.connect() as connection:
         found = compare_metadata(MigrationContext.configure(connection), METADATA)

@@ -4,41 +4,28 @@ import json
 import os
 import re
 import signal
-import sqlite3
+import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from tests.conftest import CRANE, free_port
-from tests.service.cli.test_command_line import names_of
+from tests.conftest import free_port
+from tests.patience import PATIENT_S
+from tests.processes import until
+from tests.service.cli.table_runs import SMALL, table
+from tests.service.cli.test_main import names_of
 from tests.service.http.test_tables_over_http import HEAVILY_DAMPED, TABLE
 
-COMMAND = (sys.executable, "-m", "service", "table")
 
-SMALL: dict[str, Any] = {
-    "design": {**CRANE, "shaper": {"kind": "numzv"}},
-    "axes": [{"field": "/plant/cable_length_m", "from": 0.5, "to": 1.0, "points": 40}],
-    "chunk_rows": 4,
-}
-
-
-def table(*arguments: object, **options: Any) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(
-        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, check=False, **options
-    )
-
-
-@pytest.fixture
-def spec(tmp_path: Path) -> Path:
-    path = tmp_path / "spec.json"
-    path.write_text(json.dumps(SMALL))
-    return path
+def answers(address: str) -> bool:
+    """Return whether somebody listens at an address of Dask."""
+    host, port = address.removeprefix("tcp://").split(":")
+    with socket.socket() as asking:
+        return asking.connect_ex((host, int(port))) == 0
 
 
 @contextmanager
@@ -61,11 +48,12 @@ def cluster(workers: int) -> Iterator[str]:
         )
     ]
     try:
+        until(lambda: answers(address), "the scheduler does not answer")
         yield address
     finally:
         for process in started:
             os.killpg(process.pid, signal.SIGKILL)
-            process.wait(10)
+            process.wait(PATIENT_S)
 
 
 def test_the_bytes_are_the_same_on_any_number_of_workers_and_on_dask(
@@ -213,62 +201,6 @@ def test_toml_gives_what_json_gives(spec: Path, tmp_path: Path) -> None:
     assert (tmp_path / ".json.csv").read_bytes() == (tmp_path / ".toml.csv").read_bytes()
 
 
-LISTED = {"designs_file": "designs.csv", "design": SMALL["design"]}
-
-
-@pytest.mark.parametrize(
-    ("name", "text"),
-    [
-        ("designs.csv", "/plant/cable_length_m,/plant/damping_ratio\n0.6,0\n\n0.7,0.01\n"),
-        (
-            "designs.jsonl",
-            '{"plant": {"cable_length_m": 0.6, "damping_ratio": 0}}\n'
-            '{"plant": {"cable_length_m": 0.7, "damping_ratio": 0.01}}\n',
-        ),
-    ],
-)
-def test_listed_designs_come_from_a_file_beside_the_specification(
-    spec: Path, tmp_path: Path, name: str, text: str
-) -> None:
-    (tmp_path / name).write_text(text)
-    spec.write_text(json.dumps({**LISTED, "designs_file": name}))
-    done = table(spec, "-o", tmp_path / "t.csv")
-    assert done.returncode == 0, done.stderr
-    rows = [line.split(",")[:2] for line in (tmp_path / "t.csv").read_text().splitlines()[-2:]]
-    assert rows == [["0.6", "0.0"], ["0.7", "0.01"]]
-
-
-@pytest.mark.parametrize(
-    ("name", "text", "told"),
-    [
-        ("d.csv", "/plant/cable_length_m\n0.6\nabc\n", "d.csv line 3: /plant/cable_length_m"),
-        ("d.csv", "/plant/cable_length_m\n0.6\n0.7,1\n", "d.csv line 3: 2 cells"),
-        ("d.csv", "/plant/cable_length_m\n0.6\n\n-1\n", "d.csv line 4:"),
-        ("d.csv", "/plant/cable_length_m\nnan\n", "d.csv line 2: /plant/cable_length_m"),
-        ("d.csv", "length\n0.6\n", "d.csv line 1: headings must be JSON pointers"),
-        ("d.csv", '/plant/cable_length_m\n"0.6\n', "d.csv line 2"),
-        ("d.csv", "/plant/mass_kg\n1\n", "d.csv line 2: /plant/mass_kg"),
-        ("d.csv", "", "one or more"),
-        ("d.jsonl", '{"plant": {}}\n{"plant"\n', "d.jsonl line 2:"),
-        ("d.jsonl", "[]\n", "d.jsonl line 1: must be a JSON object"),
-        (
-            "d.jsonl",
-            '{"plant": {"cable_length_m": "x"}}\n',
-            "d.jsonl line 1: /plant/cable_length_m",
-        ),
-    ],
-)
-def test_a_bad_line_of_a_list_is_named(
-    spec: Path, tmp_path: Path, name: str, text: str, told: str
-) -> None:
-    (tmp_path / name).write_text(text)
-    spec.write_text(json.dumps({**LISTED, "designs_file": name}))
-    refused = table(spec, "-o", tmp_path / "t.csv")
-    assert refused.returncode == 2
-    assert told in refused.stderr
-    assert not (tmp_path / "t.csv").exists()
-
-
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
@@ -284,129 +216,6 @@ def test_faulty_usage_is_named(spec: Path, arguments: tuple[str, ...], told: str
     assert (refused.returncode, told in refused.stderr) == (2, True)
 
 
-LONG = {**SMALL, "design": CRANE, "axes": [{**SMALL["axes"][0], "points": 4000}]}
-
-
-def chunks_done(store: Path) -> int:
-    """Return how many chunks a store holds; none while it is being made."""
-    if not store.exists():
-        return 0
-    connection = sqlite3.connect(f"file:{store}?mode=ro", uri=True)
-    try:
-        query = "SELECT count(*) FROM chunks WHERE state = 'done'"
-        return int(connection.execute(query).fetchone()[0])
-    except sqlite3.OperationalError:
-        return 0
-    finally:
-        connection.close()
-
-
-@contextmanager
-def begun(spec: Path, path: Path, **options: Any) -> "Iterator[subprocess.Popen[str]]":
-    """Begin a long table, and wait until some of it is in its store."""
-    already = chunks_done(path.with_name(f".{path.name}.job"))
-    process = subprocess.Popen(
-        [*COMMAND, str(spec), "-o", str(path)], stderr=subprocess.PIPE, text=True, **options
-    )
-    try:
-        store = path.with_name(f".{path.name}.job")
-        deadline = time.monotonic() + 300
-        while chunks_done(store) == already:
-            assert process.poll() is None
-            assert time.monotonic() < deadline
-            time.sleep(0.02)
-        yield process
-    finally:
-        if process.poll() is None:
-            process.kill()
-        process.communicate()
-
-
-def test_of_two_jobs_that_write_one_file_the_second_is_refused(spec: Path, tmp_path: Path) -> None:
-    spec.write_text(json.dumps(LONG))
-    path = tmp_path / "t.csv"
-    with begun(spec, path):
-        second = table(spec, "-o", path)
-        assert second.returncode == 1
-        assert f"another shapersmith is writing {path}" in second.stderr
-    small = tmp_path / "small.json"
-    small.write_text(json.dumps(SMALL))
-    after = table(small, "-o", path)  # the lock has died with its holder
-    assert after.returncode == 0, after.stderr
-    assert "is dropped" in after.stderr
-
-
-def test_an_interrupt_leaves_the_job_to_be_resumed(spec: Path, tmp_path: Path) -> None:
-    spec.write_text(json.dumps(LONG))
-    path = tmp_path / "t.csv"
-    with begun(spec, path) as process:
-        process.send_signal(signal.SIGINT)
-        _, told = process.communicate(timeout=300)
-    assert process.returncode == 1
-    assert "the same command goes on where it was" in told
-    assert "Traceback" not in told
-    assert not path.exists()
-    with begun(spec, path) as process:
-        process.send_signal(signal.SIGINT)
-        _, told = process.communicate(timeout=300)
-    assert re.search(r"going on at [\d,]+ rows", told)
-
-
-@pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
-    folder = tmp_path / "disk"
-    folder.mkdir()
-    mounted = subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", "size=700k", "tmpfs", str(folder)],
-        capture_output=True,
-        check=False,
-    )
-    if mounted.returncode != 0:
-        pytest.skip("no file system can be mounted here: " + mounted.stderr.decode().strip())
-    yield folder
-    subprocess.run(["umount", "-l", str(folder)], check=True)
-
-
-def test_a_full_disk_is_told_and_the_job_goes_on_when_there_is_space(
-    small_disk: Path, tmp_path: Path
-) -> None:
-    spec = tmp_path / "spec.json"
-    spec.write_text(json.dumps(TABLE))
-    filler = small_disk / "filler"
-    filler.write_bytes(bytes(560_000))
-    path = small_disk / "t.csv"
-    full = table(spec, "-o", path)
-    assert full.returncode == 1, full.stderr
-    assert "no space left" in full.stderr.lower()
-    assert "Traceback" not in full.stderr
-    assert not path.exists()
-    filler.unlink()
-    done = table(spec, "-o", path)
-    assert done.returncode == 0, done.stderr
-    undisturbed = tmp_path / "u.csv"
-    assert table(spec, "-o", undisturbed).returncode == 0
-    assert path.read_bytes() == undisturbed.read_bytes()
-
-
-def test_a_disk_that_is_full_for_the_file_alone_keeps_the_rows(
-    small_disk: Path, tmp_path: Path
-) -> None:
-    spec = tmp_path / "spec.json"
-    axes = [{**SMALL["axes"][0], "points": 4000}]
-    spec.write_text(json.dumps({**SMALL, "axes": axes, "chunk_rows": 1000}))
-    path = small_disk / "t.csv"
-    filler = small_disk / "filler"
-    filler.write_bytes(bytes(100_000))
-    full = table(spec, "-o", path)
-    assert full.returncode == 1, full.stderr
-    assert "nothing is lost, the same command goes on where it was" in full.stderr
-    assert sorted(left.name for left in small_disk.iterdir()) == [".t.csv.job", "filler"]
-    subprocess.run(["mount", "-o", "remount,size=5m", str(small_disk)], check=True)
-    done = table(spec, "-o", path)
-    assert done.returncode == 0, done.stderr
-    assert len(path.read_text().splitlines()) == 4009
-
-
 def test_what_makes_no_table_does_not_wait_for_its_libraries() -> None:
     told = subprocess.run(
         [
@@ -420,28 +229,6 @@ def test_what_makes_no_table_does_not_wait_for_its_libraries() -> None:
     )
     heavy = {"sqlalchemy", "alembic", "pyarrow", "numba", "distributed"}
     assert not heavy & set(told.stdout.split())
-
-
-def test_workers_killed_in_their_chunks_cost_nothing_but_time(spec: Path, tmp_path: Path) -> None:
-    from service.jobs.store import MOST_FAILURES
-    from tests.processes import children
-
-    spec.write_text(json.dumps({**LONG, "axes": [{**SMALL["axes"][0], "points": 600}]}))
-    path, undisturbed = tmp_path / "t.csv", tmp_path / "u.csv"
-    killed: set[int] = set()
-    with begun(spec, path) as process:
-        while len(killed) <= MOST_FAILURES and process.poll() is None:
-            # The fork server is a child, the workers are children of that.
-            below = [children(pid) for pid in children(process.pid)]
-            if found := set().union(*below) - killed:
-                killed.add(max(found))
-                os.kill(max(found), signal.SIGKILL)
-            time.sleep(0.02)
-        _, told = process.communicate(timeout=300)
-    assert process.returncode == 0, told
-    assert "killed" in told or "died" in told
-    assert table(spec, "-o", undisturbed).returncode == 0
-    assert path.read_bytes() == undisturbed.read_bytes()
 
 
 def test_what_a_format_finds_in_the_rows_is_invalid_input(tmp_path: Path) -> None:
