@@ -47,10 +47,9 @@ def answer(operation: str, body: bytes) -> Answer:
     """
     started = time.perf_counter()
     outcome = respond(operation, body)
-    if isinstance(outcome, BaseModel):
-        encoded: bytes | Problem = outcome.model_dump_json(by_alias=True).encode()
-    else:
-        encoded = outcome
+    if isinstance(outcome, Problem):
+        return Answer(outcome, time.perf_counter() - started)
+    encoded = outcome.model_dump_json(by_alias=True).encode()
     return Answer(encoded, time.perf_counter() - started)
 
 

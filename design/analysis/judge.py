@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from design.analysis.certificate import Certificate, certify_modes
 from design.analysis.claims_in_words import claims_in_words
 from design.analysis.residual import residual_vibration
-from design.analysis.warnings import DesignWarning
+from design.analysis.warnings import DesignWarning, actuator_ignored
 from design.claims import Promise
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
@@ -71,13 +71,7 @@ def judge(
     for_ideal = bool(failing) and designed_for is not None and designed_for != actuator
     if for_ideal and designed_for is not None:
         certificate = certify_modes(command, modes, designed_for, promises, swing)
-        warnings = (
-            DesignWarning(
-                code="actuator_ignored",
-                detail=f"{name} is made, and its claims are proven, for an actuator that follows "
-                f"its command; with the one given {claims_in_words(failing, len(modes))}",
-            ),
-        )
+        warnings = (actuator_ignored(name, claims_in_words(failing, len(modes))),)
     return Judgement(
         certificate=certificate,
         for_ideal=for_ideal,

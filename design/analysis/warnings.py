@@ -40,3 +40,23 @@ def sum_warnings(impulses: Impulses) -> Iterator[DesignWarning]:
             detail=f"the amplitudes add up to {total:.9g}: those of a shaper add up to 1, those of "
             "a whole move to 0; the residual is a share of what an unshaped step of height 1 does",
         )
+
+
+def actuator_ignored(name: str, found: str) -> DesignWarning:
+    """Return the warning for claims that hold for an ideal actuator only.
+
+    Parameters
+    ----------
+    name, found
+        What the command is called, and what its claims are with the actuator given, in words.
+
+    Returns
+    -------
+    DesignWarning
+        With both.
+    """
+    return DesignWarning(
+        code="actuator_ignored",
+        detail=f"{name} is made, and its claims are proven, for an actuator that follows "
+        f"its command; with the one given {found}",
+    )

@@ -110,9 +110,7 @@ def _seeds(
     shifted = [time + shift * (index % 2 == 0) for index, time in enumerate(published)]
     seeds = []
     for name, times in ((label, shifted), (f"{label}_as_published", published)):
-        gaps = np.array([
-            after - before for before, after in zip([0.0, *times], times, strict=False)
-        ])
+        gaps = np.diff([0.0, *times])
         if shortest.max() <= SHORTEST_GAP_RAD or (gaps >= shortest).all():
             seeds.append(Seed(name=name, gaps_rad=gaps))
     return tuple(seeds)

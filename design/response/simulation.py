@@ -124,11 +124,7 @@ def states_at_changes(
     """
     held = changes.times_s[1:] - changes.times_s[:-1] - changes.ramps_s[:-1]
     sets = changes.accelerates.astype(int)
-    carried = (
-        exponentials(dynamics.matrices[sets[:-1]] * held[:, None, None, None])
-        if held.size
-        else held
-    )
+    carried = exponentials(dynamics.matrices[sets[:-1]] * held[:, None, None, None])
     kept = dynamics.kept[sets]
     jumps = changes.changes[:, None] * dynamics.jumps[sets] * kept
     ramps = (

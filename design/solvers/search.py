@@ -19,7 +19,8 @@ def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Solut
 
     Each solution comes from IPOPT, which starts at the problem's own seeds first. Newton's method
     sharpens the seeds, which halves the iterations of IPOPT, or follows them from what they solve.
-    Every branch comes next, see `branches`. Where the budget is spent, the search ends.
+    Every branch comes next, see `branches`, which says what is raised. Where the budget is spent,
+    the search ends.
 
     Parameters
     ----------
@@ -30,13 +31,6 @@ def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Solut
     ------
     Solution
         As reported by the solver, with the start that led to it: not yet certified.
-
-    Raises
-    ------
-    InfeasibleDesignError
-        When all candidates, if any, are used up: says how far was searched.
-    TimeLimitError
-        If IPOPT ran past its time.
     """
     budget = Budget() if budget is None else budget
     tried = 0

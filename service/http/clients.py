@@ -39,6 +39,8 @@ def _share_of(host: str) -> str:
 async def while_connected(request: Request, work: Awaitable[Answered]) -> Answered:
     """Return the result of work, which ends when the client leaves.
 
+    Then ClientDisconnect is raised.
+
     Parameters
     ----------
     request, work
@@ -48,11 +50,6 @@ async def while_connected(request: Request, work: Awaitable[Answered]) -> Answer
     -------
     Answered
         Its result.
-
-    Raises
-    ------
-    ClientDisconnect
-        If the client has left.
     """
     async with _Connection(request):
         return await work

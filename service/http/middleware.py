@@ -27,15 +27,12 @@ ACCESS = logging.getLogger("shapersmith.access")
 ERRORS = logging.getLogger("shapersmith.error")
 
 
-def _new_id() -> str:
-    """Return an id that no other request has; no secret, so that it may be quick."""
-    return f"{random.getrandbits(128):032x}"
-
-
 def request_id_of(scope: Scope) -> str:
     """Return the id that the client gave its request, or a new one."""
-    given = dict(scope["headers"]).get(b"x-request-id", b"")
-    return given.decode() if REQUEST_ID.match(given) else _new_id()
+    given: bytes = dict(scope["headers"]).get(b"x-request-id", b"")
+    if REQUEST_ID.match(given):
+        return given.decode()
+    return f"{random.getrandbits(128):032x}"  # no secret, so that it may be quick
 
 
 def refusal_of(scope: Scope, pool: Pool) -> Problem | None:
