@@ -4,8 +4,8 @@ import cmath
 
 import numpy as np
 
+from design.analysis.residual import residual_vectors
 from design.analysis.step_contributions import step_contributions
-from design.analysis.vectors import residual_vectors
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses

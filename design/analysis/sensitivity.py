@@ -6,7 +6,7 @@ import numpy as np
 
 from design.analysis.damping_curve import MOST_POINTS, DampingRange, over_damping
 from design.analysis.insensitivity import Insensitivity, insensitivity
-from design.analysis.vectors import evenly_spaced_vectors
+from design.analysis.residual import evenly_spaced_vectors
 from design.checks import require_between
 from design.errors import InvalidInputError, SolverFailedError
 from design.model.actuators.registry import Actuator

@@ -9,6 +9,7 @@ from design.errors import InvalidInputError
 from design.formulations.formulation import Formulation
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
+from design.shapers.compiled_rows import CompiledRows
 from design.shapers.damping import EVERY_PLANT, DampingBound, require_modes_damped
 from design.shapers.options import ShaperOptions
 
@@ -29,16 +30,6 @@ class DesignCase(Generic[Options]):
     def mode(self) -> Mode:
         """The only mode, of kinds that serve one."""
         return self.modes[0]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CompiledRows:
-    """How the compiled kernel of tables solves a kind of as many equations as unknowns."""
-
-    # Whether the shaper knows no actuator: its rows are solved for an ideal one
-    for_ideal: bool = False
-    # Whether it is a closed form for an undamped plant behind superposed steps
-    closed_form_undamped: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,7 +14,8 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import follows_one_lag
 from design.model.impulses import Impulses
 from design.shapers.actuators import EVERY_ACTUATOR
-from design.shapers.kind import CompiledRows, DesignCase, KindOf
+from design.shapers.compiled_rows import CompiledRows
+from design.shapers.kind import DesignCase, KindOf
 from design.shapers.peak_options import PeakOptions
 
 SOURCE = "Kim, master thesis (2011), chapter 3"

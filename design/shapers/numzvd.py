@@ -6,7 +6,8 @@ from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.model.actuators.registry import follows_one_lag
 from design.shapers.actuators import EVERY_ACTUATOR
-from design.shapers.kind import CompiledRows, DesignCase, KindOf
+from design.shapers.compiled_rows import CompiledRows
+from design.shapers.kind import DesignCase, KindOf
 from design.shapers.numzv import SOURCE
 from design.shapers.settle_options import SettleOptions
 

@@ -12,8 +12,9 @@ from design.model.actuators.registry import follows_one_lag
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.shapers.actuators import EVERY_ACTUATOR
+from design.shapers.compiled_rows import CompiledRows
 from design.shapers.damping import LAST_PULSE_VANISHES, DampingBound, damped_periods
-from design.shapers.kind import CompiledRows, DesignCase, KindOf
+from design.shapers.kind import DesignCase, KindOf
 from design.shapers.options import NoOptions
 
 SOURCE = (

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from design.analysis.certificate import METHOD, Certificate, Claim, certify
-from design.analysis.vectors import residual_vectors
+from design.analysis.residual import residual_vectors
 from design.claims import ZERO_LIMITS, Quantity, zeros
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.model import Model
