@@ -1,14 +1,13 @@
 """Solutions held against what is promised of them, until one keeps it."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from design.analysis.certificate import Certificate
-from design.analysis.claims_in_words import shortfall_of
+from design.analysis.claims_found import shortfall_of, unverified_error
 from design.analysis.judge import Judgement, judge
 from design.analysis.rounding import require_doubles_to_hold
 from design.claims import ZERO_LIMITS, Promise
-from design.errors import InfeasibleDesignError, SolverFailedError
+from design.errors import InfeasibleDesignError
 from design.formulations.formulation import Convolution, Formulation
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
@@ -22,14 +21,6 @@ from design.solvers.search_steps import verdict_step
 from design.solvers.solution import Solution
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Certified:
-    """A solution that keeps what is promised of it."""
-
-    solution: Solution  # What a solver answered with
-    judgement: Judgement  # Its certificate, and what it does with the actuator given
-
-
 def certify(
     solutions: Iterator[Solution],
     formulation: Formulation,
@@ -37,7 +28,7 @@ def certify(
     plant: Plant,
     actuator: Actuator,
     budget: Budget,
-) -> Certified:
+) -> tuple[Solution, Judgement]:
     """Return the first solution that keeps what is promised of it.
 
     Parameters
@@ -51,7 +42,7 @@ def certify(
 
     Returns
     -------
-    Certified
+    tuple of Solution and Judgement
         The solution, held against its promises.
 
     Raises
@@ -93,7 +84,7 @@ def certify(
             if budget.trace is not None:
                 budget.note(verdict_step(solution, shortfall_of(certificate)))
             if certificate.verified:
-                return Certified(solution=solution, judgement=judgement)
+                return solution, judgement
             if isinstance(plant, Scheduled):
                 require_over(plant, kind.name, certificate)
             require_doubles_to_hold(solution.impulses, modes, certificate)
@@ -106,15 +97,8 @@ def certify(
             ) from None
         if unverified is None:
             raise
-    if unverified is None:
-        raise SolverFailedError(
-            f"no solution of {kind.name} was found, and none was excluded",
-            code="none_found_nor_excluded",
-        )
-    raise SolverFailedError(
-        f"no solution of {kind.name} was verified; of the last one {shortfall_of(unverified)}",
-        code="none_verified",
-    )
+    refusal = unverified_error(kind.name, unverified)
+    raise refusal
 
 
 def _promises_of(

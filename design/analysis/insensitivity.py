@@ -29,13 +29,11 @@ WIDEST_RATIOS = (1e-3, 100.0)
 class Insensitivity:
     """The interval of frequency ratios around 1 on which the residual is within a tolerance."""
 
-    tolerance: float  # The tolerance [-]
-    # Edges of the connected interval that contains 1 [-]; None where the residual is within the
-    # tolerance as far as was searched
+    tolerance: float
+    # Edges of the connected interval that contains 1 [-]; None where the search found none
     lower_ratio: float | None
     upper_ratio: float | None
-    # Between them the residual is within the tolerance: the edges, or where the search for one
-    # ended without [-]
+    # Between them all is within the tolerance: the edges, or where the search for one ended [-]
     searched_from_ratio: float
     searched_to_ratio: float
 
@@ -45,11 +43,6 @@ class Insensitivity:
         if self.lower_ratio is None or self.upper_ratio is None:
             return None
         return self.upper_ratio - self.lower_ratio
-
-    @property
-    def half_width(self) -> float:
-        """Half width of the widest interval around 1 known to be within [-]."""
-        return min(1 - self.searched_from_ratio, self.searched_to_ratio - 1)
 
 
 def insensitivity(

@@ -8,7 +8,7 @@ actuator that the shaper was designed for, an ideal one, and a warning says what
 from dataclasses import dataclass
 
 from design.analysis.certificate import Certificate, certify_modes
-from design.analysis.claims_in_words import claims_in_words
+from design.analysis.claims_found import claims_in_words
 from design.analysis.residual import residual_vibration
 from design.analysis.warnings import DesignWarning, actuator_ignored
 from design.claims import Promise
@@ -22,14 +22,11 @@ from design.model.plants.mode import Mode
 class Judgement:
     """What a command does, held against what is claimed of it."""
 
-    # The claims, recomputed: for the actuator given if all of them hold there
-    certificate: Certificate
-    # Whether the certificate is for the actuator that the command was designed for, an ideal one,
-    # in place of the one given
+    certificate: Certificate  # The claims, recomputed: for the actuator given if all hold there
+    # Whether the certificate is for the actuator designed for, an ideal one, not the one given
     for_ideal: bool
     residuals: tuple[float, ...]  # Residual vibration of each mode with the actuator given [-]
-    # One for the claims that do not hold with the actuator given, if there are any
-    warnings: tuple[DesignWarning, ...]
+    warnings: tuple[DesignWarning, ...]  # One for claims that do not hold with the one given
 
     @property
     def residual(self) -> float:

@@ -26,10 +26,8 @@ class SensitivityRange:
     from_ratio: float = 0.5
     to_ratio: float = 1.5
     points: int = 201  # Number of points, 2 to 20,001
-    # Residual at which the insensitivity is told, 0 to 1, both excluded [-]
-    tolerance: float = 0.05
-    # Range of a curve over the damping ratio; None for no such curve
-    damping: DampingRange | None = None
+    tolerance: float = 0.05  # Residual of the insensitivity, 0 to 1, both excluded [-]
+    damping: DampingRange | None = None  # Range of a curve over damping; None for no such curve
 
     def __post_init__(self) -> None:
         require_between("from_ratio", self.from_ratio, *RATIO_BOUNDS)
