@@ -37,18 +37,18 @@ class Crowd:
 
     async def closed_loop(self, *, clients: int, seconds: float) -> list[Outcome]:
         """Let each client ask once more when it is answered; return what became of all."""
-        with self._measured() as told:
+        with self._collect() as told:
             self._again = time.perf_counter() + seconds
             for _ in range(clients):
                 self._ask(time.perf_counter(), next(self._requests))
-            await self._all_answered(seconds)
+            await self._wait_for_all(seconds)
         return told
 
     async def open_loop(self, *, rate_hz: float, seconds: float) -> list[Outcome]:
         """Ask at even spacing, whether answers come or not; return what became of all."""
         count = max(round(rate_hz * seconds), 1)
         requests = list(itertools.islice(self._requests, count))
-        with self._measured() as told:
+        with self._collect() as told:
             start = time.perf_counter()
             for number, request in enumerate(requests):
                 planned_s = start + number / rate_hz
@@ -56,7 +56,7 @@ class Crowd:
                 if wait_s > 0:
                     await asyncio.sleep(wait_s)
                 self._ask(planned_s, request)
-            await self._all_answered(0.0)
+            await self._wait_for_all(0.0)
         return told
 
     def close(self) -> None:
@@ -66,7 +66,7 @@ class Crowd:
         self._idle.clear()
 
     @contextmanager
-    def _measured(self) -> Iterator[list[Outcome]]:
+    def _collect(self) -> Iterator[list[Outcome]]:
         """Collect outcomes meanwhile, and no garbage."""
         self.told, self._again = [], 0.0
         gc.collect()
@@ -76,7 +76,7 @@ class Crowd:
         finally:
             gc.enable()
 
-    async def _all_answered(self, seconds: float) -> None:
+    async def _wait_for_all(self, seconds: float) -> None:
         """Wait for what is under way.
 
         Raises
@@ -110,11 +110,13 @@ class Crowd:
                 lambda: _Connection(self), "127.0.0.1", self._port
             )
         except OSError:
-            self.ended(NO_ANSWER, planned_s, planned_s, told_to_retry=False)
+            self.take_outcome(NO_ANSWER, planned_s, planned_s, told_to_retry=False)
             return
         connection.send(planned_s, request)
 
-    def ended(self, status: int, planned_s: float, sent_s: float, *, told_to_retry: bool) -> None:
+    def take_outcome(
+        self, status: int, planned_s: float, sent_s: float, *, told_to_retry: bool
+    ) -> None:
         """Take what became of a request, and ask once more in a closed loop."""
         now = time.perf_counter()
         self._under_way -= 1
@@ -186,7 +188,7 @@ class _Connection(asyncio.Protocol):
             self.abort()
         else:
             self._crowd.rests(self)
-        self._crowd.ended(
+        self._crowd.take_outcome(
             int(read[9:12]), self._planned_s, self._sent_s, told_to_retry=RETRY in head
         )
 
@@ -194,4 +196,4 @@ class _Connection(asyncio.Protocol):
         """Say that a request is not answered, if one is under way."""
         if self._busy:
             self._busy = False
-            self._crowd.ended(NO_ANSWER, self._planned_s, self._sent_s, told_to_retry=False)
+            self._crowd.take_outcome(NO_ANSWER, self._planned_s, self._sent_s, told_to_retry=False)

@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks.designs import ACTUATOR
 from benchmarks.measure import Figure, alternating_medians, ratio
 from design.formulations.formulation import ClosedForm
-from design.formulations.humps import humped
+from design.formulations.humps import follow_from_undamped
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
@@ -101,7 +101,7 @@ def closed_forms() -> Iterator[Figure]:
     )
     cold, um_ei = [], SHAPERS["um_ei"]
     for number in range(60):
-        humped.cache_clear()
+        follow_from_undamped.cache_clear()
         mode = Mode(natural_frequency_rad_s=3.5, damping_ratio=0.2 * (number + 1) / 60)
         case = um_ei.case((mode,), Ideal(), ToleranceOptions(tolerance=0.05))
         run = functools.partial(um_ei.formulate, case)

@@ -15,7 +15,7 @@ from design.model.actuators.second_order import (
     SecondOrderSet,
 )
 from design.types import LARGEST
-from schemas.base import Positive, Wire, named
+from schemas.base import Positive, Wire, name_field
 
 Example = dict[str, Any]
 """A request's value, as JSON has it."""
@@ -113,9 +113,9 @@ class SecondOrderIn(Wire):
 
     def to_design(self) -> SecondOrder:
         """Build the design record."""
-        with named("accel"):
+        with name_field("accel"):
             accel = self.accel.to_design()
-        with named("decel"):
+        with name_field("decel"):
             decel = self.decel.to_design()
         return SecondOrder(accel=accel, decel=decel, model=self.model, dead_time_s=self.dead_time_s)
 
@@ -147,7 +147,7 @@ class RateLimitedIn(Wire):
 
     def to_design(self) -> RateLimited:
         """Build the design record."""
-        with named("then"):
+        with name_field("then"):
             then = self.then.to_design()
         return RateLimited(
             accel_limit_m_s2=self.accel_limit_m_s2,

@@ -27,7 +27,7 @@ def _says_nothing(value: object) -> bool:
     return value is None
 
 
-def left_out_if_none(description: str) -> Any:  # noqa: ANN401 - as pydantic's own Field
+def leave_out_none(description: str) -> Any:  # noqa: ANN401 - as pydantic's own Field
     """Return the rule of an answer's field that is left out where it is None.
 
     Whoever reads the answer finds None in its place: an answer is read back as it was.
@@ -43,7 +43,7 @@ PlantDamping = Annotated[
 
 
 @contextmanager
-def named(field: str) -> Iterator[None]:
+def name_field(field: str) -> Iterator[None]:
     """Name the field in which a design record finds a fault.
 
     The name is seen from the request.

@@ -11,7 +11,7 @@ from design.model.plants.scheduled import Scheduled
 from design.pipeline import Design
 from design.sampling.sampled import Sampled
 from schemas.actuators import ActuatorIn
-from schemas.base import Wire, left_out_if_none
+from schemas.base import Wire, leave_out_none
 from schemas.fits import FitIn, FitOut
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
@@ -136,11 +136,11 @@ class ClaimOut(Wire):
     limit: float
     mode: Annotated[
         int | None,
-        left_out_if_none("Number of the plant's mode, from 0; left out for the first."),
+        leave_out_none("Number of the plant's mode, from 0; left out for the first."),
     ]
     band: Annotated[
         tuple[float, float] | None,
-        left_out_if_none("For band: its ends, ratios of the mode's frequency; left out else."),
+        leave_out_none("For band: its ends, ratios of the mode's frequency; left out else."),
     ]
 
     @classmethod
@@ -268,12 +268,12 @@ class DesignResponse(Wire):
     certificate: CertificateOut
     sensitivity: SensitivityOut | None
     modes: OfModes
-    scheduled: Annotated[RangeOut | None, left_out_if_none("Of a scheduled plant; left out else.")]
+    scheduled: Annotated[RangeOut | None, leave_out_none("Of a scheduled plant; left out else.")]
     fit: FitOut | None
     solver: SolverOut
     trace: Annotated[
         list[TraceStepOut] | None,
-        left_out_if_none("Steps of the search, where asked for; left out else."),
+        leave_out_none("Steps of the search, where asked for; left out else."),
     ]
     warnings: Warnings
     version: str

@@ -30,7 +30,7 @@ class ImpulsesWire(Wire):
     def to_design(self) -> Impulses:
         """Build the design record, its steps at one time as one."""
         given = Impulses(times_s=np.array(self.times_s), amplitudes=np.array(self.amplitudes))
-        return given.merged()
+        return given.merge()
 
     @classmethod
     def from_design(cls, impulses: Impulses) -> Self:

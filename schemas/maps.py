@@ -16,7 +16,7 @@ from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
 from design.types import FloatArray
 from schemas.actuators import ActuatorIn
-from schemas.base import Positive, Wire, named
+from schemas.base import Positive, Wire, name_field
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.pointers import path_of
@@ -106,7 +106,7 @@ class MapRequest(Wire):
     y: Annotated[AxisIn | None, Field(description="Left out: a curve over x.")] = None
 
     @property
-    def plainly_held(self) -> bool:
+    def holds_one_shaper(self) -> bool:
         """Whether one shaper, without a move, is held for the plant as given.
 
         The actuator is as given too.
@@ -154,14 +154,14 @@ class MapRequest(Wire):
                 raise InvalidInputError(
                     "design", "each", "once: impulses are held", code="design_per_cell_of_impulses"
                 )
-            with named("impulses"):
+            with name_field("impulses"):
                 return self.impulses.to_design()
         if self.shaper is None:
             return None
-        with named("shaper"):
+        with name_field("shaper"):
             options = self.shaper.continuous_options(NOT_ON_SAMPLES)
         return Recipe(
-            kind=self.shaper.registered(),
+            kind=self.shaper.shaper_kind(),
             options=options,
             each=self.design == "each",
             designed_for=self.designed_for,
@@ -237,7 +237,7 @@ class MapResponse(Wire):
         """
         several = found.quantity in {"times_s", "branch"}
         rows = [
-            [_listed(cell) if several else _number(cell[0]) for cell in row]
+            [_list_finite(cell) if several else _number(cell[0]) for cell in row]
             for row in found.values.tolist()
         ]
         told: dict[str, Any] = {found.quantity: rows if y is not None else rows[0]}
@@ -256,5 +256,5 @@ def _number(value: float) -> float | None:
     return None if np.isnan(value) else value
 
 
-def _listed(cell: list[float]) -> list[float] | None:
+def _list_finite(cell: list[float]) -> list[float] | None:
     return [value for value in cell if not np.isnan(value)] or None

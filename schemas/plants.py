@@ -11,7 +11,7 @@ from design.model.plants.modes import MOST_MODES, Modes
 from design.model.plants.pendulum import STANDARD_GRAVITY_M_S2, Pendulum
 from design.model.plants.scheduled import Scheduled
 from design.model.plants.spring_mass import SpringMass
-from schemas.base import PlantDamping, Positive, Wire, named
+from schemas.base import PlantDamping, Positive, Wire, name_field
 
 
 class BareMode(Wire):
@@ -48,7 +48,7 @@ class ModesIn(Wire):
         """Build the design record."""
         built = []
         for number, one in enumerate(self.modes):
-            with named(f"modes.{number}"):
+            with name_field(f"modes.{number}"):
                 built.append(one.to_design())
         return built[0] if len(built) == 1 else Modes(modes=tuple(built))
 
@@ -120,7 +120,7 @@ class ScheduledIn(Wire):
                 f"a field of {self.plant.kind}: {', '.join(fields)}",
                 code="field_not_scheduled",
             )
-        with named("plant"):
+        with name_field("plant"):
             plant = self.plant.to_design()
         ends = []
         for name, value in (("from", self.from_), ("to", self.to)):

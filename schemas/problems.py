@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from schemas.base import Wire, left_out_if_none
+from schemas.base import Wire, leave_out_none
 from schemas.trace import TraceStepOut
 
 
@@ -36,5 +36,5 @@ class ProblemDocument(Wire):
     request_id: str | None = None
     trace: Annotated[
         list[TraceStepOut] | None,
-        left_out_if_none("Steps of the search, where a design asked for them; left out else."),
+        leave_out_none("Steps of the search, where a design asked for them; left out else."),
     ]

@@ -19,7 +19,7 @@ from design.recommendations.requirements import (
     Sign,
 )
 from schemas.actuators import ActuatorIn
-from schemas.base import PlantDamping, Positive, Wire, left_out_if_none
+from schemas.base import PlantDamping, Positive, Wire, leave_out_none
 from schemas.impulses import ImpulsesWire
 from schemas.plants import BareMode, PlantIn
 from schemas.sensitivity import InsensitivityOut
@@ -114,7 +114,7 @@ class RecommendationRequest(Wire):
         )
 
 
-def _bounded(value: float | None) -> float | None:
+def _finite_or_none(value: float | None) -> float | None:
     """Return a number that JSON knows: none for one without bound."""
     return value if value is None or math.isfinite(value) else None
 
@@ -137,7 +137,7 @@ class VerdictOut(Wire):
         return cls.model_construct(
             requirement=verdict.requirement,
             met=verdict.met,
-            value=_bounded(verdict.value),
+            value=_finite_or_none(verdict.value),
             limit=verdict.limit,
             reason=verdict.reason,
         )
@@ -186,14 +186,14 @@ class CandidateOut(Wire):
     ]
     lower_bound_s: Annotated[
         float | None,
-        left_out_if_none(
+        leave_out_none(
             "No shaper of its class that keeps the tolerance over the band is as short, proven; "
             "left out where nothing is [s]."
         ),
     ]
     same_as: Annotated[
         str | None,
-        left_out_if_none("Name of one ahead with the same impulses."),
+        leave_out_none("Name of one ahead with the same impulses."),
     ]
     warnings: Warnings
 
@@ -221,7 +221,7 @@ class CandidateOut(Wire):
             duration_s=candidate.duration_s,
             meets_all=not candidate.missed,
             requirements=[VerdictOut.from_design(one) for one in candidate.verdicts],
-            worst_residual=_bounded(made.worst_residual),
+            worst_residual=_finite_or_none(made.worst_residual),
             residual=candidate.residual,
             insensitivity=None
             if candidate.insensitivity is None

@@ -14,7 +14,7 @@ from design.analysis.sensitivity import (
 )
 from design.model.plants.mode import Mode
 from schemas.actuators import ActuatorIn
-from schemas.base import PlantDamping, Wire, left_out_if_none
+from schemas.base import PlantDamping, Wire, leave_out_none
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.warnings import Warnings
@@ -115,9 +115,7 @@ class SensitivityOut(Wire):
     frequency_ratio: list[float]
     residual: list[float]
     insensitivity: InsensitivityOut | None
-    damping: Annotated[
-        DampingOut | None, left_out_if_none("Where a range of damping is asked for.")
-    ]
+    damping: Annotated[DampingOut | None, leave_out_none("Where a range of damping is asked for.")]
 
     @classmethod
     def from_design(cls, sensitivity: Sensitivity) -> Self:
@@ -174,7 +172,7 @@ class ModeOut(Wire):
 
 OfModes = Annotated[
     list[ModeOut] | None,
-    left_out_if_none(
+    leave_out_none(
         "Of a plant of several modes, what each has; residual and sensitivity beside it are then "
         "of the worst, all frequencies changing alike. Left out else."
     ),

@@ -35,7 +35,7 @@ class ShaperRequest(Wire):
         ),
     ] = None
 
-    def registered(self) -> ShaperKind:
+    def shaper_kind(self) -> ShaperKind:
         """Return the registry's entry."""
         return SHAPERS[self.kind]
 
@@ -59,8 +59,8 @@ class ShaperRequest(Wire):
                 "left out without sample_time_s",
                 code="tolerance_without_samples",
             )
-        names = [field.name for field in dataclasses.fields(self.registered().options)]
-        return self.registered().options(**{name: getattr(self, name) for name in names})
+        names = [field.name for field in dataclasses.fields(self.shaper_kind().options)]
+        return self.shaper_kind().options(**{name: getattr(self, name) for name in names})
 
     def grid_tolerance(self) -> float | None:
         """Return what a shaper may leave on samples before impulses are added.

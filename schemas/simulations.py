@@ -13,7 +13,7 @@ from design.model.impulses import Impulses
 from design.moves.playback import Motion, Swing
 from design.types import LARGEST, FloatArray
 from schemas.actuators import ActuatorIn
-from schemas.base import Positive, Wire, named
+from schemas.base import Positive, Wire, name_field
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
@@ -56,7 +56,7 @@ class ImpulsesCommand(Wire):
 
     def to_design(self, speed_m_s: float) -> Impulses:  # noqa: ARG002
         """Build the design record."""
-        with named("impulses"):
+        with name_field("impulses"):
             return self.impulses.to_design()
 
 
@@ -91,7 +91,7 @@ class SampledCommand(Wire):
             raise InvalidInputError(
                 "sample_time_s", self.sample_time_s, rule, code="samples_not_served"
             )
-        return commands.listed(times, _shares(self.velocity_m_s, speed_m_s))
+        return commands.command_of_velocities(times, _shares(self.velocity_m_s, speed_m_s))
 
 
 class ListCommand(Wire):
@@ -110,7 +110,9 @@ class ListCommand(Wire):
 
     def to_design(self, speed_m_s: float) -> Impulses:
         """Build the design record."""
-        return commands.listed(np.array(self.times_s), _shares(self.velocity_m_s, speed_m_s))
+        return commands.command_of_velocities(
+            np.array(self.times_s), _shares(self.velocity_m_s, speed_m_s)
+        )
 
 
 def _shares(velocity_m_s: list[float], speed_m_s: float) -> FloatArray:

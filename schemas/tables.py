@@ -24,7 +24,7 @@ from design.tables.specification import (
 )
 from design.types import FloatArray
 from schemas.actuators import ActuatorIn
-from schemas.base import Wire, named
+from schemas.base import Wire, name_field
 from schemas.fits import FitIn
 from schemas.plants import PlantIn
 from schemas.pointers import path_of
@@ -46,14 +46,14 @@ class TableDesign(Wire):
 
     def to_design(self) -> Subject:
         """Build the design record."""
-        with named("plant"):
+        with name_field("plant"):
             plant = self.plant.to_design()
-        with named("actuator"):
+        with name_field("actuator"):
             actuator = self.actuator.to_design()
-        with named("shaper"):
+        with name_field("shaper"):
             options = self.shaper.continuous_options(NO_TABLE_ON_SAMPLES)
         return Subject(
-            plant=plant, actuator=actuator, kind=self.shaper.registered(), options=options
+            plant=plant, actuator=actuator, kind=self.shaper.shaper_kind(), options=options
         )
 
 
@@ -170,13 +170,15 @@ class TableRequest(Wire):
             raise InvalidInputError(
                 "axes", both, "given, or designs in its place", code="axes_or_designs"
             )
-        with named("design"):
+        with name_field("design"):
             subject = self.design.to_design()
         if self.fit is not None:
-            with named("fit"):
+            with name_field("fit"):
                 plants_at_ends(subject.plant, self.fit.to_design(self.design.plant.kind))
         require_rows(math.prod(axis.size for axis in self.axes or ()))  # before any is made
-        paths, listed = _listed(self.designs, subject) if self.designs is not None else ((), None)
+        paths, listed = (
+            _listed_fields(self.designs, subject) if self.designs is not None else ((), None)
+        )
         return TableSpecification(
             plant=subject.plant,
             actuator=subject.actuator,
@@ -222,11 +224,13 @@ def with_subject(head: TableHead) -> TableHead:
 
 
 def _axis(number: int, axis: TableAxis) -> Axis:
-    with named(f"axes.{number}"):
+    with name_field(f"axes.{number}"):
         return axis.to_design()
 
 
-def _listed(designs: list[dict[str, Any]], subject: Subject) -> tuple[tuple[Path, ...], FloatArray]:
+def _listed_fields(
+    designs: list[dict[str, Any]], subject: Subject
+) -> tuple[tuple[Path, ...], FloatArray]:
     """Return the fields that listed designs vary, in order of appearance, and their values."""
     lines = [dict(_numbers(design, (), number)) for number, design in enumerate(designs)]
     parts = {"plant": subject.plant, "actuator": subject.actuator, "shaper": subject.options}

@@ -221,7 +221,7 @@ def problem_of_design(error: DesignError) -> Problem:
         return invalid_fields(told, (FieldFault(pointer="", code=error.code, detail=told),))
     if isinstance(error, InvalidInputError):
         fault = FieldFault(
-            pointer=_cut(json_pointer(error.path)),
+            pointer=_shorten(json_pointer(error.path)),
             code=error.code,
             detail=f"must be {error.rule}, got {_echo(error.value)}",
         )
@@ -256,9 +256,9 @@ def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
     parsed = json.loads(body)
     named = tuple(
         FieldFault(
-            pointer=_cut(pointer(fault["loc"], parsed)),
+            pointer=_shorten(pointer(fault["loc"], parsed)),
             code=CODE_OF_TYPE.get(fault["type"], fault["type"]),
-            detail=_cut(_refusal(fault)),
+            detail=_shorten(_refusal(fault)),
         )
         for fault in faults[:MOST_FAULTS]
     )
@@ -274,7 +274,7 @@ def problem_of_repetition(error: RepeatedNameError) -> Problem:
     Only one of the two values would be kept.
     """
     fault = FieldFault(
-        pointer=_cut(error.pointer), code="name_repeated", detail="must be given once"
+        pointer=_shorten(error.pointer), code="name_repeated", detail="must be given once"
     )
     return invalid_fields(_sentence(fault), (fault,))
 
@@ -329,7 +329,7 @@ def _sentence(fault: FieldFault) -> str:
     return f"{fault.pointer or 'the body'}: {fault.detail}"
 
 
-def _cut(text: str) -> str:
+def _shorten(text: str) -> str:
     return text if len(text) <= LONGEST_TEXT else f"{text[: LONGEST_TEXT - 3]}..."
 
 

@@ -168,7 +168,7 @@ def certify(
         ]
     elif highest:
         derivatives.append((entire[2] - entire[1]) / (2 * step))
-    quotients = denominators.divided(derivatives)
+    quotients = denominators.divide(derivatives)
 
     def value(promise: Promise) -> float:
         if promise.band is None:
@@ -226,7 +226,7 @@ class _Denominators:
             value = value * ratios + coefficient
         return value
 
-    def divided(self, derivatives: Sequence[complex]) -> list[complex]:
+    def divide(self, derivatives: Sequence[complex]) -> list[complex]:
         """Return V and its derivatives by ln w from those of V D, by Leibniz's rule.
 
         A power m of the ratio is exp(m ln ratio): its derivative of order n is m^n times it.

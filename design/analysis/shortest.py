@@ -57,7 +57,7 @@ class _Cells:
         return found
 
 
-def excluded_rad(
+def excluded_duration_rad(
     unit_poles: ComplexArray, vectors: ComplexArray, until_rad: float, *, positive: bool
 ) -> float:
     """Return a duration below which every command leaves vibration.

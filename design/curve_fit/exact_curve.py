@@ -79,7 +79,7 @@ class ExactCurve:
         self.budget = Budget()
         self.exact_times_s = self._exact_times_s()
 
-    def designed(self, x: float) -> Impulses:
+    def design_at(self, x: float) -> Impulses:
         """Design at one x, by the pipeline.
 
         Parameters
@@ -106,7 +106,7 @@ class ExactCurve:
                 f"at {self.axis.variable.meaning} = {x:.6g}: {error}", code=error.code
             ) from None
 
-    def fitted(self, degree: int) -> Fit:
+    def fit(self, degree: int) -> Fit:
         """Fit one degree and judge it.
 
         Parameters
@@ -128,7 +128,7 @@ class ExactCurve:
         """
         nodes = self.axis.nodes(degree)
         values = np.array([
-            self.designed(x).times_s * self.axis.scale_at(x) for x in nodes.tolist()
+            self.design_at(x).times_s * self.axis.scale_at(x) for x in nodes.tolist()
         ])
         coefficients = self._power_basis(nodes, values, degree)
         fitted = power.polyval(self.checked, coefficients.T).T
@@ -174,7 +174,7 @@ class ExactCurve:
         """
         nodes = self.axis.nodes(STARTING_DEGREE).tolist()
         frequencies = [self.axis.plant_at(x).mode.natural_frequency_rad_s for x in nodes]
-        gaps = np.array([np.diff(self.designed(x).times_s) for x in nodes])
+        gaps = np.array([np.diff(self.design_at(x).times_s) for x in nodes])
         phases = gaps * np.array(frequencies)[:, None]
         curves = self._power_basis(np.array(nodes), phases, STARTING_DEGREE)
         starts = power.polyval(self.checked, curves.T).T
@@ -202,5 +202,5 @@ class ExactCurve:
             if root and (gaps >= problem.shortest_gaps_rad).all():
                 times[index, 1:] = np.cumsum(gaps) / problem.natural_frequency_rad_s
             else:
-                times[index] = self.designed(float(self.checked[index])).times_s
+                times[index] = self.design_at(float(self.checked[index])).times_s
         return times

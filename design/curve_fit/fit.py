@@ -51,11 +51,11 @@ def fit(
     """
     curve = ExactCurve(axis_of_fit(plant, actuator, wanted), actuator, kind, options)
     if wanted.degree is not None:
-        return curve.fitted(wanted.degree)
+        return curve.fit(wanted.degree)
     limit = wanted.max_residual or 0.0
     best = math.inf, 0
     for degree in range(HIGHEST_DEGREE + 1):
-        tried = curve.fitted(degree)
+        tried = curve.fit(degree)
         if tried.worst_residual <= limit:
             return tried
         best = min(best, (tried.worst_residual, degree))

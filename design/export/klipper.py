@@ -140,7 +140,7 @@ def write_klipper(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
         shaped = require_positive_row(head, rows, index, "Klipper")
         if isinstance(options, ToleranceOptions):
             row = Subject(plant=plant, actuator=Ideal(), kind=subject.kind, options=options)
-            shaper, remarks = _fitted(row, name, shaped, where)
+            shaper, remarks = _fit(row, name, shaped, where)
         else:
             shaper, remarks = _exact(name, mode, options, shaped, where), []
         frequency, damping = repr(_frequency_hz(mode)), repr(mode.damping_ratio)
@@ -192,13 +192,13 @@ def _exact(name: str, mode: Mode, options: object, shaped: Impulses, where: str)
     )
 
 
-def _floored(tolerance: float) -> float:
+def _round_down(tolerance: float) -> float:
     """Return a tolerance that is written in full with `TOLERANCE_DECIMALS`."""
     steps = math.floor(tolerance / LEAST_TOLERANCE + ROUNDING)
     return float(f"{steps * LEAST_TOLERANCE:.{TOLERANCE_DECIMALS}f}")
 
 
-def _read_by_most(row: Subject, name: str, told: float, claims: tuple[Claim, ...]) -> str:
+def _line_read_by_most(row: Subject, name: str, told: float, claims: tuple[Claim, ...]) -> str:
     """Return the shaper as Klipper writes it, plainly where older ones keep the claims too."""
     mode = row.plant.modes[0]
     hertz, damping = _frequency_hz(mode), mode.damping_ratio
@@ -208,7 +208,7 @@ def _read_by_most(row: Subject, name: str, told: float, claims: tuple[Claim, ...
         "2hump_ei": True,
         "3hump_ei": damping == 0,  # else the missing comma matters
     }
-    older = _judged(older_klipper_impulses(name, hertz, damping), row, claims)
+    older = _measure_claims(older_klipper_impulses(name, hertz, damping), row, claims)
     if plain[name] and all(claim.holds for claim in older):
         return name
     return f"{name}(v_tol={text})" if name == "ei" else f"{name}()"
@@ -222,7 +222,7 @@ def _same(one: Impulses, other: Impulses) -> bool:
     return bool(np.abs(late).max() <= SAME * one.duration_s and np.abs(high).max() <= SAME)
 
 
-def _fitted(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str, list[str]]:
+def _fit(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str, list[str]]:
     """Return the shaper as Klipper writes it, whose impulses keep what is claimed, and remarks."""
     mode = row.plant.modes[0]
     hertz, damping = _frequency_hz(mode), mode.damping_ratio
@@ -235,15 +235,17 @@ def _fitted(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str,
             code="not_continuous_time",
         )
     claims = made.certificate.claims
-    told = _floored(cast(ToleranceOptions, row.options).tolerance)  # of every ei kind
+    told = _round_down(cast(ToleranceOptions, row.options).tolerance)  # of every ei kind
     judged: tuple[Claim, ...] = ()
     for _ in range(LOWERINGS):
-        judged = _judged(klipper_impulses(name, hertz, damping, tolerance=told), row, claims)
+        judged = _measure_claims(
+            klipper_impulses(name, hertz, damping, tolerance=told), row, claims
+        )
         if all(claim.holds for claim in judged):
-            return _read_by_most(row, name, told, claims), _told(judged)
+            return _line_read_by_most(row, name, told, claims), _remark_on_fit(judged)
         # Klipper's fit leaves a little more than it is told to: told less, it leaves the tolerance.
         worst = max(claim.value / claim.limit for claim in judged)
-        told = _floored(min(told / worst, told - LEAST_TOLERANCE))
+        told = _round_down(min(told / worst, told - LEAST_TOLERANCE))
         if name != "ei" or told < LEAST_TOLERANCE:
             break
     broken = [claim for claim in judged if not claim.holds]
@@ -256,7 +258,7 @@ def _fitted(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str,
     )
 
 
-def _judged(played: Impulses, row: Subject, claims: tuple[Claim, ...]) -> tuple[Claim, ...]:
+def _measure_claims(played: Impulses, row: Subject, claims: tuple[Claim, ...]) -> tuple[Claim, ...]:
     """Return what impulses leave where the design claims something."""
     promises = tuple(
         Promise(
@@ -270,7 +272,7 @@ def _judged(played: Impulses, row: Subject, claims: tuple[Claim, ...]) -> tuple[
     return certify_modes(played, row.plant.modes, row.actuator, promises).claims
 
 
-def _told(judged: tuple[Claim, ...]) -> list[str]:
+def _remark_on_fit(judged: tuple[Claim, ...]) -> list[str]:
     return [f"Klipper's fit leaves {', '.join(_percent(claim) for claim in judged)}"]
 
 

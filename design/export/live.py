@@ -25,7 +25,7 @@ import numpy as np
 from design.analysis.residual import residual_vibration
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
-from design.model.commands import convolved
+from design.model.commands import convolve
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
@@ -72,7 +72,7 @@ def early_releases(
     left, beyond = [], []
     for press in presses_s.tolist():
         pulse = Impulses(times_s=np.array([0.0, press]), amplitudes=np.array([1.0, -1.0]))
-        command = convolved(pulse, shaper)
+        command = convolve(pulse, shaper)
         levels = command.amplitudes.cumsum()
         beyond.append(levels.min() < -LEVEL_MARGIN or levels.max() > 1 + LEVEL_MARGIN)
         left.append(max(residual_vibration(command, mode, actuator) for mode in modes))
@@ -135,10 +135,10 @@ def live_remarks(
         ]
     if limited:  # nothing is known of commands beyond 0 to 1, as these may be
         return lines
-    return [*lines, *_measured(first, plant.modes, held[0])]
+    return [*lines, *_early_release_lines(first, plant.modes, held[0])]
 
 
-def _measured(row: Impulses, modes: tuple[Mode, ...], drive: Actuator) -> list[str]:
+def _early_release_lines(row: Impulses, modes: tuple[Mode, ...], drive: Actuator) -> list[str]:
     period_s = max(mode.period_s for mode in modes)
     presses_s = np.linspace(SHORTEST_PRESS, LONGEST_PRESS, PRESSES) * period_s
     early = early_releases(row, modes, drive, presses_s)

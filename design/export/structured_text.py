@@ -221,14 +221,14 @@ def _table(head: TableHead, name: str, rows: Listing) -> str:
         LASTNUMBER=rows.numbers.size - 1,
         LASTTIME=rows.times_s.size - 1,
         LASTROW=head.rows - 1,
-        ALLCOLUMNS=_listed(rows.numbers),
-        ALLTIMES=_listed(rows.times_s),
-        ALLAMPLITUDES=_listed(amplitudes),
+        ALLCOLUMNS=_literal_lines(rows.numbers),
+        ALLTIMES=_literal_lines(rows.times_s),
+        ALLAMPLITUDES=_literal_lines(amplitudes),
         ALLSTATUS=_lines([str(code) for code in rows.status]),
     )
 
 
-def _listed(values: FloatArray) -> str:
+def _literal_lines(values: FloatArray) -> str:
     return _lines([_literal(value) for value in np.nan_to_num(values, nan=0.0).ravel().tolist()])
 
 
@@ -261,7 +261,7 @@ def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
         LOCAL="    x : LREAL;\n" if by_frequency else "",
         PREPARED=f"x := natural_frequency_rad_s / {_literal(unit)};\n" if unit is not None else "",
         LASTCOEFFICIENT=fit.coefficients.size - 1,
-        COEFFICIENTS=_listed(fit.coefficients),
+        COEFFICIENTS=_literal_lines(fit.coefficients),
         DIVIDED=dividing(fit),
     )
 

@@ -58,7 +58,7 @@ class Humps:
 
 
 @functools.lru_cache(maxsize=4096)
-def humped(seed: str, damping_ratio: float, tolerance: float) -> Humps:
+def follow_from_undamped(seed: str, damping_ratio: float, tolerance: float) -> Humps:
     """Return the shaper of a damped mode, followed from the undamped one.
 
     Parameters
@@ -88,8 +88,8 @@ def humped(seed: str, damping_ratio: float, tolerance: float) -> Humps:
         reached, share = 0.0, 1.0
         while reached < 1:
             wanted = min(1.0, reached + share)
-            nearer = solved(found, *on(first + wanted * (last - first)))
-            if nearer is not None and _ordered(nearer):
+            nearer = solve_humps(found, *on(first + wanted * (last - first)))
+            if nearer is not None and _is_in_order(nearer):
                 found, reached = nearer, wanted
                 continue
             share /= 2
@@ -110,14 +110,14 @@ def humped(seed: str, damping_ratio: float, tolerance: float) -> Humps:
     return follow(undamped, 0.0, damping_ratio, lambda damping: (damping, tolerance))
 
 
-def _ordered(humps: Humps) -> bool:
+def _is_in_order(humps: Humps) -> bool:
     signs = humps.unity or bool((humps.amplitudes > 0).all())
     between = np.empty(humps.zeros.size + humps.peaks.size)
     between[0::2], between[1::2] = humps.zeros, humps.peaks
     return signs and all(bool((np.diff(row) > 0).all()) for row in (humps.phases_rad, between))
 
 
-def solved(start: Humps, damping_ratio: float, tolerance: float) -> Humps | None:
+def solve_humps(start: Humps, damping_ratio: float, tolerance: float) -> Humps | None:
     """Return the solution next to a start by Newton's method.
 
     Parameters

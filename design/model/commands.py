@@ -34,7 +34,7 @@ def pulse(pulse_s: float) -> Impulses:
     return Impulses(times_s=np.array([0.0, pulse_s]), amplitudes=np.array([1.0, -1.0]))
 
 
-def listed(times_s: FloatArray, velocities: FloatArray) -> Impulses:
+def command_of_velocities(times_s: FloatArray, velocities: FloatArray) -> Impulses:
     """Return a command that takes each velocity at its time, and holds it.
 
     Parameters
@@ -79,10 +79,10 @@ def listed(times_s: FloatArray, velocities: FloatArray) -> Impulses:
             "not all zero, the last at each time",
             code="velocities_all_zero",
         )
-    return Impulses(times_s=times_s, amplitudes=np.diff(velocities, prepend=0.0)).merged()
+    return Impulses(times_s=times_s, amplitudes=np.diff(velocities, prepend=0.0)).merge()
 
 
-def convolved(command: Impulses, shaper: Impulses) -> Impulses:
+def convolve(command: Impulses, shaper: Impulses) -> Impulses:
     """Return a command shaped by a shaper.
 
     Every step of the command is replaced by the shaper's steps, scaled by its height.
@@ -107,10 +107,10 @@ def convolved(command: Impulses, shaper: Impulses) -> Impulses:
     Examples
     --------
     >>> zv = Impulses(times_s=np.array([0.0, 0.5]), amplitudes=np.array([0.5, 0.5]))
-    >>> convolved(pulse(2.0), zv).times_s.tolist()
+    >>> convolve(pulse(2.0), zv).times_s.tolist()
     [0.0, 0.5, 2.0, 2.5]
     """
     times = np.add.outer(command.times_s, shaper.times_s).ravel()
     amplitudes = np.multiply.outer(command.amplitudes, shaper.amplitudes).ravel()
     order = np.argsort(times, kind="stable")
-    return Impulses(times_s=times[order], amplitudes=amplitudes[order]).merged()
+    return Impulses(times_s=times[order], amplitudes=amplitudes[order]).merge()

@@ -89,7 +89,7 @@ class Impulses:
         moved = np.maximum.accumulate(np.where(still, 0, np.arange(still.size)))
         return np.repeat(increases[moved], np.diff(np.flatnonzero(last), prepend=-1))
 
-    def merged(self) -> "Impulses":
+    def merge(self) -> "Impulses":
         """Return the same command with one step for each of its changes.
 
         Steps at one time are added up; those of no height, which change nothing, are left out.
@@ -109,7 +109,7 @@ class Impulses:
         >>> given = Impulses(
         ...     times_s=np.array([0.0, 2.0, 2.0]), amplitudes=np.array([0.5, 0.5, -0.5])
         ... )
-        >>> given.merged().times_s.tolist()
+        >>> given.merge().times_s.tolist()
         [0.0]
         """
         first = np.roll(self._last_of_instants(), 1)  # after the last of one comes the next's first

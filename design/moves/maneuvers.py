@@ -190,7 +190,7 @@ def maneuver(
     if joint and not as_one:
         faster = faster_as_one(parts, command)
         if faster is not None:
-            warnings = tuple(_robustness_lost(parts, command, faster))
+            warnings = tuple(_robustness_warnings(parts, command, faster))
             command, as_one = faster, True
     judged = judge(
         command,
@@ -233,7 +233,7 @@ def maneuver(
     )
 
 
-def _robustness_lost(parts: Parts, apart: Impulses, one: Impulses) -> Iterator[DesignWarning]:
+def _robustness_warnings(parts: Parts, apart: Impulses, one: Impulses) -> Iterator[DesignWarning]:
     """Yield that a move solved as one is much more sensitive than start and stop apart."""
     slopes = [
         max(claim.value, ZERO_LIMITS["slope"])
@@ -273,19 +273,19 @@ def mirrored_stop(start: Impulses) -> Impulses:
     )
 
 
-def swapped(actuator: Actuator) -> Actuator:
+def swap_directions(actuator: Actuator) -> Actuator:
     """Return the actuator with its acceleration and deceleration swapped."""
     if isinstance(actuator, RateLimited):
         return replace(
             actuator,
             accel_limit_m_s2=actuator.decel_limit_m_s2,
             decel_limit_m_s2=actuator.accel_limit_m_s2,
-            then=_sets_swapped(actuator.then),
+            then=_swap_sets(actuator.then),
         )
-    return _sets_swapped(actuator)
+    return _swap_sets(actuator)
 
 
-def _sets_swapped(actuator: Unlimited) -> Unlimited:
+def _swap_sets(actuator: Unlimited) -> Unlimited:
     if isinstance(actuator, FirstOrder):
         return replace(
             actuator,
@@ -377,7 +377,7 @@ def _with_stop(
     parts: Parts, plant: Plant, kind: ShaperKind, options: ShaperOptions | None
 ) -> Parts:
     """Return the parts with a stop that leaves nothing, begun at rest at full speed."""
-    turned = swapped(parts.actuator)
+    turned = swap_directions(parts.actuator)
     if parts.peak == 1:
         return replace(parts, stop=_negative(design(plant, turned, kind, options).impulses))
     stop = replace(kind.case((parts.mode,), turned, options), is_stop=True)

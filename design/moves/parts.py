@@ -18,7 +18,7 @@ from design.model.initial_state import FreeSwing
 from design.model.plants.mode import Mode
 from design.response.closed_form import travel
 from design.solvers import newton
-from design.solvers.continuation import followed
+from design.solvers.continuation import follow
 from design.solvers.search import candidates
 from design.solvers.solution import of_gaps
 from design.types import FloatArray
@@ -169,7 +169,7 @@ def with_swing(parts: Parts, swing: FreeSwing) -> Parts:
         ordered = (end.unknowns[0] >= shortest).all()
         return end.unknowns[0] if end.converged[0] and ordered else None
 
-    path = followed(w * np.diff(parts.start.times_s), root, SHORTEST_START_SHARE)
+    path = follow(w * np.diff(parts.start.times_s), root, SHORTEST_START_SHARE)
     problem = Problem(
         model=model,
         parameters=parameters(1.0),

@@ -15,7 +15,7 @@ from design.model.impulses import Impulses
 from design.moves.parts import Parts
 from design.response.closed_form import travel
 from design.solvers import ipopt, newton
-from design.solvers.continuation import Path, followed
+from design.solvers.continuation import Path, follow
 from design.solvers.moves import MoveCandidate, move_candidates
 from design.solvers.outcome import Status
 from design.solvers.solution import of_gaps
@@ -186,7 +186,7 @@ def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> Impulses:
     except InfeasibleDesignError as error:
         if parts.swing is None:
             raise
-        path = _followed_as_one(parts, wanted_s, seeds)
+        path = _follow_as_one(parts, wanted_s, seeds)
         if path.complete:
             return _travelling(
                 parts, wanted_s, (Seed(name="continuation", gaps_rad=path.unknowns),)
@@ -201,18 +201,18 @@ def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> Impulses:
         ) from error
 
 
-def _followed_as_one(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Path:
+def _follow_as_one(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Path:
     """Follow the move of a payload at rest to the swing asked."""
     candidate, _ = _fastest(replace(parts, swing=None), wanted_s, seeds)
 
-    def solved(guess: FloatArray, share: float) -> FloatArray | None:
+    def solve_share(guess: FloatArray, share: float) -> FloatArray | None:
         swing = None if parts.swing is None else parts.swing.scaled(share)
         problem = _problem(replace(parts, swing=swing), wanted_s, (Seed(name="", gaps_rad=guess),))
         end = ipopt.solve(problem, np.maximum(guess, problem.shortest_gaps_rad))
         in_time = end.unknowns.sum() <= problem.horizon_rad
         return end.unknowns if end.status is Status.SOLVE_SUCCEEDED and in_time else None
 
-    return followed(candidate.gaps_rad, solved, SHORTEST_SHARE)
+    return follow(candidate.gaps_rad, solve_share, SHORTEST_SHARE)
 
 
 def _travelling(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Impulses:

@@ -14,7 +14,7 @@ from design.analysis.certificate import TOLERANCE_MARGIN, Claim
 from design.analysis.judge import DesignWarning, judge
 from design.claims import Promise
 from design.model.actuators.registry import Actuator
-from design.model.commands import convolved
+from design.model.commands import convolve
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.pipeline import Design
@@ -71,7 +71,7 @@ def shaped_command(
         If all steps of the shaped command cancel.
     """
     claims = found.certificate.claims if claims is None else claims
-    played = convolved(command, found.impulses)
+    played = convolve(command, found.impulses)
     heights = float(np.abs(command.amplitudes).sum())
     promises = tuple(
         replace(promise, limit=heights * promise.limit) for promise in _of_one_step(claims)
@@ -83,7 +83,7 @@ def shaped_command(
     )
     warnings: tuple[DesignWarning, ...] = ()
     if not judged.certificate.verified:
-        warnings = (_lost(command, found, judged.residual, by_itself=by_itself),)
+        warnings = (_residual_warning(command, found, judged.residual, by_itself=by_itself),)
     return ShapedCommand(impulses=played, warnings=warnings)
 
 
@@ -98,7 +98,9 @@ def _of_one_step(claims: tuple[Claim, ...]) -> Iterator[Promise]:
         yield Promise(quantity="residual", limit=min(limits), mode=mode)
 
 
-def _lost(command: Impulses, found: Design, residual: float, *, by_itself: bool) -> DesignWarning:
+def _residual_warning(
+    command: Impulses, found: Design, residual: float, *, by_itself: bool
+) -> DesignWarning:
     """Return why more remains than is claimed; ``by_itself``: the shaper of a step does so too."""
     remains = f"{100 * residual:.4g} % of an unshaped step remains after the last step"
     braking = int((~command.accelerates).sum())

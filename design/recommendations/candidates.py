@@ -101,7 +101,7 @@ class Refused:
     searched: bool = True
 
 
-def designed(choice: Choice, question: Question, budget: Budget) -> Designed | Refused:
+def try_choice(choice: Choice, question: Question, budget: Budget) -> Designed | Refused:
     """Design one shaper and measure its residual, or say why there is none.
 
     What that takes is spent from the budget; none is searched where that is spent already.
@@ -138,7 +138,7 @@ def designed(choice: Choice, question: Question, budget: Budget) -> Designed | R
                 searched=False,
             )
     try:
-        impulses = _convolved_impulses(choice, question)
+        impulses = _count_convolved(choice, question)
         if impulses > MOST_CONVOLVED:
             return Refused(
                 choice=choice,
@@ -156,10 +156,10 @@ def designed(choice: Choice, question: Question, budget: Budget) -> Designed | R
             )
         own = budget.part(MOST_WORK_A_SHAPER)
         try:
-            first = made(choice, question, own)
+            first = design_choice(choice, question, own)
             over = first.worst_residual / asked.tolerance
             if "tolerance" in choice.options and WITHIN < over <= NEARLY:
-                return _tightened(first, question, own) or first
+                return _tighten(first, question, own) or first
         finally:
             budget.spend(own.done)
     except DesignError as error:
@@ -167,7 +167,7 @@ def designed(choice: Choice, question: Question, budget: Budget) -> Designed | R
     return first
 
 
-def _tightened(first: Designed, question: Question, budget: Budget) -> Designed | None:
+def _tighten(first: Designed, question: Question, budget: Budget) -> Designed | None:
     """Return the shaper for a tolerance so small that it keeps the one asked; None if none does.
 
     The first step takes the excess off the tolerance, further ones are by false position.
@@ -187,7 +187,7 @@ def _tightened(first: Designed, question: Question, budget: Budget) -> Designed 
         if budget.spent:
             break
         try:
-            again = made(with_tolerance(first.choice, smaller), question, budget)
+            again = design_choice(with_tolerance(first.choice, smaller), question, budget)
         except DesignError:
             break
         if again.worst_residual <= WITHIN * asked:
@@ -269,7 +269,7 @@ PROGRAMS_EFFORT = 20.0
 """Effort of what needs programs: more than that of any equations here [-]."""
 
 
-def _convolved_impulses(choice: Choice, question: Question) -> int:
+def _count_convolved(choice: Choice, question: Question) -> int:
     """Return how many impulses a convolved shaper has, 0 for another."""
     kind = choice.kind
     if "base" not in choice.options:
@@ -289,7 +289,7 @@ def _periods(half_width: float, tolerance: float) -> float:
     return math.acosh(1 / tolerance) / (math.pi * (1 - half_width))
 
 
-def made(choice: Choice, question: Question, budget: Budget) -> Designed:
+def design_choice(choice: Choice, question: Question, budget: Budget) -> Designed:
     """Design one shaper and measure what it leaves.
 
     Parameters

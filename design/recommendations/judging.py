@@ -113,7 +113,7 @@ class Candidate:
         return math.inf if width is None else width
 
 
-def judged(designed: Designed, question: Question) -> Candidate:
+def judge_choice(designed: Designed, question: Question) -> Candidate:
     """Measure a shaper and hold it against every requirement.
 
     Parameters

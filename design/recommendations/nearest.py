@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from design.errors import DesignError, InfeasibleDesignError
-from design.recommendations.candidates import Designed, Refused, made, with_tolerance
+from design.recommendations.candidates import Designed, Refused, design_choice, with_tolerance
 from design.recommendations.choices import Choice
-from design.recommendations.judging import Candidate, judged, percent, ranges
+from design.recommendations.judging import Candidate, judge_choice, percent, ranges
 from design.recommendations.requirements import Question
 from design.solvers.budget import Budget
 
@@ -28,13 +28,13 @@ class _Limit:
         Requirements that it is made of.
     size
         How far a candidate is from it, least is nearest.
-    told
+    describe
         What the nearest is, in words.
     """
 
     fields: tuple[str, ...]
     size: Callable[[Candidate], float]
-    told: Callable[[Candidate], str]
+    describe: Callable[[Candidate], str]
 
 
 def unmet(
@@ -70,9 +70,9 @@ def unmet(
         return InfeasibleDesignError(
             f"no shaper could be designed; {'; '.join(reasons)}", code="none_designed"
         )
-    eased = [*ranked, *_eased(question, ranked, budget)]
+    eased = [*ranked, *_eased_candidates(question, ranked, budget)]
     faults = [
-        (limit.fields[0], limit.told(nearest))
+        (limit.fields[0], limit.describe(nearest))
         for limit in _limits(question)
         for nearest in _nearest(limit, eased)
     ]
@@ -87,14 +87,15 @@ def unmet(
     if question.requirements.max_duration_s is not None:
         told += shortest_possible(question, ranked)
     told += [f"{one.choice.name} {one.reason}" for one in refused if not one.searched]
+    limits = _describe_limits(question)
     return InfeasibleDesignError(
-        f"no shaper of {len(ranked)} designed meets all of {_asked(question)}: {'; '.join(told)}",
+        f"no shaper of {len(ranked)} designed meets all of {limits}: {'; '.join(told)}",
         code="none_meets_all",
         faults=tuple(faults),
     )
 
 
-def _asked(question: Question) -> str:
+def _describe_limits(question: Question) -> str:
     """Return every limit in words, the tolerance with where it is asked."""
     asked = question.requirements
     limits = [
@@ -123,7 +124,7 @@ def _limits(question: Question) -> Iterator[_Limit]:
     yield _Limit(
         fields=("tolerance",),
         size=lambda one: one.designed.worst_residual,
-        told=lambda one: (
+        describe=lambda one: (
             f"within the other limits the least found to be left is "
             f"{percent(one.designed.worst_residual)}, by {one.name}, {one.duration_s:.4g} s"
         ),
@@ -132,7 +133,7 @@ def _limits(question: Question) -> Iterator[_Limit]:
         yield _Limit(
             fields=("max_duration_s",),
             size=lambda one: one.duration_s,
-            told=lambda one: (
+            describe=lambda one: (
                 f"the shortest found that meets the other limits takes {one.duration_s:.4g} s, "
                 f"{one.name}"
             ),
@@ -141,7 +142,7 @@ def _limits(question: Question) -> Iterator[_Limit]:
         yield _Limit(
             fields=("sign",),
             size=lambda one: one.duration_s,
-            told=lambda one: (
+            describe=lambda one: (
                 f"of other signs than {asked.sign} {one.name} serves, {one.duration_s:.4g} s"
             ),
         )
@@ -150,7 +151,7 @@ def _limits(question: Question) -> Iterator[_Limit]:
         size=lambda one: max(
             asked.lowest_command - one.lowest_command, one.highest_command - asked.highest_command
         ),
-        told=lambda one: (
+        describe=lambda one: (
             f"with a command from {one.lowest_command:.4g} to {one.highest_command:.4g} "
             f"{one.name} serves, {one.duration_s:.4g} s"
         ),
@@ -159,7 +160,7 @@ def _limits(question: Question) -> Iterator[_Limit]:
         yield _Limit(
             fields=("max_high_mode_gain",),
             size=lambda one: one.high_mode_gain,
-            told=lambda one: (
+            describe=lambda one: (
                 f"the least high-mode gain found is {one.high_mode_gain:.3g}, of {one.name}, "
                 f"{one.duration_s:.4g} s"
             ),
@@ -202,7 +203,9 @@ def shortest_possible(question: Question, ranked: Sequence[Candidate]) -> Iterat
         )
 
 
-def _eased(question: Question, ranked: Sequence[Candidate], budget: Budget) -> Iterator[Candidate]:
+def _eased_candidates(
+    question: Question, ranked: Sequence[Candidate], budget: Budget
+) -> Iterator[Candidate]:
     """Yield shapers over the band that leave little more than the least in the longest time."""
     longest = question.requirements.max_duration_s
     if longest is None:
@@ -223,11 +226,11 @@ def _eased(question: Question, ranked: Sequence[Candidate], budget: Budget) -> I
             if budget.spent:
                 return
             middle = math.sqrt(low * high)
-            found = _eased_to(choice, middle, question, budget)
+            found = _ease_to(choice, middle, question, budget)
             if found is None or found.found.impulses.duration_s > longest:
                 low = middle
                 continue
-            yield judged(found, question)
+            yield judge_choice(found, question)
             high = middle
 
 
@@ -235,10 +238,10 @@ LARGEST_TOLERANCE = 0.5
 """Largest residual over a band that a shaper is designed for: above it little is suppressed [-]."""
 
 
-def _eased_to(
+def _ease_to(
     choice: Choice, tolerance: float, question: Question, budget: Budget
 ) -> Designed | None:
     try:
-        return made(with_tolerance(choice, tolerance), question, budget)
+        return design_choice(with_tolerance(choice, tolerance), question, budget)
     except DesignError:
         return None  # what is offered instead must not fail the answer

@@ -9,9 +9,9 @@ from design.analysis.high_modes import HIGH_MODES
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
-from design.recommendations.candidates import Refused, designed, effort
+from design.recommendations.candidates import Refused, effort, try_choice
 from design.recommendations.choices import choices, serves
-from design.recommendations.judging import Candidate, judged, percent, ranges
+from design.recommendations.judging import Candidate, judge_choice, percent, ranges
 from design.recommendations.nearest import shortest_possible, unmet
 from design.recommendations.requirements import Question, Requirements, question_of
 from design.shapers.registry import SHAPERS
@@ -109,13 +109,13 @@ def recommend(plant: Plant, actuator: Actuator, requirements: Requirements) -> R
     ]
     budget = Budget(most=MOST_WORK)
     for choice in sorted(asked, key=lambda one: effort(one, question)):
-        made = designed(choice, question, budget)
+        made = try_choice(choice, question, budget)
         if isinstance(made, Refused):
             refused.append(made)
         else:
-            found.append(judged(made, question))
+            found.append(judge_choice(made, question))
     refused.sort(key=lambda one: asked.index(one.choice))
-    ranked = _with_the_same_named(sorted(found, key=_rank))
+    ranked = _name_repetitions(sorted(found, key=_rank))
     meeting = tuple(candidate for candidate in ranked if not candidate.missed)
     if not meeting:
         raise unmet(question, ranked, refused, budget)
@@ -128,7 +128,7 @@ def recommend(plant: Plant, actuator: Actuator, requirements: Requirements) -> R
     )
 
 
-def _with_the_same_named(ranked: Sequence[Candidate]) -> list[Candidate]:
+def _name_repetitions(ranked: Sequence[Candidate]) -> list[Candidate]:
     """Return the candidates, each that repeats an earlier one with its name."""
     told: list[Candidate] = []
     for candidate in ranked:
@@ -146,13 +146,13 @@ def _same(one: Impulses, other: Impulses) -> bool:
 
 def _rank(candidate: Candidate) -> tuple[float, float, float]:
     return (
-        _rounded(candidate.duration_s),
-        -_rounded(candidate.width),
-        _rounded(candidate.high_mode_gain),
+        _round(candidate.duration_s),
+        -_round(candidate.width),
+        _round(candidate.high_mode_gain),
     )
 
 
-def _rounded(value: float) -> float:
+def _round(value: float) -> float:
     return float(f"{value:.{DIGITS}g}")
 
 

@@ -228,10 +228,10 @@ def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) ->
         modes = (_in_the_middle(modes[0], requirements.damping),)
     middle = (band[0] + band[1]) / 2
     middle = 1.0 if abs(middle - 1) < MIDDLE_ROUNDING else middle
-    designed_for = tuple(_scaled(mode, middle) for mode in modes)
+    designed_for = tuple(_scale(mode, middle) for mode in modes)
     for mode in designed_for:
         for ratio in (1.0, band[0] / middle, band[1] / middle):
-            require_workable(_scaled(mode, ratio), actuator)
+            require_workable(_scale(mode, ratio), actuator)
         _require_a_unit(mode, actuator, (band[0] / middle, band[1] / middle), requirements.damping)
     return Question(
         actuator=actuator,
@@ -277,7 +277,7 @@ def _in_the_middle(mode: Mode, damping: tuple[float, float]) -> Mode:
     )
 
 
-def _scaled(mode: Mode, ratio: float) -> Mode:
+def _scale(mode: Mode, ratio: float) -> Mode:
     return Mode(
         natural_frequency_rad_s=ratio * mode.natural_frequency_rad_s,
         damping_ratio=mode.damping_ratio,

@@ -7,7 +7,7 @@ from design.errors import InfeasibleDesignError, InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
-from design.sampling.sample_grid import on_samples, shared
+from design.sampling.sample_grid import on_samples, share_on_samples
 from design.types import FloatArray
 
 EXACT = 1e-13
@@ -70,7 +70,7 @@ def exact_positive(
         )
     total = float(impulses.amplitudes.sum())
     for reach in range(1, WIDEST_REACH + 1):
-        samples, shares = shared(impulses, sample_time_s, reach=reach)
+        samples, shares = share_on_samples(impulses, sample_time_s, reach=reach)
         # From the last sample back, as the residual counts: no exponential grows.
         phases = mode.natural_frequency_rad_s * sample_time_s * (samples[-1] - samples)
         swings = np.exp(mode.unit_pole * phases)

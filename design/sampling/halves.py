@@ -177,7 +177,7 @@ def match_halves(listed: ListedHalves, count: int, *, slope: bool, tolerance: fl
     while _pairs(halves, damping_rad_s, net) > MOST_PAIRS:
         net /= 2
     while halves and net <= WIDEST_NET and _pairs(halves, damping_rad_s, net) <= MOST_PAIRS:
-        caught = [_caught(*pair, damping_rad_s, net, slope=slope) for pair in halves]
+        caught = [_catch(*pair, damping_rad_s, net, slope=slope) for pair in halves]
         changes = np.concatenate([changes for changes, _ in caught])
         left = np.concatenate([left for _, left in caught])
         found = np.nonzero(changes[np.argsort(left, kind="stable")])[1].reshape(-1, count)
@@ -205,7 +205,7 @@ def _pairs(halves: list[tuple[Half, Half]], damping_rad_s: float, net: float) ->
     return sum(int((high - low).sum()) for low, high, _ in ranges)
 
 
-def _caught(
+def _catch(
     first: Half, second: Half, damping_rad_s: float, net: float, *, slope: bool
 ) -> tuple[IntArray, FloatArray]:
     """Return the pairs of halves within ``net``: changes, shape (m, p), and what is left."""

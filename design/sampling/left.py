@@ -63,7 +63,7 @@ REVERSED = 1e-9
 """Level on the other side of zero that is no rounding [-]."""
 
 
-def left_of_many(
+def residuals_of_many(
     times_s: FloatArray,
     amplitudes: FloatArray,
     mode: Mode,
@@ -129,7 +129,7 @@ def _largest_at(
     return largest
 
 
-def left_over_band(
+def largest_over_band(
     times_s: FloatArray, amplitudes: FloatArray, mode: Mode, actuator: Actuator, band: Band
 ) -> FloatArray:
     """Return the largest residual over a band of the best shapers.
@@ -159,7 +159,7 @@ def left_over_band(
 
     def look_at(ones: IntArray) -> None:
         if ones.size:
-            largest[ones] = left_of_many(
+            largest[ones] = residuals_of_many(
                 times_s[ones], amplitudes, mode, actuator, slope=False, band=band
             )
 

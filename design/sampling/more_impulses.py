@@ -15,8 +15,8 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.sampling.halves import list_halves, match_halves
-from design.sampling.left import TIE, cuts_ramps, left_of_many
-from design.sampling.sample_grid import IntArray, rounded
+from design.sampling.left import TIE, cuts_ramps, residuals_of_many
+from design.sampling.sample_grid import IntArray, nearest_integers
 from design.types import FloatArray
 
 MOST_MATCHED = 300
@@ -89,7 +89,7 @@ def more_impulses_on_grid(
         samples = listed.stride * match_halves(listed, count, slope=slope, tolerance=tolerance)
         if not samples.size:
             continue
-        left_of = partial(_left_at, sample_time_s, signs, mode, actuator, slope)
+        left_of = partial(_residuals_at, sample_time_s, signs, mode, actuator, slope)
         if one_by_one:
             samples = samples[:MOST_MATCHED]
         left = left_of(samples)
@@ -97,18 +97,18 @@ def more_impulses_on_grid(
         descents = 0 if one_by_one else DESCENTS
         if not listed.exact:
             for best in samples[np.argsort(left, kind="stable")[:descents]]:
-                moved = _descended(best, listed.longest, left_of)[None]
+                moved = _descend(best, listed.longest, left_of)[None]
                 samples = np.concatenate((samples, moved))
                 left = np.concatenate((left, left_of(moved)))
         within = left <= max(tolerance, float(left.min()) + TIE)
         among = np.flatnonzero(within)
         shortest = among[samples[among, -1] == samples[among, -1].min()]
         chosen = samples[shortest[np.argmin(left[shortest])]]
-        first_s = float(rounded(impulses.times_s[:1] / sample_time_s)[0]) * sample_time_s
+        first_s = float(nearest_integers(impulses.times_s[:1] / sample_time_s)[0]) * sample_time_s
         yield Impulses(times_s=first_s + chosen * sample_time_s, amplitudes=height * signs)
 
 
-def _left_at(
+def _residuals_at(
     sample_time_s: float,
     amplitudes: FloatArray,
     mode: Mode,
@@ -116,10 +116,10 @@ def _left_at(
     slope: bool,
     samples: IntArray,
 ) -> FloatArray:
-    return left_of_many(samples * sample_time_s, amplitudes, mode, actuator, slope=slope)
+    return residuals_of_many(samples * sample_time_s, amplitudes, mode, actuator, slope=slope)
 
 
-def _descended(
+def _descend(
     samples: IntArray, longest: int, left_of: Callable[[IntArray], FloatArray]
 ) -> IntArray:
     """Return the samples after moving two impulses at a time while that leaves less."""

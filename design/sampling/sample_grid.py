@@ -51,11 +51,11 @@ def nearest(impulses: Impulses, sample_time_s: float) -> Impulses:
     [0.0, 0.25]
     """
     require_gaps(impulses, sample_time_s)
-    samples = rounded(impulses.times_s / sample_time_s)
+    samples = nearest_integers(impulses.times_s / sample_time_s)
     return Impulses(times_s=samples * sample_time_s, amplitudes=impulses.amplitudes)
 
 
-def carried(impulses: Impulses, sample_time_s: float) -> Impulses:
+def round_with_carry(impulses: Impulses, sample_time_s: float) -> Impulses:
     """Return the impulses rounded in turn, each with the last one's error.
 
     With ``x_i`` the time of an impulse in samples and ``k_i`` the sample that it is given,
@@ -91,7 +91,7 @@ def carried(impulses: Impulses, sample_time_s: float) -> Impulses:
     samples: list[int] = []
     error = 0.0
     for position in (impulses.times_s / sample_time_s).tolist():
-        samples.append(int(rounded(np.array(position + error))))
+        samples.append(int(nearest_integers(np.array(position + error))))
         error = position - samples[-1]
     if any(later <= earlier for earlier, later in itertools.pairwise(samples)):
         raise InvalidInputError(
@@ -134,11 +134,13 @@ def split(impulses: Impulses, sample_time_s: float) -> Impulses:
     >>> split(zv, 0.125).amplitudes.tolist()
     [0.5, 0.25, 0.25]
     """
-    samples, amplitudes = shared(impulses, sample_time_s, reach=1)
+    samples, amplitudes = share_on_samples(impulses, sample_time_s, reach=1)
     return on_samples(samples, amplitudes, sample_time_s)
 
 
-def shared(impulses: Impulses, sample_time_s: float, *, reach: int) -> tuple[IntArray, FloatArray]:
+def share_on_samples(
+    impulses: Impulses, sample_time_s: float, *, reach: int
+) -> tuple[IntArray, FloatArray]:
     """Return samples around the impulses, and the linear split on them.
 
     Parameters
@@ -157,8 +159,8 @@ def shared(impulses: Impulses, sample_time_s: float, *, reach: int) -> tuple[Int
     """
     _require_grid(impulses, sample_time_s, impulses.duration_s, "the duration of the shaper")
     positions = impulses.times_s / sample_time_s
-    on_sample = np.abs(positions - rounded(positions)) <= ON_SAMPLE
-    positions = np.where(on_sample, rounded(positions), positions)
+    on_sample = np.abs(positions - nearest_integers(positions)) <= ON_SAMPLE
+    positions = np.where(on_sample, nearest_integers(positions), positions)
     before = np.floor(positions).astype(int)
     after = np.ceil(positions).astype(int)
     around = np.add.outer(np.arange(1 - reach, reach), np.stack([before, after]))
@@ -192,7 +194,7 @@ def on_samples(samples: IntArray, amplitudes: FloatArray, sample_time_s: float) 
     return Impulses(times_s=samples[used] * sample_time_s, amplitudes=amplitudes[used])
 
 
-def rounded(positions: FloatArray) -> IntArray:
+def nearest_integers(positions: FloatArray) -> IntArray:
     """Return the nearest whole numbers; halves round up.
 
     `numpy.rint` would round them to even.

@@ -20,9 +20,9 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.sampling.exact_positive import exact_positive, is_of_one_sign
-from design.sampling.left import Band, left_of_many
+from design.sampling.left import Band, residuals_of_many
 from design.sampling.more_impulses import is_unity, more_impulses_on_grid
-from design.sampling.sample_grid import carried, nearest, split
+from design.sampling.sample_grid import nearest, round_with_carry, split
 from design.sampling.unity_grid import unity_on_grid
 from design.types import require_between
 
@@ -179,7 +179,7 @@ def sample(
             except InfeasibleDesignError:
                 pass  # the split stands, and the residual says what it is worth
 
-    def left_by(way: Callable[[Impulses, float], Impulses]) -> float | None:
+    def residual_by(way: Callable[[Impulses, float], Impulses]) -> float | None:
         try:
             return residual_vibration(way(impulses, sample_time_s), mode, actuator)
         except InvalidInputError:
@@ -192,8 +192,8 @@ def sample(
         residual=residual_vibration(found, mode, actuator),
         continuous_residual=residual_vibration(impulses, mode, actuator),
         split_residual=residual_vibration(split(impulses, sample_time_s), mode, actuator),
-        nearest_residual=left_by(nearest),
-        carried_residual=left_by(carried),
+        nearest_residual=residual_by(nearest),
+        carried_residual=residual_by(round_with_carry),
         tried=tried,
     )
 
@@ -210,7 +210,7 @@ def _of_unity(
 ) -> tuple[Impulses, tuple[Tried, ...]]:
     """Return the fewest impulses within the tolerance, or those that leave least, and all tried."""
     commands = [unity_on_grid(impulses, mode, actuator, sample_time_s, slope=slope, band=band)]
-    left = [_compared(commands[0], mode, actuator, slope=slope, band=band)]
+    left = [_compare(commands[0], mode, actuator, slope=slope, band=band)]
     if tolerance is not None:
         require_between("sample_tolerance", tolerance, 0.0, 1.0)
         if band is None and left[0] > tolerance and is_unity(impulses):
@@ -218,7 +218,7 @@ def _of_unity(
                 impulses, mode, actuator, sample_time_s, slope=slope, tolerance=tolerance
             ):
                 commands.append(command)
-                left.append(_compared(command, mode, actuator, slope=slope, band=None))
+                left.append(_compare(command, mode, actuator, slope=slope, band=None))
                 if left[-1] <= tolerance:
                     break
     tried = tuple(
@@ -234,8 +234,8 @@ def _of_unity(
     return commands[int(np.argmin(left))], tried
 
 
-def _compared(
+def _compare(
     impulses: Impulses, mode: Mode, actuator: Actuator, *, slope: bool, band: Band | None
 ) -> float:
     times, amplitudes = impulses.times_s[None], impulses.amplitudes
-    return float(left_of_many(times, amplitudes, mode, actuator, slope=slope, band=band)[0])
+    return float(residuals_of_many(times, amplitudes, mode, actuator, slope=slope, band=band)[0])

@@ -115,8 +115,8 @@ def sampled_design(
         residuals=(sampled.residual,),
         certificate=judged.certificate,
         warnings=(
-            *_actuator_ignored(continuous, sampled),
-            *_lost_on_samples(continuous, judged, tolerance),
+            *_ideal_actuator_warnings(continuous, sampled),
+            *_sample_warnings(continuous, judged, tolerance),
             *drive_warnings(sampled.impulses, (mode,), actuator),
             *_longer_on_samples(continuous, sampled),
         ),
@@ -124,7 +124,7 @@ def sampled_design(
     return proven, sampled
 
 
-def _actuator_ignored(continuous: Design, sampled: Sampled) -> Iterator[DesignWarning]:
+def _ideal_actuator_warnings(continuous: Design, sampled: Sampled) -> Iterator[DesignWarning]:
     """Yield what a shaper that is proven for an ideal actuator costs behind the one given."""
     if continuous.for_ideal:
         yield DesignWarning(
@@ -135,7 +135,7 @@ def _actuator_ignored(continuous: Design, sampled: Sampled) -> Iterator[DesignWa
         )
 
 
-def _lost_on_samples(
+def _sample_warnings(
     continuous: Design, judged: Judgement, tolerance: float | None
 ) -> Iterator[DesignWarning]:
     """Yield what of the shaper's claims is lost on samples."""

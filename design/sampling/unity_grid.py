@@ -13,8 +13,8 @@ from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
-from design.sampling.left import TIE, Band, cuts_ramps, left_of_many, left_over_band
-from design.sampling.sample_grid import IntArray, require_gaps, rounded
+from design.sampling.left import TIE, Band, cuts_ramps, largest_over_band, residuals_of_many
+from design.sampling.sample_grid import IntArray, nearest_integers, require_gaps
 
 WIDEST_REACH = 4
 """Samples on each side of an impulse that are looked at [-]."""
@@ -75,12 +75,12 @@ def unity_on_grid(
     require_gaps(impulses, sample_time_s)
     cut = cuts_ramps(impulses, actuator, sample_time_s)
     most = MOST_ONE_BY_ONE if cut else MOST_CANDIDATES
-    samples = _choices(rounded(impulses.times_s / sample_time_s), most)
+    samples = _choices(nearest_integers(impulses.times_s / sample_time_s), most)
     times = samples * sample_time_s
     if band is None:
-        left = left_of_many(times, impulses.amplitudes, mode, actuator, slope=slope)
+        left = residuals_of_many(times, impulses.amplitudes, mode, actuator, slope=slope)
     else:
-        left = left_over_band(times, impulses.amplitudes, mode, actuator, band)
+        left = largest_over_band(times, impulses.amplitudes, mode, actuator, band)
     chosen = samples[_shortest(samples, np.flatnonzero(left <= left.min() + TIE))]
     return Impulses(times_s=chosen * sample_time_s, amplitudes=impulses.amplitudes)
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from design.claims import ZERO_LIMITS, Promise, within
 from design.formulations.formulation import ClosedForm, Formulation
-from design.formulations.humps import Humps, humped
+from design.formulations.humps import Humps, follow_from_undamped
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
 from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DesignCase, KindOf, ShaperKind
@@ -19,7 +19,7 @@ from design.shapers.options import (
     ShaperOptions,
     tolerance_field,
 )
-from design.shapers.positive import served
+from design.shapers.positive import exact_actuator
 from design.types import require_between
 
 
@@ -60,12 +60,12 @@ def extra_insensitive(case: DesignCase[ToleranceOptions], *, seed: str) -> Formu
         If the mode is damped too much for the tolerance.
     """
     mode, options = case.mode, case.options
-    found = humped(seed, mode.damping_ratio, options.tolerance)
+    found = follow_from_undamped(seed, mode.damping_ratio, options.tolerance)
     return ClosedForm(
         impulses=Impulses(
             times_s=found.phases_rad / mode.natural_frequency_rad_s, amplitudes=found.amplitudes
         ),
-        designed_for=Ideal() if found.unity else served(case.actuator),
+        designed_for=Ideal() if found.unity else exact_actuator(case.actuator),
         claims=_promises(found, options.tolerance),
         method="newton" if mode.damping_ratio > 0 or found.unity else "closed_form",
     )

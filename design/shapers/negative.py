@@ -151,7 +151,7 @@ def sna_zvd(case: DesignCase[NegativeOptions]) -> Formulation:
     """
     mode, actuator, options = case.mode, case.actuator, case.options
     b, z = options.negative_amplitude, mode.damping_ratio
-    x, y = _mirrored(b)
+    x, y = _solve_mirrored(b)
     damped = math.sqrt(1 - z * z)
     shift = cmath.phase(decel_over_accel(mode, actuator))
     near = np.array([0.0, y - x + shift, y, y + x + shift, 2 * y]) / damped
@@ -166,7 +166,7 @@ def sna_zvd(case: DesignCase[NegativeOptions]) -> Formulation:
     )
 
 
-def _mirrored(b: float) -> tuple[float, float]:
+def _solve_mirrored(b: float) -> tuple[float, float]:
     """Return x and y of the undamped shaper a, -b, c, -b, a, each from its middle [rad].
 
     V and dV/dw vanish if::

@@ -18,7 +18,7 @@ from design.formulations.humps import (
     UNITY_TWO_HUMPS,
     Ends,
     Humps,
-    humped,
+    follow_from_undamped,
 )
 from design.formulations.lag_parameters import lag_parameters, switched_order, with_equal_sets
 from design.formulations.unity_magnitude import (
@@ -207,7 +207,7 @@ def _ideal(mode: Mode, tolerance: float, humps: int) -> tuple[str, Humps, Ends]:
     """
     kind, undamped = IDEAL_KINDS[humps]
     try:
-        found = humped(kind, mode.damping_ratio, tolerance)
+        found = follow_from_undamped(kind, mode.damping_ratio, tolerance)
     except InfeasibleDesignError:
         return f"{kind}_undamped", undamped, (0.0, UNITY_TOLERANCE)
     return kind, found, (mode.damping_ratio, tolerance)

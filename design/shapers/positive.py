@@ -49,7 +49,7 @@ MZV_DURATION = 0.75
 """Duration of an MZV in damped periods if neither t nor tau is given [-]."""
 
 
-def served(actuator: Actuator) -> Actuator:
+def exact_actuator(actuator: Actuator) -> Actuator:
     """Return the actuator for which a positive shaper is exact.
 
     It is the one given, or an ideal one in place of a rate-limited one.
@@ -92,7 +92,7 @@ def evenly(
             times_s=gap * np.arange(len(weights)),
             amplitudes=np.array([amplitude / total for amplitude in amplitudes]),
         ),
-        designed_for=served(actuator),
+        designed_for=exact_actuator(actuator),
     )
 
 

@@ -16,7 +16,7 @@ from design.model.plants.modes import MOST_MODES
 from design.shapers.ei import EI, THREE_HUMP_EI, TWO_HUMP_EI, ToleranceOptions
 from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DesignCase, KindOf, ShaperKind
 from design.shapers.options import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, NoOptions, ShaperOptions
-from design.shapers.positive import MZV, ZV, ZVD, ZVDD, ZVDDD, served
+from design.shapers.positive import MZV, ZV, ZVD, ZVDD, ZVDDD, exact_actuator
 from design.shapers.umzv import UMZV, UMZVD
 
 BASES: dict[str, ShaperKind] = {
@@ -85,7 +85,7 @@ def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> Joi
         unit_poles=np.array([mode.pole_rad_s / w for mode in modes], dtype=np.complex128),
         natural_frequency_rad_s=w,
         positive=positive,
-        designed_for=served(actuator) if positive else Ideal(),
+        designed_for=exact_actuator(actuator) if positive else Ideal(),
     )
 
 
@@ -182,7 +182,7 @@ def _require_provable(
         )
 
 
-def convolved(case: DesignCase[ConvolvedOptions]) -> Convolution:
+def formulate_convolved(case: DesignCase[ConvolvedOptions]) -> Convolution:
     """Formulate a shaper for each mode, each shaping the one before.
 
     Returns
@@ -245,6 +245,6 @@ CONVOLVED = KindOf(
     claims=("residual",),
     options=ConvolvedOptions,
     actuators=EVERY_ACTUATOR_BY_ITS_LAG,
-    formulation=convolved,
+    formulation=formulate_convolved,
     most_modes=MOST_MODES,
 )

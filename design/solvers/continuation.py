@@ -35,7 +35,7 @@ class Path:
         return self.share == 1.0
 
 
-def followed(
+def follow(
     start: FloatArray,
     solve: Callable[[FloatArray, float], FloatArray | None],
     shortest_step: float,

@@ -56,7 +56,7 @@ class _Search:
         self.starts = 0
         self.budget = budget
 
-    def solved(self, problem: Problem, seeds: list[FloatArray]) -> Iterator[FloatArray]:
+    def solve_runs(self, problem: Problem, seeds: list[FloatArray]) -> Iterator[FloatArray]:
         """Yield the ends of the runs that the solver calls solved."""
         for seed in seeds:
             if self.budget.spent:
@@ -82,19 +82,19 @@ class _Search:
         """
         fewer = _with_two_steps_fewer(problem)
         if gaps_rad.min() <= COINCIDE_RAD and fewer is not None:
-            for end in self.solved(fewer, [_without_shortest(gaps_rad)]):
+            for end in self.solve_runs(fewer, [_without_shortest(gaps_rad)]):
                 yield from self.with_fewer_steps(fewer, end)
         yield MoveCandidate(problem=problem, gaps_rad=gaps_rad)
 
     def everywhere(self, problem: Problem, usual_rad: float) -> Iterator[MoveCandidate]:
         """Yield what seeds and trains lead to, then what fewer steps do."""
         seeds = [*(seed.gaps_rad for seed in problem.seeds), *pulse_trains(problem)]
-        for end in self.solved(problem, seeds):
+        for end in self.solve_runs(problem, seeds):
             yield from self.with_fewer_steps(problem, end)
         fewer = _with_two_steps_fewer(problem)
         while fewer is not None:
             spread = spread_starts(replace(fewer, horizon_rad=usual_rad))[:SPREAD_STARTS]
-            for end in self.solved(fewer, [*pulse_trains(fewer), *spread]):
+            for end in self.solve_runs(fewer, [*pulse_trains(fewer), *spread]):
                 yield MoveCandidate(problem=fewer, gaps_rad=end)
             fewer = _with_two_steps_fewer(fewer)
 

@@ -10,7 +10,7 @@ from design.errors import InfeasibleDesignError, TimeLimitError
 from design.formulations.equations import Problem, Seed
 from design.solvers import ipopt, newton
 from design.solvers.budget import Budget
-from design.solvers.continuation import followed
+from design.solvers.continuation import follow
 from design.solvers.outcome import Status
 from design.solvers.solution import Solution, SolverReport, of_gaps
 from design.trace import TraceStep
@@ -129,11 +129,11 @@ def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Candi
     tried = 0
     for seed in problem.seeds:
         tried += 1
-        sharpened = _sharpened(problem, seed, budget)
+        sharpened = _sharpen_seed(problem, seed, budget)
         allowed = sharpened is not None and bool(problem.allows(sharpened))
         budget.note(_seed_step(problem, seed, sharpened, allowed=allowed))
         if sharpened is not None and allowed:
-            yield from _solved(problem, sharpened, seed.name, tried, budget)
+            yield from _solve_from(problem, sharpened, seed.name, tried, budget)
     searched = problem
     spread: newton.Roots | None = None
     for horizon_rad in _horizons(problem):
@@ -158,17 +158,18 @@ def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Candi
         for unknowns in _ordered_fastest_first(within, found):
             if budget.spent:
                 break
-            yield from _solved(within, unknowns, "branch_search", tried, budget)
+            yield from _solve_from(within, unknowns, "branch_search", tried, budget)
     for seed in problem.seeds:
         if not budget.spent:
             start = problem.start(seed.gaps_rad)
-            yield from _solved(problem, start, seed.name, tried, budget)
+            yield from _solve_from(problem, start, seed.name, tried, budget)
     raise InfeasibleDesignError(
-        _searched(searched, spread, tried) + _unsearched(problem, budget), code="no_solution_found"
+        _describe_search(searched, spread, tried) + _describe_early_end(problem, budget),
+        code="no_solution_found",
     )
 
 
-def _unsearched(problem: Problem, budget: Budget) -> str:
+def _describe_early_end(problem: Problem, budget: Budget) -> str:
     """Say that a search ended before its end, if it did."""
     if not budget.spent:
         return ""
@@ -238,7 +239,7 @@ def unit_starts(count: int) -> FloatArray:
     return gaps
 
 
-def _sharpened(problem: Problem, seed: Seed, budget: Budget) -> FloatArray | None:
+def _sharpen_seed(problem: Problem, seed: Seed, budget: Budget) -> FloatArray | None:
     """Return where Newton's method ends from a seed: a root or not, within bounds or not.
 
     None if the seed is to be followed from what it solves, and the path ends on the way.
@@ -254,11 +255,11 @@ def _sharpened(problem: Problem, seed: Seed, budget: Budget) -> FloatArray | Non
             return None
         return end.unknowns[0] if end.converged[0] and problem.allows(end.unknowns[0]) else None
 
-    path = followed(start, solve, SHORTEST_SHARE)
+    path = follow(start, solve, SHORTEST_SHARE)
     return path.unknowns if path.complete else None
 
 
-def _solved(
+def _solve_from(
     problem: Problem, start: FloatArray, seed: str, tried: int, budget: Budget
 ) -> Iterator[Candidate]:
     outcome = ipopt.solve(problem, start)
@@ -329,7 +330,7 @@ def _ordered_fastest_first(problem: Problem, ends: newton.Roots) -> Iterator[Flo
             yield ends.unknowns[index]
 
 
-def _searched(problem: Problem, ends: newton.Roots | None, starts: int) -> str:
+def _describe_search(problem: Problem, ends: newton.Roots | None, starts: int) -> str:
     """Say how far was searched, and what came nearest; nothing did where there was no start."""
     period = 2 * np.pi
     report = (

@@ -22,7 +22,7 @@ FAR_BEYOND = 1.5
 """Estimated duration over the horizon from which on it is not looked for [-]."""
 
 
-def excluded(problem: BandProblem, obstacle: Obstacle, budget: Budget) -> bool:
+def proves_exclusion(problem: BandProblem, obstacle: Obstacle, budget: Budget) -> bool:
     """Return whether an obstacle proves that no shaper is so short.
 
     Parameters
@@ -79,7 +79,7 @@ def require_long_enough(problem: BandProblem, budget: Budget) -> None:
     if needed < FAR_BEYOND * problem.horizon_rad:
         return
     obstacle, least = obstacle_at(problem, problem.horizon_rad, budget)
-    if not excluded(problem, obstacle, budget):
+    if not proves_exclusion(problem, obstacle, budget):
         return
     lower, upper = problem.band
     tolerance = EASIER * least
@@ -115,7 +115,7 @@ def require_more_than_waiting(problem: BandProblem, budget: Budget) -> None:
     wait = -math.log(problem.tolerance) / (decay * lower)
     if budget.done + obstacle_work(problem, wait) > budget.most:
         return
-    if excluded(problem, obstacle_at(problem, (1 - NO_FASTER) * wait, budget)[0], budget):
+    if proves_exclusion(problem, obstacle_at(problem, (1 - NO_FASTER) * wait, budget)[0], budget):
         raise InfeasibleDesignError(
             f"no shaper keeps a residual within {problem.tolerance:g} from {lower:g} to "
             f"{problem.band[1]:g} of the natural frequency faster, by more than "

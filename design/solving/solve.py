@@ -16,7 +16,7 @@ from design.solvers.budget import Budget
 from design.solvers.solution import Solution, SolverReport
 from design.solvers.unity_band import search as unity_band
 from design.solving import optima
-from design.solving.convolution import convolved
+from design.solving.convolution import convolve_solutions
 from design.solving.distinct_steps import distinct_steps
 from design.trace import TraceStep
 
@@ -51,7 +51,7 @@ def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[So
         yield replace(solution, impulses=distinct_steps(solution.impulses))
 
 
-def _closed_form(formulation: ClosedForm, budget: Budget) -> Iterator[Solution]:
+def _solve_closed_form(formulation: ClosedForm, budget: Budget) -> Iterator[Solution]:
     budget.note(
         TraceStep(
             stage="solve",
@@ -74,11 +74,11 @@ def _closed_form(formulation: ClosedForm, budget: Budget) -> Iterator[Solution]:
 
 
 def _convolution(formulation: Convolution, budget: Budget) -> Iterator[Solution]:
-    yield convolved([next(solve(part, budget)) for part in formulation.parts])
+    yield convolve_solutions([next(solve(part, budget)) for part in formulation.parts])
 
 
 SOLVERS: dict[type[Formulation], Callable[[Any, Budget], Iterator[Solution]]] = {
-    ClosedForm: _closed_form,
+    ClosedForm: _solve_closed_form,
     Problem: search.solve,
     BandSearch: unity_band.solve,
     BandProblem: optima.solve_over_band,

@@ -49,7 +49,7 @@ ZVD = np.array(ZVD_POLYNOMIALS)
 
 
 @compiled
-def _settled(first: float, second: float, band: float, decay: float) -> float:
+def _settling_time(first: float, second: float, band: float, decay: float) -> float:
     """Return `design.model.lags.Lag.settling_time_s` in units of the plant's frequency."""
     if second == 0.0:
         return first * decay
@@ -76,8 +76,8 @@ def _settled(first: float, second: float, band: float, decay: float) -> float:
 def _settle(rows: FloatArray, band: float, decay: float) -> None:
     for m in range(rows.shape[0]):
         row = rows[m]
-        row[5] = max(row[5], _settled(row[1], row[2], band, decay))
-        row[6] = max(row[6], _settled(row[3], row[4], band, decay))
+        row[5] = max(row[5], _settling_time(row[1], row[2], band, decay))
+        row[6] = max(row[6], _settling_time(row[3], row[4], band, decay))
 
 
 @compiled
@@ -157,7 +157,7 @@ def closed_triangles(rows: FloatArray) -> tuple[FloatArray, IntArray]:
     return gaps, ends
 
 
-def solved(rows: FloatArray, impulses: int, *, switched: bool) -> tuple[FloatArray, IntArray]:
+def solve_rows(rows: FloatArray, impulses: int, *, switched: bool) -> tuple[FloatArray, IntArray]:
     """Solve the problems of many rows.
 
     Parameters

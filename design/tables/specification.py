@@ -55,7 +55,7 @@ class TableSpecification:
         else of the specification, and on nothing outside of it.
     impulses
         Of each row. Where the kind of shaper does not say how many, the table has one row, and None
-        stands for what its design will have; `design.tables.compute.counted` finds out.
+        stands for what its design will have; `design.tables.compute.with_impulse_count` finds out.
 
     Raises
     ------
@@ -347,7 +347,7 @@ def columns_of(specification: TableSpecification) -> tuple[Column, ...]:
         raise InvalidInputError(
             "impulses",
             None,
-            "counted first, by design.tables.compute.counted",
+            "counted first, by design.tables.compute.with_impulse_count",
             code="impulses_not_counted",
         )
     series = {

@@ -91,7 +91,7 @@ def _compare(
     tolerances: Tolerances,
 ) -> None:
     names = [column.name for column in head.columns if column.kind in {"field", "result"}]
-    for first, was, becomes in _aligned(old, new):
+    for first, was, becomes in _align(old, new):
         if was is None or becomes is None:
             drifts.add(f"rows from {first} on are {'missing' if was is None else 'too many'}")
             return
@@ -121,7 +121,7 @@ def _numbers(rows: Rows) -> FloatArray:
     return np.hstack((rows.fields, rows.results))
 
 
-def _aligned(
+def _align(
     old: Iterable[Rows], new: Iterable[Rows]
 ) -> Iterator[tuple[int, Rows | None, Rows | None]]:
     """Yield runs of equal rows from two tables whose runs differ in length."""
@@ -157,7 +157,7 @@ def _part(rows: Rows, start: int, stop: int | None) -> Rows:
     )
 
 
-def named_in(path: Path) -> Path:
+def file_named_in(path: Path) -> Path:
     """Return a program's file by the name that its own names begin with.
 
     The file may have another name now.

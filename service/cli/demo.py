@@ -66,7 +66,7 @@ def _wait_until_ready(address: str, server: "subprocess.Popen[bytes]") -> None:
     slow = False
     while True:
         try:
-            _asked(f"{address}/health/ready")
+            _ask(f"{address}/health/ready")
             return
         except DemoError as error:
             reason = error
@@ -81,7 +81,7 @@ def _wait_until_ready(address: str, server: "subprocess.Popen[bytes]") -> None:
         time.sleep(0.1)
 
 
-def _asked(request: str | urllib.request.Request) -> bytes:
+def _ask(request: str | urllib.request.Request) -> bytes:
     """Return what the service answers.
 
     Raises
@@ -106,7 +106,7 @@ def _show(address: str, kind: str, folder: Path) -> None:
     request = urllib.request.Request(
         f"{address}/v1/designs", body, {"content-type": "application/json"}
     )
-    response = DesignResponse.model_validate_json(_asked(request))
+    response = DesignResponse.model_validate_json(_ask(request))
     _say(f"{kind} for the thesis's crane:\n\n{as_table(response)}")
     for image_format in ("png", "svg"):
         picture = folder / f"{kind}.{image_format}"

@@ -199,7 +199,7 @@ def _findings(response: Response) -> list[str]:
             f"pulse {response.pulse_s:.9g} s{', solved as one' if response.joint else ''}",
             _certificate(response.certificate),
             f"residual    {100 * response.residual:.4g} % with the actuator given",
-            *_as_played(response.program),
+            *_program_lines(response.program),
             *_warnings(response.warnings),
         ]
     if isinstance(response, SimulationResponse):
@@ -244,7 +244,7 @@ def _trace(steps: Iterable[TraceStepOut]) -> list[str]:
     ]
 
 
-def _as_played(program: ProgramOut | None) -> list[str]:
+def _program_lines(program: ProgramOut | None) -> list[str]:
     if program is None:
         return []
     return [f"program     {100 * program.residual:.4g} % as it is played on its samples"]

@@ -113,7 +113,7 @@ class Claimer:
         return [
             Claim(job, number)
             for job, share in shares(self._turns(connection), most).items()
-            for number in self._taken(connection, job, share)
+            for number in self._take_chunks(connection, job, share)
         ]
 
     @property
@@ -143,11 +143,11 @@ class Claimer:
                 created=found["created"],
             )
             version = found["version"]
-            if version == self.version or self._taken_over(connection, turn, version):
+            if version == self.version or self._take_over(connection, turn, version):
                 turns.append(turn)
         return turns
 
-    def _taken_over(self, connection: sa.Connection, turn: Turn, version: str) -> bool:
+    def _take_over(self, connection: sa.Connection, turn: Turn, version: str) -> bool:
         """Take over a job of another version without a row yet, or fail it.
 
         Its rows would be of both versions otherwise. While others compute it, it is left to them.
@@ -166,7 +166,7 @@ class Claimer:
         connection.execute(unfinished.values(version=self.version))
         return True
 
-    def _taken(self, connection: sa.Connection, job: str, most: int) -> list[int]:
+    def _take_chunks(self, connection: sa.Connection, job: str, most: int) -> list[int]:
         """Take the free chunks of a job, then those that nobody has begun."""
         held = connection.execute(
             sa

@@ -18,7 +18,7 @@ from service.jobs.database import StoreError, disk_full
 from service.jobs.executors import Start, Started
 from service.jobs.records import Claim, Done
 from service.jobs.store import Store
-from service.jobs.work import UnreadableError, compute_chunk, packed
+from service.jobs.work import UnreadableError, compute_chunk, pack
 
 Answer = TypeVar("Answer")
 
@@ -161,12 +161,12 @@ class Runner:
     def _specification(self, job: str) -> tuple[bytes, int | None]:
         """Return the specification of a job for workers, kept while a chunk of it is in flight."""
         if job not in self._specifications:
-            made_of = self.patiently(lambda: self._store.made_of(job))
+            contents = self.patiently(lambda: self._store.contents_of(job))
             in_flight = {claim.job for claim in self._held}
             kept = {
                 one: self._specifications[one] for one in self._specifications if one in in_flight
             }
-            self._specifications = {**kept, job: (packed(made_of.specification), made_of.impulses)}
+            self._specifications = {**kept, job: (pack(contents.specification), contents.impulses)}
         return self._specifications[job]
 
     def _record(self, claim: Claim, future: "Future[Done]") -> None:

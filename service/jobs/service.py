@@ -51,7 +51,7 @@ class JobService:
         self._reading = Asking("store-reads", threads=READERS, most=MOST_READS)
         self._writing = Asking("store-writes", threads=WRITERS, most=MOST_WRITES)
         self.stopping: Callable[[], bool] = lambda: False
-        self._watching = Watching(self.found, lambda: self.stopping())
+        self._watching = Watching(self.find, lambda: self.stopping())
         self._keeper = Keeper(settings)
         self.cleaner = Cleaner(self.store, self._files, keep_s=settings.keep_tables_days * DAY_S)
 
@@ -93,7 +93,7 @@ class JobService:
         """
         return await self._writing.ask(self.store.add, job, key)
 
-    async def found(self, job: str) -> Job | None:
+    async def find(self, job: str) -> Job | None:
         """Return a job, or None."""
         return await self._reading.ask(self.store.job, job)
 

@@ -18,12 +18,12 @@ from design.model.plants.scheduled import Scheduled
 from design.pipeline import Design, design
 from design.solvers.budget import Budget
 from design.trace import TraceStep
-from schemas.base import named
+from schemas.base import name_field
 from schemas.designs import DesignRequest, DesignResponse, RangeOut, SampledOut
 from schemas.fits import FitDesign
 from schemas.sensitivity import SensitivityOut
 from schemas.trace import TraceStepOut
-from service.operations.fit import fitted
+from service.operations.fit import fit_with_residual
 from service.operations.operation import Operation
 from service.operations.subject import (
     NO_FIT_ON_SAMPLES,
@@ -58,11 +58,11 @@ def design_shaper(request: DesignRequest) -> DesignResponse:
     TimeLimitError
         If a solver ran past its time.
     """
-    done = _designed(request)
+    done = _make_design(request)
     fits = None
     if request.fit is not None:
         subject = FitDesign(plant=request.plant, actuator=request.actuator, shaper=request.shaper)
-        fits = fitted(subject, request.fit)
+        fits = fit_with_residual(subject, request.fit)
     trace = [TraceStepOut.from_design(step) for step in done.trace]
     return DesignResponse.from_design(
         request.shaper.kind,
@@ -107,11 +107,11 @@ def design_file(request: DesignRequest, format_name: str) -> bytes:
     from design.export.single import single_table  # noqa: PLC0415
     from design.tables.rows import Subject as Designed  # noqa: PLC0415
 
-    done = _designed(request)
+    done = _make_design(request)
     plant, found = done.plant, done.design
     actuator, kind, options = (
         request.actuator.to_design(),
-        request.shaper.registered(),
+        request.shaper.shaper_kind(),
         request.shaper.options(),
     )
     polynomials = None
@@ -161,7 +161,7 @@ def design_picture(request: DesignRequest, image_format: Literal["png", "svg"]) 
     )
     from design.pictures.trace_sheet import trace_sheet  # noqa: PLC0415
 
-    done = _designed(request)
+    done = _make_design(request)
     if request.trace:
         return figure_bytes(trace_sheet(request.shaper.kind, done.trace), image_format)
     modes, actuator, curves = done.plant.modes, request.actuator.to_design(), done.curves
@@ -183,21 +183,21 @@ class _Designed:
     trace: list[TraceStep]
 
 
-def _designed(request: DesignRequest) -> _Designed:
+def _make_design(request: DesignRequest) -> _Designed:
     plant, actuator = subject_of(request)
-    with named("shaper"):
+    with name_field("shaper"):
         options = request.shaper.options()
     curve_range = None
     # Every fault of the request is found before the first computation.
     if request.sensitivity is not None:
-        with named("sensitivity"):
+        with name_field("sensitivity"):
             curve_range = request.sensitivity.to_design()
     if request.fit is not None:
-        with named("shaper"):
+        with name_field("shaper"):
             request.shaper.continuous_options(NO_FIT_ON_SAMPLES)
-        with named("fit"):
+        with name_field("fit"):
             plants_at_ends(plant, request.fit.to_design(request.plant.kind))
-    kind = request.shaper.registered()
+    kind = request.shaper.shaper_kind()
     sample_time_s = request.shaper.sample_time_s
     if sample_time_s is not None and isinstance(plant, Modes | Scheduled):
         raise InvalidInputError(

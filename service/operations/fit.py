@@ -3,7 +3,7 @@
 from design.curve_fit.fit import fit
 from design.curve_fit.fit_range import plants_at_ends
 from design.pipeline import design
-from schemas.base import named
+from schemas.base import name_field
 from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
 from service.operations.operation import Operation
 from service.operations.subject import NO_FIT_ON_SAMPLES, subject_of
@@ -30,10 +30,10 @@ def fit_curves(request: FitRequest) -> FitOut:
         If some point of the range has no such shaper, or no degree is good enough.
     """
     subject = FitDesign(plant=request.plant, actuator=request.actuator, shaper=request.shaper)
-    return fitted(subject, request.fit)
+    return fit_with_residual(subject, request.fit)
 
 
-def fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
+def fit_with_residual(subject: FitDesign, fit_in: FitIn) -> FitOut:
     """Return curve coefficients of a design, and their worst residual.
 
     Parameters
@@ -56,12 +56,12 @@ def fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
         If some point of the range has no such shaper, or no degree is good enough.
     """
     plant, actuator = subject_of(subject)
-    with named("shaper"):
+    with name_field("shaper"):
         options = subject.shaper.continuous_options(NO_FIT_ON_SAMPLES)
-    with named("fit"):
+    with name_field("fit"):
         wanted = fit_in.to_design(subject.plant.kind)
         ends = plants_at_ends(plant, wanted)
-    kind = subject.shaper.registered()
+    kind = subject.shaper.shaper_kind()
     found = fit(plant, actuator, kind, wanted, options)
     # Polynomials are no better than what they were fitted to.
     ignored = [

@@ -7,7 +7,7 @@ from design.analysis.sensitivity import (
     worst_of,
 )
 from design.analysis.workable import require_workable
-from schemas.base import named
+from schemas.base import name_field
 from schemas.sensitivity import SensitivityOut, SensitivityRequest, SensitivityResponse
 from schemas.warnings import WarningOut
 from service.operations.operation import Operation
@@ -18,7 +18,7 @@ def sensitivity_curve(request: SensitivityRequest) -> SensitivityResponse:
     """Return the sensitivity curve of any impulses."""
     plant, actuator = subject_of(request)
     wanted = request.to_design()
-    with named("impulses"):
+    with name_field("impulses"):
         impulses = request.impulses.to_design()
     for mode in plant.modes:
         require_workable(mode, actuator)

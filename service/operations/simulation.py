@@ -12,7 +12,7 @@ from design.pipeline import design
 from design.sampling.sampled_design import claims_on_samples
 from design.shapers.options import ShaperOptions
 from design.types import SMALLEST
-from schemas.base import named
+from schemas.base import name_field
 from schemas.shapers import ShaperIn
 from schemas.simulations import ImpulsesCommand, SimulationRequest, SimulationResponse
 from service.operations.operation import Operation
@@ -49,15 +49,15 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
         If a solver ran past its time.
     """
     plant, actuator = subject_of(request)
-    with named("command"):
+    with name_field("command"):
         played = request.command.to_design(request.speed_m_s)
     warnings: list[DesignWarning] = []
     if isinstance(request.command, ImpulsesCommand):
         warnings += sum_warnings(played)
     if request.shaper is not None:
-        with named("shaper"):
+        with name_field("shaper"):
             options = request.shaper.options()
-        shaped = _shaped(played, plant, actuator, request.shaper, options)
+        shaped = _shape_command(played, plant, actuator, request.shaper, options)
         played, warnings = shaped.impulses, [*warnings, *shaped.warnings]
     end = request.until_s
     if end is None:
@@ -73,14 +73,14 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
     )
 
 
-def _shaped(
+def _shape_command(
     command: Impulses,
     plant: Plant,
     actuator: Actuator,
     shaper: ShaperIn,
     options: ShaperOptions | None,
 ) -> ShapedCommand:
-    found, claims = design(plant, actuator, shaper.registered(), options), None
+    found, claims = design(plant, actuator, shaper.shaper_kind(), options), None
     if shaper.sample_time_s is not None:
         claims = claims_on_samples(found, shaper.grid_tolerance())
         found, _ = on_samples(found, plant, actuator, shaper, shaper.sample_time_s)

@@ -15,7 +15,7 @@ from design.sampling.sampled import Sampled
 from design.sampling.sampled_design import sampled_design
 from design.shapers.options import ShaperOptions
 from schemas.actuators import ActuatorIn
-from schemas.base import named
+from schemas.base import name_field
 from schemas.plants import PlantIn
 from schemas.sensitivity import ModeOut
 from schemas.shapers import ShaperIn
@@ -53,9 +53,9 @@ def subject_of(request: Subject) -> tuple[Plant, Actuator]:
     InvalidInputError
         If a value breaks its rule: names the field from the request inward.
     """
-    with named("plant"):
+    with name_field("plant"):
         plant = request.plant.to_design()
-    with named("actuator"):
+    with name_field("actuator"):
         actuator = request.actuator.to_design()
     return plant, actuator
 
@@ -85,7 +85,7 @@ def of_modes(
     return [ModeOut.from_design(mode, residual, curve) for mode, residual, curve in each]
 
 
-def found_shaper(
+def design_shaper(
     plant: Plant,
     actuator: Actuator,
     shaper: ShaperIn,
@@ -120,7 +120,7 @@ def found_shaper(
     TimeLimitError
         If a solver ran past its time.
     """
-    found = design(plant, actuator, shaper.registered(), options)
+    found = design(plant, actuator, shaper.shaper_kind(), options)
     if shaper.sample_time_s is None:
         return found
     return on_samples(found, plant, actuator, shaper, shaper.sample_time_s)[0]
@@ -156,7 +156,7 @@ def on_samples(
     SolverFailedError
         If simulation does not confirm the residual on samples.
     """
-    with named("shaper"):
+    with name_field("shaper"):
         return sampled_design(
             found, plant.mode, actuator, sample_time_s, tolerance=shaper.grid_tolerance()
         )

@@ -93,7 +93,7 @@ class Patience:
             return max(STANDING_S, STANDING_COSTS * cost_s)
         return max(BURST_S, BURST_COSTS * cost_s)
 
-    def answered(self, now: float) -> None:
+    def count_answer(self, now: float) -> None:
         """Count an answer."""
         self._turn(now)
         self._answered += 1

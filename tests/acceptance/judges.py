@@ -66,10 +66,10 @@ def wrong_in_design(case: Case, made: Design) -> Iterator[str]:
         yield "not verified"
     kept = {(claim.quantity, claim.mode) for claim in made.certificate.claims}
     for number in range(len(case.plant.modes)):
-        for quantity in _promised(case):
+        for quantity in _promises(case):
             if (quantity, number) not in kept:
                 yield f"claims no {quantity} of mode {number}"
-    designed_for = _designed_for(case) if made.for_ideal else case.actuator
+    designed_for = _actuator_of_design(case) if made.for_ideal else case.actuator
     for claim in made.certificate.claims:
         mode = case.plant.modes[claim.mode]
         yield from _wrong_claim(claim, made.impulses, mode, designed_for)
@@ -84,7 +84,7 @@ def wrong_in_design(case: Case, made: Design) -> Iterator[str]:
     if case.number % SAMPLED == 0 and not isinstance(case.plant, Modes | Scheduled):
         yield from _wrong_on_samples(case, made)
     if case.number % COMPARED == 0:
-        yield from _beaten(case, made)
+        yield from _shorter_than_bound(case, made)
 
 
 def _residual(impulses: Impulses, mode: Mode, actuator: Actuator) -> float:
@@ -123,14 +123,14 @@ def _wrong_impulses(impulses: Impulses) -> Iterator[str]:
         yield f"amplitudes {impulses.amplitudes.tolist()}, one of them rounding"
 
 
-def _promised(case: Case) -> tuple[str, ...]:
+def _promises(case: Case) -> tuple[str, ...]:
     """Return what the kind says of itself; of convolved shapers, what their base does."""
     if isinstance(case.options, ConvolvedOptions):
         return SHAPERS[case.options.base].claims
     return case.kind.claims
 
 
-def _designed_for(case: Case) -> Actuator:
+def _actuator_of_design(case: Case) -> Actuator:
     modes, options = case.plant.modes, case.options
     if isinstance(case.plant, Scheduled) and hasattr(options, "half_width"):
         options = type(options)()
@@ -192,7 +192,7 @@ def _wrong_range(case: Case, made: Design) -> Iterator[str]:
         yield "tells nothing of the range"
         return
     bands = [claim for claim in made.certificate.claims if claim.band == case.plant.band]
-    if "band" in _promised(case) and not bands:
+    if "band" in _promises(case) and not bands:
         yield "does not claim its tolerance over the range"
     if not isinstance(case.actuator, RateLimited) or _has_formula(made.impulses, case.actuator):
         ratios = np.linspace(*case.plant.band, 400)
@@ -248,7 +248,7 @@ def _wrong_on_samples(case: Case, made: Design) -> Iterator[str]:
             yield f"on samples tells {found.residual!r}, the formula {told!r}"
 
 
-def _beaten(case: Case, made: Design) -> Iterator[str]:
+def _shorter_than_bound(case: Case, made: Design) -> Iterator[str]:
     """Yield where a shaper of another kind is shorter than a bound of its class."""
     modes, duration = case.plant.modes, made.impulses.duration_s
     positive = bool((made.impulses.amplitudes > 0).all())
@@ -307,10 +307,10 @@ def wrong_in_refusal(case: Case, refusal: str) -> Iterator[str]:
 def _leaves_that_in_range(case: Case, left: float, tolerance: float) -> bool:
     assert isinstance(case.plant, Scheduled)
     made = design(case.plant.middle, case.actuator, case.kind, case.options)
-    if not _has_formula(made.impulses, _designed_for(case)):
+    if not _has_formula(made.impulses, _actuator_of_design(case)):
         return left > tolerance
     ratios = np.linspace(*case.plant.band, 2000)
-    curve = curve_by_formula(made.impulses, case.plant.middle, _designed_for(case), ratios)
+    curve = curve_by_formula(made.impulses, case.plant.middle, _actuator_of_design(case), ratios)
     return left > tolerance and abs(float(curve.max()) - left) <= 2e-3 * left
 
 

@@ -92,11 +92,11 @@ def even_grid(problem: BandProblem, duration_rad: float, fineness: int = 1) -> G
     )
 
 
-def _refined(even: Grid, point: Point, share: float) -> Grid:
+def _refine(even: Grid, point: Point, share: float) -> Grid:
     """Add points around impulses and peaks, within a share of three even pitches."""
     around = np.linspace(-REACH, REACH, REFINEMENT)
 
-    def added(evenly: FloatArray, places: FloatArray) -> FloatArray:
+    def add_points(evenly: FloatArray, places: FloatArray) -> FloatArray:
         pitch = share * (evenly[1] - evenly[0])
         near = np.clip(np.add.outer(places, pitch * around), evenly[0], evenly[-1])
         together = np.unique(np.concatenate((evenly, near.ravel())))
@@ -104,7 +104,9 @@ def _refined(even: Grid, point: Point, share: float) -> Grid:
         kept[-1] = evenly[-1]
         return kept
 
-    return Grid(lags=added(even.lags, point.lags), ratios=added(even.ratios, point.ratios))
+    return Grid(
+        lags=add_points(even.lags, point.lags), ratios=add_points(even.ratios, point.ratios)
+    )
 
 
 def least_on_grid(problem: BandProblem, grid: Grid, budget: Budget) -> ConeOutcome:
@@ -257,7 +259,7 @@ def closer_look(
         start = structure(problem, grid, found)
         if start is None or start.lags.size > MOST_SEEN:
             break
-        grid = _refined(even, start, share)
+        grid = _refine(even, start, share)
         found = least_on_grid(problem, grid, budget)
     return grid, found
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from design.formulations.bands import BandProblem
 from design.solvers.budget import Budget
-from design.solvers.convex_band.optimality import Point, solved
+from design.solvers.convex_band.optimality import Point, solve_conditions
 from design.types import ComplexArray, FloatArray
 
 MOST_EXCHANGES = 8
@@ -51,7 +51,7 @@ def optimum(problem: BandProblem, point: Point, tolerance: float) -> Point | Non
     """
     lower, upper = problem.band
     for _ in range(MOST_EXCHANGES):
-        found = solved(problem, point, tolerance)
+        found = solve_conditions(problem, point, tolerance)
         if found is None:
             return None
         kept = found.weights > 0
@@ -87,7 +87,7 @@ def optimum(problem: BandProblem, point: Point, tolerance: float) -> Point | Non
     return None
 
 
-def followed(
+def follow_tolerance(
     problem: BandProblem, point: Point, from_tolerance: float, tolerance: float, budget: Budget
 ) -> tuple[Point, float] | None:
     """Follow an optimum from one tolerance towards another.

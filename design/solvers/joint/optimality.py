@@ -45,7 +45,7 @@ class Shortest:
     programs: int
 
 
-def sharpened(
+def sharpen(
     dual: DualFunction, vectors: ComplexArray, times: FloatArray, programs: int
 ) -> Shortest | None:
     """Solve the conditions of optimality from c and times near them.
@@ -99,7 +99,7 @@ def sharpened(
     if not good:
         return None
     if dual.positive:
-        vectors = _lifted(dual, vectors, times)
+        vectors = _lift(dual, vectors, times)
     return Shortest(
         times_rad=times,
         amplitudes=amplitudes,
@@ -109,7 +109,7 @@ def sharpened(
     )
 
 
-def _lifted(dual: DualFunction, vectors: ComplexArray, times: FloatArray) -> ComplexArray:
+def _lift(dual: DualFunction, vectors: ComplexArray, times: FloatArray) -> ComplexArray:
     """Return c with P a little above zero where it touched, so that it passes it once only."""
     swings = dual.swings(times[:-1]).T
     rows = np.hstack((swings.real, swings.imag))

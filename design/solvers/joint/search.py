@@ -26,7 +26,7 @@ from design.errors import InfeasibleDesignError
 from design.formulations.formulation import JointProblem
 from design.solvers.budget import Budget
 from design.solvers.joint.dual_function import PERIOD_RAD, DualFunction
-from design.solvers.joint.optimality import NEWTON_STEPS, Shortest, sharpened
+from design.solvers.joint.optimality import NEWTON_STEPS, Shortest, sharpen
 from design.solvers.joint.structure import obstacle_to, structures, work_of
 from design.trace import TraceStep
 from design.types import ComplexArray, FloatArray
@@ -96,8 +96,8 @@ def shortest(problem: JointProblem, budget: Budget | None = None) -> Iterator[Sh
             reached = max(duration, excluded)
             if reached < duration * (1 + NEAR):
                 for times in structures(dual, obstacle, reached):
-                    found = sharpened(dual, obstacle.vectors, times, programs)
-                    budget.note(_sharpened_step(problem, times, found))
+                    found = sharpen(dual, obstacle.vectors, times, programs)
+                    budget.note(_trace_newton(problem, times, found))
                     if found is None:
                         continue
                     strongest = max(
@@ -137,7 +137,7 @@ def shortest(problem: JointProblem, budget: Budget | None = None) -> Iterator[Sh
     )
 
 
-def _sharpened_step(problem: JointProblem, times: FloatArray, found: Shortest | None) -> TraceStep:
+def _trace_newton(problem: JointProblem, times: FloatArray, found: Shortest | None) -> TraceStep:
     """Return what Newton's method made of a structure."""
     return TraceStep(
         stage="solve",

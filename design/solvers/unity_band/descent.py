@@ -167,7 +167,7 @@ class Descent:
         )
         bounds = np.maximum(self.shortest - gaps, -radius), np.full(gaps.size, radius)
         bend = self._bend(gaps, ratios, jacobians)
-        solved = self._solved(vectors, jacobians, bend, bounds)
+        solved = self._solve_step(vectors, jacobians, bend, bounds)
         if solved is None:
             return None
         step, slack, multipliers = solved
@@ -177,7 +177,7 @@ class Descent:
         if gained < promised / 2 and np.abs(step).max() > LAST_STEP_RAD:
             # What the linear vectors missed at the end of the step, taken into account.
             there = self.family.vectors(gaps + step, self.parameters, ratios)[0] / self.limit
-            again = self._solved(there - jacobians @ step, jacobians, bend, bounds)
+            again = self._solve_step(there - jacobians @ step, jacobians, bend, bounds)
             if again is not None:
                 other = self.peaks(gaps + again[0])
                 better = self.price * (peaks.excess - other.excess) - float(again[0].sum())
@@ -194,7 +194,7 @@ class Descent:
         apart = np.abs(self.fixed[:, None] - moving).min(axis=1) > NEAR * self.half_width
         return np.concatenate((moving, self.fixed[apart]))
 
-    def _solved(
+    def _solve_step(
         self,
         vectors: FloatArray,
         jacobians: FloatArray,

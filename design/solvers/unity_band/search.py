@@ -64,7 +64,7 @@ def solve(search: BandSearch, budget: Budget) -> Iterator[Solution]:
         if runs.budget.spent:
             break
         yield from runs.candidate(problem, seed, runs.run(problem, seed))
-    raise InfeasibleDesignError(runs.searched(), code="no_band_solution_found")
+    raise InfeasibleDesignError(runs.describe_search(), code="no_band_solution_found")
 
 
 class _Runs:
@@ -121,7 +121,7 @@ class _Runs:
             ]
         return []
 
-    def searched(self) -> str:
+    def describe_search(self) -> str:
         """Say how far was searched, and what came nearest."""
         search, period = self.search, 2 * math.pi
         counts = sorted(problem.amplitudes.size for problem in search.problems)

@@ -21,7 +21,7 @@ from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
 from design.pipeline import design
 from design.sampling.exact_positive import exact_positive
-from design.sampling.sample_grid import carried, nearest, split
+from design.sampling.sample_grid import nearest, round_with_carry, split
 from design.sampling.sampled import Sampled, sample
 from design.sampling.sampled_design import sampled_design
 from design.sampling.unity_grid import unity_on_grid
@@ -104,17 +104,17 @@ def test_the_search_leaves_a_fifth_where_the_nearest_samples_leave_a_third() -> 
 
 def test_carrying_the_error_is_equations_7_and_8() -> None:
     # In samples of .02 s: t2 3.3 -> 3, error .3; t3 7.4 + .3 -> 8 (nearest would be 7).
-    by_hand = carried(shaper([0.0, 0.066, 0.148], [1.0, -1.0, 1.0]), 0.02)
+    by_hand = round_with_carry(shaper([0.0, 0.066, 0.148], [1.0, -1.0, 1.0]), 0.02)
     assert by_hand.times_s.tolist() == [0.0, 3 * 0.02, 8 * 0.02]
     # t2 3.7 -> 4, error -.3; t3 7.6 - .3 -> 7; error .6 by (8), carried on: t4 9.2 + .6 -> 10.
-    four = carried(shaper([0.0, 0.074, 0.152, 0.184], [1.0, -1.0, 1.0, -1.0]), 0.02)
+    four = round_with_carry(shaper([0.0, 0.074, 0.152, 0.184], [1.0, -1.0, 1.0, -1.0]), 0.02)
     assert four.times_s.tolist() == [0.0, 4 * 0.02, 7 * 0.02, 10 * 0.02]
 
 
 def test_the_case_of_figure_5_is_within_its_5_percent_and_needs_no_carrying() -> None:
     # UMZV of the thesis's crane at .02 s lies at 14.95 and 29.90 samples.
     umzv = designed("umzv", CRANE, Ideal())
-    digital = carried(umzv, 0.02)
+    digital = round_with_carry(umzv, 0.02)
     assert digital.times_s.tolist() == [0.0, 15 * 0.02, 30 * 0.02]
     assert digital.times_s.tolist() == nearest(umzv, 0.02).times_s.tolist()
     assert percent(digital, CRANE.mode) == pytest.approx(0.5787, abs=5e-5)  # as measured
@@ -129,7 +129,7 @@ def test_carrying_the_error_leaves_more_on_average_than_the_nearest_samples() ->
         mode = Mode(natural_frequency_rad_s=2 * math.pi / period)
         umzv = shaper([0.0, period / 6, period / 3], [1.0, -1.0, 1.0])
         results = {
-            "carried": carried(umzv, 1.0),
+            "carried": round_with_carry(umzv, 1.0),
             "nearest": nearest(umzv, 1.0),
             "search": unity_on_grid(umzv, mode, Ideal(), 1.0, slope=False),
         }
@@ -355,7 +355,7 @@ def test_a_single_step_stays_a_step() -> None:
     step = shaper([0.3], [1.0])
     for found in (
         nearest(step, 0.25),
-        carried(step, 0.25),
+        round_with_carry(step, 0.25),
         unity_on_grid(step, PRINTER, Ideal(), 0.25, slope=True),
     ):
         assert found.times_s.tolist() == [0.25]
@@ -420,7 +420,7 @@ def test_a_shaper_on_the_grid_stays_as_it_is() -> None:
     impulses = shaper([0.0, 0.07, 0.29], [0.3, 0.3, 0.4])
     for found in (
         nearest(impulses, SAMPLE_S),
-        carried(impulses, SAMPLE_S),
+        round_with_carry(impulses, SAMPLE_S),
         split(impulses, SAMPLE_S),
     ):
         assert np.rint(found.times_s / SAMPLE_S).tolist() == [0, 7, 29]
@@ -440,7 +440,7 @@ def test_a_sample_time_must_be_positive(value: float) -> None:
     with refused("not_positive", "sample_time_s"):
         nearest(zv, value)
     with refused("not_positive", "sample_time_s"):
-        carried(zv, value)
+        round_with_carry(zv, value)
 
 
 def test_a_sample_time_must_leave_every_impulse_a_sample_of_its_own() -> None:
@@ -448,7 +448,7 @@ def test_a_sample_time_must_leave_every_impulse_a_sample_of_its_own() -> None:
     rule = r"sample_time_s must be at most the shortest gap between two impulses, 0\.0208931"
     with refused("sample_time_too_long", "sample_time_s", says=rule):
         sample(umzv, PRINTER, Ideal(), 0.021, RESIDUAL)
-    for rounding in (nearest, carried):
+    for rounding in (nearest, round_with_carry):
         with refused("sample_time_too_long", "sample_time_s", says=rule):
             rounding(umzv, 0.021)
     assert sample(umzv, PRINTER, Ideal(), 0.0208, RESIDUAL).residual < 0.5
@@ -461,7 +461,7 @@ def test_carrying_an_error_must_not_bring_two_impulses_together() -> None:
         "sample_time_s",
         says=r"no two impulses .* here \[0, 2, 2\], got 1\.0",
     ):
-        carried(shaper([0.0, 1.5, 2.6], [1.0, -1.0, 1.0]), 1.0)
+        round_with_carry(shaper([0.0, 1.5, 2.6], [1.0, -1.0, 1.0]), 1.0)
 
 
 def test_a_positive_shaper_must_not_be_shorter_than_a_sample() -> None:

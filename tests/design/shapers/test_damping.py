@@ -83,11 +83,11 @@ def test_a_heavily_damped_plant_gets_what_is_claimed_or_a_reason(name: str, z: f
             continue
         assert made.certificate.verified
         kept = [one for one in made.certificate.claims if one.quantity == "residual"]
-        left = _left(made.impulses, z, IDEAL if made.for_ideal else actuator)
+        left = _residual(made.impulses, z, IDEAL if made.for_ideal else actuator)
         assert all(left <= claim.limit * (1 + 2e-9) for claim in kept)
 
 
-def _left(impulses: Any, z: float, actuator: Actuator) -> float:
+def _residual(impulses: Any, z: float, actuator: Actuator) -> float:
     return claims_by_formula(impulses, _mode(z), actuator)["residual"]
 
 
@@ -189,5 +189,5 @@ def test_a_curve_over_damping_reaches_the_heaviest() -> None:
     wanted = SensitivityRange(damping=DampingRange(start=0.0, stop=0.99))
     curve = sensitivity(made, _mode(0.6), Ideal(), wanted).damping
     assert curve is not None
-    told = np.array([_left(made, z, Ideal()) for z in curve[0].tolist()])
+    told = np.array([_residual(made, z, Ideal()) for z in curve[0].tolist()])
     assert np.abs(told - curve[1]).max() < 1e-12

@@ -8,7 +8,7 @@ import pytest
 from scipy.optimize import linprog
 
 from design.analysis.sensitivity import SensitivityRange, sensitivity
-from design.analysis.shortest import excluded_rad
+from design.analysis.shortest import excluded_duration_rad
 from design.errors import InfeasibleDesignError
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
@@ -159,7 +159,7 @@ def test_a_bound_is_that_of_a_dense_grid_whatever_the_function(positive: bool) -
         until = float(rng.uniform(1, 6))
         times = np.linspace(0, until, 400_001)
         pull = (vectors.conj() @ np.exp(-poles[:, None] * times)).real
-        found = excluded_rad(poles, vectors, until, positive=positive)
+        found = excluded_duration_rad(poles, vectors, until, positive=positive)
         if pull[0] <= 0:
             assert found == 0
             continue

@@ -83,10 +83,10 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_a_command_is_merged_to_one_step_for_each_change(case: str) -> None:
     given, plain = CASES[case]
-    found = given.merged()
+    found = given.merge()
     assert found.times_s == pytest.approx(plain.times_s, abs=1e-15)
     assert found.amplitudes == pytest.approx(plain.amplitudes, abs=1e-15)
-    assert plain.merged() is plain
+    assert plain.merge() is plain
 
 
 @pytest.mark.parametrize("drive", DRIVES, ids=lambda drive: f"{drive.kind} {drive.model}")
@@ -124,7 +124,7 @@ def test_the_residual_is_the_one_of_an_integration(drive: Actuator) -> None:
 
 def test_steps_that_all_cancel_are_no_command() -> None:
     with refused("amplitudes_cancel", "amplitudes"):
-        steps([1.0, 1.0], [0.5, -0.5]).merged()
+        steps([1.0, 1.0], [0.5, -0.5]).merge()
 
 
 LISTED: dict[str, Any] = {"kind": "list", "times_s": [0, 2, 2], "velocity_m_s": [0.5, 1, 0.5]}

@@ -104,7 +104,7 @@ def test_a_route_that_crashes_answers_that_the_service_failed(
     path: str,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(jobs, "found", None)
+    monkeypatch.setattr(jobs, "find", None)
     monkeypatch.setattr(jobs, "newest", None)
     answer = service.ask(method, path)
     require_problem(answer, 500, "internal", "its log has the reason")

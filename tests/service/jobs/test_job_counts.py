@@ -12,7 +12,7 @@ from service.jobs.counting import SPAN_S, rate_rows_s
 from service.jobs.records import Claim, Done
 from service.jobs.schema import CHUNKS, JOBS
 from service.jobs.store import Store
-from tests.job_stores import HOUR_S, changed, done, engine_of, job
+from tests.job_stores import HOUR_S, change_jobs, done, engine_of, job
 
 SUMS = {
     "rows_done": CHUNKS.c.rows,
@@ -118,7 +118,7 @@ def test_counts_hold_when_a_job_ends_or_is_taken_back_under_those_who_finish(
     WISHES[wish](store, new.id)
     for thread in threads:
         thread.join()
-    for left in store.left_over():
+    for left in store.jobs_to_erase():
         store.erase(left)
     counted = require_sums(url, new.id)
     assert counted == (0 if wish == "cancel" else sum(recorded))
@@ -154,7 +154,7 @@ def test_the_rate_is_that_of_the_chunks_done_lately(store: Store, url: str) -> N
     def later(seconds: float) -> None:
         """Make all times of the job older, as if time had passed."""
         times = ("earlier_from", "lately_from", "last_finished")
-        changed(url, **{name: JOBS.c[name] - seconds for name in times})
+        change_jobs(url, **{name: JOBS.c[name] - seconds for name in times})
 
     assert finished(1) == 0.0  # nobody knows how long it took
     later(2 * SPAN_S)

@@ -10,10 +10,10 @@ from service.jobs.adding import KeyReusedError
 from service.jobs.claims import Turn, shares
 from service.jobs.contents import GoneError
 from service.jobs.erasing import ERASED_AT_ONCE
-from service.jobs.plan import told
+from service.jobs.plan import wire_job
 from service.jobs.records import Claim, Job
 from service.jobs.store import MOST_FAILURES, Store
-from tests.job_stores import HOUR_S, changed, counted, done, job, silent_for
+from tests.job_stores import HOUR_S, change_jobs, count_chunks, done, job, silent_for
 
 
 @pytest.fixture(autouse=True)
@@ -66,7 +66,7 @@ WAYS: dict[str, Callable[[Store, str], None]] = {
 
 def erase(store: Store) -> None:
     """Erase what there is to erase, as the service's cleaner does."""
-    for one in store.left_over():
+    for one in store.jobs_to_erase():
         store.erase(one)
 
 
@@ -138,9 +138,9 @@ def test_a_failed_job_that_is_resumed_is_tried_as_often_as_before(store: Store) 
 def test_a_job_costs_the_same_whatever_its_size(store: Store, url: str) -> None:
     huge = job(rows=10**10, chunk_rows=10**4)
     store.add(huge)
-    assert counted(url, huge.id) == 0
+    assert count_chunks(url, huge.id) == 0
     assert len(store.claim("w", 3)) == 3
-    assert counted(url, huge.id) == 3
+    assert count_chunks(url, huge.id) == 3
     found = store.job(huge.id)
     assert found is not None
     assert (found.rows, found.chunks, found.done) == (10**10, 10**6, 0)
@@ -254,7 +254,7 @@ def test_a_job_that_its_own_version_still_computes_is_left_to_it(store: Store) -
 def test_a_state_that_this_version_does_not_know_stops_no_other_job(store: Store, url: str) -> None:
     strange, good = job(), job()
     store.add(strange)
-    changed(url, state="paused")
+    change_jobs(url, state="paused")
     store.add(good)
     assert {claim.job for claim in store.claim("w", 9)} == {good.id}
     found: dict[str, Job] = {one.id: one for one in store.jobs(9)}
@@ -277,12 +277,12 @@ def test_a_deleted_job_goes_with_its_chunks_however_many(store: Store, url: str)
     store.fail_job(new.id, "enough")
     assert store.delete(new.id)
     assert store.jobs(9) == []
-    assert counted(url, new.id) == new.chunks  # whoever deletes need not wait for that
-    assert store.left_over() == [new.id]
+    assert count_chunks(url, new.id) == new.chunks  # whoever deletes need not wait for that
+    assert store.jobs_to_erase() == [new.id]
     erase(store)
-    assert counted(url, new.id) == 0
+    assert count_chunks(url, new.id) == 0
     with pytest.raises(GoneError, match="has gone"):
-        store.made_of(new.id)
+        store.contents_of(new.id)
 
 
 def test_what_a_killed_process_left_of_a_deleted_job_is_unseen_and_erased(
@@ -291,15 +291,15 @@ def test_what_a_killed_process_left_of_a_deleted_job_is_unseen_and_erased(
     new = job()
     store.add(new)
     store.claim("w", 9)
-    changed(url, state="deleted")
+    change_jobs(url, state="deleted")
     assert store.job(new.id) is None
     assert store.jobs(9) == []
     assert store.claim("w", 9) == []
     assert not store.delete(new.id)
-    assert store.left_over() == [new.id]
+    assert store.jobs_to_erase() == [new.id]
     erase(store)
-    assert counted(url, new.id) == 0
-    assert store.left_over() == []
+    assert count_chunks(url, new.id) == 0
+    assert store.jobs_to_erase() == []
 
 
 def test_rows_that_are_deleted_while_they_are_read_are_not_taken_for_all(store: Store) -> None:
@@ -401,12 +401,12 @@ def test_jobs_cancelled_deleted_and_resumed_under_claims_leave_nothing(
     at_once(lambda number: erase(stores[number]), len(stores))
     for new in jobs:
         assert state_of(stores[0], new.id) == "gone"
-        assert counted(url, new.id) == 0
+        assert count_chunks(url, new.id) == 0
 
 
 def test_what_is_told_of_a_job_needs_no_specification(store: Store) -> None:
     new = replace(job(rows=10**10, chunk_rows=10**4), specification="none", estimated_bytes=57)
     store.add(new)
     (found,) = store.jobs(9)
-    size = told(found).size
+    size = wire_job(found).size
     assert (size.rows, size.chunks, size.estimated_bytes) == (10**10, 10**6, 57)

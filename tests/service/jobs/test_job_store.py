@@ -14,7 +14,7 @@ import service.jobs
 from service.jobs.database import StoreError
 from service.jobs.records import Claim
 from service.jobs.store import MOST_FAILURES, Store
-from tests.job_stores import HOUR_S, changed, done, job, silent_for
+from tests.job_stores import HOUR_S, change_jobs, done, job, silent_for
 
 MIGRATIONS = Path(service.jobs.__file__).parent / "migrations"
 
@@ -171,7 +171,7 @@ def older(url: str) -> None:
 
 def test_a_store_of_an_older_schema_is_migrated_with_its_jobs(url: str) -> None:
     first = Store(url, stalled_s=1.0, version="1")
-    changed(url, state="cancelled")  # what other tests left
+    change_jobs(url, state="cancelled")  # what other tests left
     new = job()
     first.add(new)
     (claim,) = first.claim("w", 1)
@@ -182,7 +182,7 @@ def test_a_store_of_an_older_schema_is_migrated_with_its_jobs(url: str) -> None:
     found = again.job(new.id)
     assert found is not None
     assert (found.rows, found.chunks, found.done) == (10, 3, 4)
-    assert again.made_of(new.id) == new
+    assert again.contents_of(new.id) == new
     assert [claim.number for claim in again.claim("w", 9)] == [1, 2]
     engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
     indices = [index["name"] for index in sa.inspect(engine).get_indexes("chunks")]
