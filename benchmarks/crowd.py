@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import cast
 
-from benchmarks.loops import LONGEST_WAIT_S, NO_ANSWER, Outcome
-from benchmarks.wire import END_OF_HEAD, LENGTH, LONGEST_IDLE_S
+from benchmarks.loops import MAX_WAIT_S, NO_ANSWER, Outcome
+from benchmarks.wire import END_OF_HEAD, LENGTH, MAX_IDLE_S
 
 RETRY = b"\r\nretry-after:"
 CLOSES = b"\r\nconnection: close"
@@ -84,7 +84,7 @@ class Crowd:
         TimeoutError
             If some is not answered long after.
         """
-        deadline = time.perf_counter() + seconds + LONGEST_WAIT_S
+        deadline = time.perf_counter() + seconds + MAX_WAIT_S
         while self._under_way:
             if time.perf_counter() > deadline:
                 raise TimeoutError(f"{self._under_way} requests are not answered")
@@ -156,7 +156,7 @@ class _Connection(asyncio.Protocol):
         """Whether the server keeps it open for another request."""
         transport = self._transport
         open_yet = transport is not None and not transport.is_closing()
-        return open_yet and now - self._since_s < LONGEST_IDLE_S
+        return open_yet and now - self._since_s < MAX_IDLE_S
 
     def send(self, planned_s: float, request: bytes) -> None:
         """Send a request."""

@@ -24,7 +24,7 @@ from design.shapers.ei import ToleranceOptions
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
 
-LONGEST_CLOSED_FORM_S = 50e-6
+MAX_CLOSED_FORM_S = 50e-6
 DAMPED = Mode(natural_frequency_rad_s=3.5, damping_ratio=0.05)
 UNDAMPED = Mode(natural_frequency_rad_s=3.5)
 
@@ -97,7 +97,7 @@ def closed_forms() -> Iterator[Figure]:
         what="shapers in closed form, mode to impulses / a textbook's NumPy lines for ZVD",
         value=f"{each} us; {lines} us; `zvd` {ratio(seconds, 'zvd', 'textbook ZVD'):.1f} times",
         limit="50 us each",
-        met=took[slowest] <= LONGEST_CLOSED_FORM_S,
+        met=took[slowest] <= MAX_CLOSED_FORM_S,
     )
     cold, um_ei = [], SHAPERS["um_ei"]
     for number in range(60):

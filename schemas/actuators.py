@@ -9,8 +9,8 @@ from design.model.actuators.ideal import Ideal
 from design.model.actuators.model import Model
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.second_order import (
-    LARGEST_DAMPING_RATIO,
-    SMALLEST_DAMPING_RATIO,
+    MAX_DAMPING_RATIO,
+    MIN_DAMPING_RATIO,
     SecondOrder,
     SecondOrderSet,
 )
@@ -83,8 +83,8 @@ class SecondOrderSetIn(Wire):
     damping_ratio: Annotated[
         float,
         Field(
-            ge=SMALLEST_DAMPING_RATIO,
-            le=LARGEST_DAMPING_RATIO,
+            ge=MIN_DAMPING_RATIO,
+            le=MAX_DAMPING_RATIO,
             description="Share of critical damping [-].",
         ),
     ]

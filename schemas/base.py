@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from design.errors import InvalidInputError
-from design.model.plants.mode import LARGEST_DAMPING_RATIO
+from design.model.plants.mode import MAX_DAMPING_RATIO
 from design.types import LARGEST
 
 
@@ -38,7 +38,7 @@ def leave_out_none(description: str) -> Any:  # noqa: ANN401 - as pydantic's own
 Positive = Annotated[float, Field(gt=0, le=LARGEST)]
 PlantDamping = Annotated[
     float,
-    Field(ge=0, le=LARGEST_DAMPING_RATIO, description="Share of critical damping [-]."),
+    Field(ge=0, le=MAX_DAMPING_RATIO, description="Share of critical damping [-]."),
 ]
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Self
 from pydantic import Field
 
 from design.analysis.judge import DesignWarning
-from design.curve_fit.fit_range import HIGHEST_DEGREE, FitRange, Form
+from design.curve_fit.fit_range import MAX_DEGREE, FitRange, Form
 from design.curve_fit.fit_range import Field as PlantField
 from design.curve_fit.polynomials import Fit
 from design.errors import InvalidInputError
@@ -33,7 +33,7 @@ class FitIn(Wire):
     from_: Annotated[float, Field(alias="from", ge=0, description="Start, in the field's unit.")]
     to: Annotated[float, Field(gt=0, description="End, in the field's unit.")]
     degree: Annotated[
-        int | None, Field(ge=0, le=HIGHEST_DEGREE, description="Degree of the polynomials.")
+        int | None, Field(ge=0, le=MAX_DEGREE, description="Degree of the polynomials.")
     ] = None
     max_residual: Annotated[
         float | None,

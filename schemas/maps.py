@@ -23,7 +23,7 @@ from schemas.pointers import path_of
 from schemas.shapers import ShaperIn
 from schemas.warnings import WarningOut, Warnings
 
-MOST_POINTS = 2000
+MAX_MAP_AXIS_POINTS = 2000
 
 
 NOT_ON_SAMPLES = "a map holds one sampled shaper; it searches none in every cell and no move"
@@ -38,9 +38,11 @@ class AxisIn(Wire):
     ]
     from_: Annotated[float | None, Field(alias="from")] = None
     to: float | None = None
-    points: Annotated[int, Field(ge=2, le=MOST_POINTS)] = 51
+    points: Annotated[int, Field(ge=2, le=MAX_MAP_AXIS_POINTS)] = 51
     spacing: Literal["linear", "geometric"] = "linear"
-    values: Annotated[list[float] | None, Field(min_length=1, max_length=MOST_POINTS)] = None
+    values: Annotated[list[float] | None, Field(min_length=1, max_length=MAX_MAP_AXIS_POINTS)] = (
+        None
+    )
 
     def to_design(self) -> Axis:
         """Build the design record."""

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from design.errors import InvalidInputError
 from design.model.plants.mode import Mode
-from design.model.plants.modes import MOST_MODES, Modes
+from design.model.plants.modes import MAX_MODES, Modes
 from design.model.plants.pendulum import STANDARD_GRAVITY_M_S2, Pendulum
 from design.model.plants.scheduled import Scheduled
 from design.model.plants.spring_mass import SpringMass
@@ -41,7 +41,7 @@ class ModesIn(Wire):
     kind: Literal["modes"]
     modes: Annotated[
         list[BareMode],
-        Field(min_length=1, max_length=MOST_MODES, description="No two of them alike."),
+        Field(min_length=1, max_length=MAX_MODES, description="No two of them alike."),
     ]
 
     def to_design(self) -> Mode | Modes:

@@ -10,11 +10,11 @@ from design.recommendations.choices import Choice
 from design.recommendations.judging import Candidate, Verdict
 from design.recommendations.recommendation import Recommendation
 from design.recommendations.requirements import (
-    FARTHEST_COMMAND,
-    LARGEST_RATIO,
-    SMALLEST_RATIO,
-    SMALLEST_TOLERANCE,
-    WIDEST_HALF_WIDTH,
+    MAX_COMMAND,
+    MAX_HALF_WIDTH,
+    MAX_RATIO,
+    MIN_RATIO,
+    MIN_TOLERANCE,
     Requirements,
     Sign,
 )
@@ -43,28 +43,28 @@ class RecommendationRequest(Wire):
         Field(
             description="The true frequency is within 1 - half_width and 1 + half_width of the "
             "plant's; 0.15 if neither it nor the ratios are given [-].",
-            json_schema_extra={"minimum": 0, "maximum": WIDEST_HALF_WIDTH},
+            json_schema_extra={"minimum": 0, "maximum": MAX_HALF_WIDTH},
         ),
     ] = None
     lower_ratio: Annotated[
         float | None,
         Field(
             description="Least true frequency over the plant's, in place of half_width [-].",
-            json_schema_extra={"minimum": SMALLEST_RATIO, "maximum": 1},
+            json_schema_extra={"minimum": MIN_RATIO, "maximum": 1},
         ),
     ] = None
     upper_ratio: Annotated[
         float | None,
         Field(
             description="Largest true frequency, with lower_ratio [-].",
-            json_schema_extra={"minimum": 1, "maximum": LARGEST_RATIO},
+            json_schema_extra={"minimum": 1, "maximum": MAX_RATIO},
         ),
     ] = None
     tolerance: Annotated[
         float,
         Field(
             description="Largest residual over all that the plant may be [-].",
-            json_schema_extra={"minimum": SMALLEST_TOLERANCE, "exclusiveMaximum": 1},
+            json_schema_extra={"minimum": MIN_TOLERANCE, "exclusiveMaximum": 1},
         ),
     ] = 0.05
     damping: Annotated[
@@ -79,14 +79,14 @@ class RecommendationRequest(Wire):
         float,
         Field(
             description="Lowest level of a shaped unit step, over its height [-].",
-            json_schema_extra={"minimum": -FARTHEST_COMMAND, "maximum": 0},
+            json_schema_extra={"minimum": -MAX_COMMAND, "maximum": 0},
         ),
     ] = 0.0
     highest_command: Annotated[
         float,
         Field(
             description="Highest level of a shaped unit step, over its height [-].",
-            json_schema_extra={"minimum": 1, "maximum": 1 + FARTHEST_COMMAND},
+            json_schema_extra={"minimum": 1, "maximum": 1 + MAX_COMMAND},
         ),
     ] = 1.0
     max_high_mode_gain: Annotated[

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from design.analysis.insensitivity import Insensitivity
 from design.analysis.sensitivity import (
-    MOST_POINTS,
+    MAX_CURVE_POINTS,
     RATIO_BOUNDS,
     DampingRange,
     Sensitivity,
@@ -27,7 +27,9 @@ class DampingIn(Wire):
 
     from_: Annotated[PlantDamping, Field(alias="from", description="Least damping ratio [-].")]
     to: Annotated[PlantDamping, Field(description="Largest damping ratio [-].")]
-    points: Annotated[int, Field(ge=2, le=MOST_POINTS, description="Points of the curve.")] = 101
+    points: Annotated[int, Field(ge=2, le=MAX_CURVE_POINTS, description="Points of the curve.")] = (
+        101
+    )
 
     def to_design(self) -> DampingRange:
         """Build the design record."""
@@ -39,7 +41,9 @@ class SensitivityIn(Wire):
 
     from_ratio: Annotated[Ratio, Field(description="First frequency ratio [-].")] = 0.5
     to_ratio: Annotated[Ratio, Field(description="Last frequency ratio [-].")] = 1.5
-    points: Annotated[int, Field(ge=2, le=MOST_POINTS, description="Points of the curve.")] = 201
+    points: Annotated[int, Field(ge=2, le=MAX_CURVE_POINTS, description="Points of the curve.")] = (
+        201
+    )
     tolerance: Annotated[
         float, Field(gt=0, lt=1, description="Residual of the insensitivity [-].")
     ] = 0.05

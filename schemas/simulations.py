@@ -19,11 +19,11 @@ from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
 from schemas.warnings import WarningOut, Warnings
 
-MOST_POINTS = 20_001
+MAX_HISTORY_POINTS = 20_001
 
 Velocities = Annotated[
     list[float],
-    Field(min_length=1, max_length=MOST_POINTS, description="Velocities, each held [m/s]."),
+    Field(min_length=1, max_length=MAX_HISTORY_POINTS, description="Velocities, each held [m/s]."),
 ]
 
 
@@ -102,7 +102,7 @@ class ListCommand(Wire):
         list[float],
         Field(
             min_length=1,
-            max_length=MOST_POINTS,
+            max_length=MAX_HISTORY_POINTS,
             description="Times, not decreasing; of velocities at one time the last counts [s].",
         ),
     ]
@@ -142,7 +142,9 @@ class SimulationRequest(Wire):
         Positive | None,
         Field(description="Last time [s]; three periods after the last step if not given."),
     ] = None
-    points: Annotated[int, Field(ge=2, le=MOST_POINTS, description="Times, evenly spaced.")] = 1001
+    points: Annotated[
+        int, Field(ge=2, le=MAX_HISTORY_POINTS, description="Times, evenly spaced.")
+    ] = 1001
 
 
 class SwingOut(Wire):

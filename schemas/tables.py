@@ -17,8 +17,8 @@ from design.tables.rows import Subject, TableHead
 from design.tables.specification import (
     COLUMNS,
     DEFAULT_COLUMNS,
-    MOST_CHUNK_ROWS,
-    MOST_ROWS,
+    MAX_CHUNK_ROWS,
+    MAX_ROWS,
     TableSpecification,
     require_rows,
 )
@@ -30,7 +30,7 @@ from schemas.plants import PlantIn
 from schemas.pointers import path_of
 from schemas.shapers import ShaperIn
 
-MOST_POINTS = 10_000_000
+MAX_TABLE_AXIS_POINTS = 10_000_000
 """Points of one axis; its values are held in memory."""
 
 
@@ -65,7 +65,7 @@ class TableAxis(Wire):
     ]
     from_: Annotated[float | None, Field(alias="from")] = None
     to: float | None = None
-    points: Annotated[int | None, Field(ge=1, le=MOST_ROWS)] = None
+    points: Annotated[int | None, Field(ge=1, le=MAX_ROWS)] = None
     spacing: Annotated[
         Spacing,
         Field(description="chebyshev: points of the second kind, both ends among them."),
@@ -95,9 +95,12 @@ class TableAxis(Wire):
                 "given with to and points, or values in their place",
                 code="range_incomplete",
             )
-        if self.points > MOST_POINTS:
+        if self.points > MAX_TABLE_AXIS_POINTS:
             raise InvalidInputError(
-                "points", self.points, f"at most {MOST_POINTS} on one axis", code="too_many_points"
+                "points",
+                self.points,
+                f"at most {MAX_TABLE_AXIS_POINTS} on one axis",
+                code="too_many_points",
             )
         return space_evenly(self.from_, self.to, self.points, self.spacing)
 
@@ -139,7 +142,7 @@ class TableRequest(Wire):
             default_factory=lambda: list(DEFAULT_COLUMNS), description=f"Of {', '.join(COLUMNS)}."
         ),
     ]
-    chunk_rows: Annotated[int, Field(ge=1, le=MOST_CHUNK_ROWS)] = 10_000
+    chunk_rows: Annotated[int, Field(ge=1, le=MAX_CHUNK_ROWS)] = 10_000
     tolerances: Tolerances = Tolerances()
     fit: Annotated[
         FitIn | None, Field(description="Polynomials, for the formats that hold programs.")

@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 
-MOST_LINES = 10_000
+MAX_LINES = 10_000
 """Lines that wait for a slow reader of stderr, beyond which they are dropped, and counted."""
 
 GATHERED_S = 0.01
@@ -80,7 +80,7 @@ class Log(logging.Handler):
     """
 
     def __init__(self, file: int) -> None:
-        self._lines: queue.Queue[str | None] = queue.Queue(MOST_LINES)
+        self._lines: queue.Queue[str | None] = queue.Queue(MAX_LINES)
         super().__init__()
         self.setFormatter(JsonFormatter())
         self._file = file

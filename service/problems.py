@@ -85,7 +85,7 @@ KIND_OF: dict[type[DesignError], ProblemKind] = {
 }
 """Every error of the mathematics and its problem; a test proves the table whole."""
 
-MOST_FAULTS = 20
+MAX_FAULTS = 20
 """Faults of a request that are told."""
 
 CODE_OF_TYPE = {
@@ -116,10 +116,10 @@ CODE_OF_TYPE = {
 """Codes of what the wire models refuse, by pydantic's type of fault: those that would be several
 for one meaning. Any other, as ``missing`` and ``extra_forbidden``, is its own code."""
 
-LONGEST_TEXT = 300
+MAX_TEXT_CHARACTERS = 300
 """Characters of a pointer or a rule that are told."""
 
-LONGEST_ECHO = 80
+MAX_ECHO_CHARACTERS = 80
 """Characters of a refused value that a message repeats."""
 
 
@@ -248,7 +248,7 @@ def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
     Returns
     -------
     Problem
-        That the text is no JSON, or a fault for each field, `MOST_FAULTS` at most.
+        That the text is no JSON, or a fault for each field, `MAX_FAULTS` at most.
     """
     faults = error.errors(include_url=False)
     if faults[0]["type"] == "json_invalid":
@@ -260,11 +260,11 @@ def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
             code=CODE_OF_TYPE.get(fault["type"], fault["type"]),
             detail=_shorten(_refusal(fault)),
         )
-        for fault in faults[:MOST_FAULTS]
+        for fault in faults[:MAX_FAULTS]
     )
     told = "; ".join(map(_sentence, named))
-    if len(faults) > MOST_FAULTS:
-        told += f"; and {len(faults) - MOST_FAULTS} more"
+    if len(faults) > MAX_FAULTS:
+        told += f"; and {len(faults) - MAX_FAULTS} more"
     return invalid_fields(told, named)
 
 
@@ -330,9 +330,9 @@ def _sentence(fault: FieldFault) -> str:
 
 
 def _shorten(text: str) -> str:
-    return text if len(text) <= LONGEST_TEXT else f"{text[: LONGEST_TEXT - 3]}..."
+    return text if len(text) <= MAX_TEXT_CHARACTERS else f"{text[: MAX_TEXT_CHARACTERS - 3]}..."
 
 
 def _echo(value: object) -> str:
     text = repr(value)
-    return text if len(text) <= LONGEST_ECHO else f"{text[: LONGEST_ECHO - 3]}..."
+    return text if len(text) <= MAX_ECHO_CHARACTERS else f"{text[: MAX_ECHO_CHARACTERS - 3]}..."

@@ -14,7 +14,7 @@ from service.workers.pool import WorkerPool
 
 CALLERS = 4
 SECONDS = 10.0
-MOST_MORE = 0.1
+MAX_SURPLUS = 0.1
 """How much more than the one with least a caller may get."""
 
 
@@ -55,6 +55,6 @@ def _fairness(how: str, answers: list[int]) -> Figure:
     return Figure(
         what=f"{CALLERS} callers at one worker {how}: how much more the first gets than the last",
         value=f"{100 * more:.0f} % ({', '.join(map(str, answers))} answers)",
-        limit=f"<= {100 * MOST_MORE:.0f} %",
-        met=more <= MOST_MORE,
+        limit=f"<= {100 * MAX_SURPLUS:.0f} %",
+        met=more <= MAX_SURPLUS,
     )

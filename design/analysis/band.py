@@ -14,7 +14,7 @@ from design.types import FloatArray
 BAND_STEP_RAD = 0.1
 """Turn of the last impulse's phase from one point of a band to the next, at most [rad]."""
 
-FEWEST_IN_BAND = 33
+MIN_BAND_POINTS = 33
 """Points at which a band is looked at, at least."""
 
 BLOCK = 100_000
@@ -88,7 +88,9 @@ def _largest_between(
     # Damping moves the pole by as much as frequency does, up to its ratio of frequency.
     reach = abs(along[0]) + max(start[0], end[0]) * abs(along[1])
     turns = mode.natural_frequency_rad_s * impulses.duration_s * reach
-    return largest_between(residuals, 0.0, 1.0, max(FEWEST_IN_BAND, int(turns / BAND_STEP_RAD) + 2))
+    return largest_between(
+        residuals, 0.0, 1.0, max(MIN_BAND_POINTS, int(turns / BAND_STEP_RAD) + 2)
+    )
 
 
 def _rings_within(

@@ -40,7 +40,7 @@ POLYNOMIAL_FROM = 2
 
 NODES = 17
 REACH_RAD = 1.0
-LARGEST_REACH = 0.3
+MAX_REACH = 0.3
 """Frequencies of that polynomial; the turn of the last phase from the middle one to the ends, which
 are at most a third away.
 
@@ -145,7 +145,7 @@ def certify(
     quantities = {promise.quantity for promise in promises}
     lasting_s = impulses.duration_s + (0.0 if swing is None else swing.delay_s)
     phase = max(1.0, mode.natural_frequency_rad_s * lasting_s)
-    step, reach = STEP_PHASE_RAD / phase, min(REACH_RAD / phase, LARGEST_REACH)
+    step, reach = STEP_PHASE_RAD / phase, min(REACH_RAD / phase, MAX_REACH)
     highest = max((ORDERS.get(name, 0) for name in quantities), default=0)
     beside = [np.zeros(0), step * np.array([-1.0, 1.0]), reach * chebyshev.chebpts1(NODES)]
     logarithms = np.concatenate(([0.0], beside[min(highest, POLYNOMIAL_FROM)]))

@@ -10,10 +10,10 @@ from design.analysis.vectors import evenly_spaced_vectors, residual_vectors
 from design.errors import InvalidInputError, SolverFailedError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 from design.types import FloatArray, require_between
 
-MOST_POINTS = 20_001
+MAX_CURVE_POINTS = 20_001
 """Longest curve, a bound on the work of one request."""
 
 RATIO_BOUNDS = (1e-6, 1e6)
@@ -37,13 +37,13 @@ class DampingRange:
     points: int = 101
 
     def __post_init__(self) -> None:
-        require_between("damping.from", self.start, 0.0, LARGEST_DAMPING_RATIO)
-        require_between("damping.to", self.stop, 0.0, LARGEST_DAMPING_RATIO)
+        require_between("damping.from", self.start, 0.0, MAX_DAMPING_RATIO)
+        require_between("damping.to", self.stop, 0.0, MAX_DAMPING_RATIO)
         if self.stop <= self.start:
             raise InvalidInputError(
                 "damping.to", self.stop, f"greater than from, {self.start!r}", code="range_reversed"
             )
-        require_between("damping.points", self.points, 2, MOST_POINTS)
+        require_between("damping.points", self.points, 2, MAX_CURVE_POINTS)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +78,7 @@ class SensitivityRange:
                 f"greater than from_ratio, {self.from_ratio!r}",
                 code="ratios_reversed",
             )
-        require_between("points", self.points, 2, MOST_POINTS)
+        require_between("points", self.points, 2, MAX_CURVE_POINTS)
         if not 0 < self.tolerance < 1:
             raise InvalidInputError(
                 "tolerance", self.tolerance, "between 0 and 1, both excluded", code="out_of_range"

@@ -14,13 +14,13 @@ from design.model.reference_ramps import ramp_factors
 SLOWEST = 100.0
 """Largest time constant of a set times the plant's natural frequency [-]."""
 
-LONGEST_RAMP_RAD = 6 * math.pi
+MAX_RAMP_RAD = 6 * math.pi
 """Longest ramp to full speed, three periods: the formulations integrate no longer ones [rad]."""
 
 RESONANCE = 1e-6
 """Below this ``|1/G|`` at the plant's pole, a set of the actuator rings with the plant [-]."""
 
-LIMITS = ("accel_limit_m_s2", "decel_limit_m_s2")
+LIMIT_FIELDS = ("accel_limit_m_s2", "decel_limit_m_s2")
 """Fields of the limits, in the order of the ramps that they make."""
 
 
@@ -65,13 +65,13 @@ def require_workable(mode: Mode, actuator: Actuator) -> None:
                 "without a pole at the plant's own, where it rings with it",
                 code="actuator_resonant",
             )
-    for name, ramp_s in zip(LIMITS, unit_ramps_s(actuator), strict=True):
+    for name, ramp_s in zip(LIMIT_FIELDS, unit_ramps_s(actuator), strict=True):
         turn = mode.natural_frequency_rad_s * ramp_s
-        if turn > LONGEST_RAMP_RAD:
+        if turn > MAX_RAMP_RAD:
             raise InvalidInputError(
                 f"actuator.{name}",
                 f"a ramp of {turn:.3g} rad of the plant's swing",
-                f"such that a ramp to or from full speed takes at most {LONGEST_RAMP_RAD:.5g} rad",
+                f"such that a ramp to or from full speed takes at most {MAX_RAMP_RAD:.5g} rad",
                 code="ramp_too_long",
             )
         left = abs(ramp_factors(np.array([mode.pole_rad_s]), np.array([ramp_s]))[0])

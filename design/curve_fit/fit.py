@@ -8,7 +8,7 @@ actuator's alone, smoothly: a few coefficients do.
 import math
 
 from design.curve_fit.exact_curve import ExactCurve
-from design.curve_fit.fit_range import HIGHEST_DEGREE, FitRange
+from design.curve_fit.fit_range import MAX_DEGREE, FitRange
 from design.curve_fit.polynomials import Fit
 from design.curve_fit.variable import axis_of_fit
 from design.errors import InfeasibleDesignError
@@ -54,7 +54,7 @@ def fit(
         return curve.fit(wanted.degree)
     limit = wanted.max_residual or 0.0
     best = math.inf, 0
-    for degree in range(HIGHEST_DEGREE + 1):
+    for degree in range(MAX_DEGREE + 1):
         tried = curve.fit(degree)
         if tried.worst_residual <= limit:
             return tried

@@ -34,8 +34,8 @@ from design.errors import InvalidInputError
 from design.export.firmware import firmware_lines, require_positive_row
 from design.export.kind import Export
 from design.export.klipper_shapers import (
-    LARGEST_DAMPING_RATIOS,
-    MOST_IMPULSES,
+    MAX_DAMPING_RATIOS,
+    MAX_IMPULSES,
     USUAL_TOLERANCE,
     klipper_impulses,
     older_klipper_impulses,
@@ -69,7 +69,7 @@ READ_AS_ZERO = 1e-3
 TOLERANCE_DECIMALS = 6
 """Klipper reads digits and a point in brackets, no exponent."""
 
-LEAST_TOLERANCE = 10.0**-TOLERANCE_DECIMALS
+MIN_TOLERANCE = 10.0**-TOLERANCE_DECIMALS
 
 ROUNDING = 1e-6
 """Of a tolerance over the least one: 0.29 over 1e-6 is 289999.99999999994 [-]."""
@@ -95,11 +95,11 @@ def check_klipper(head: TableHead) -> None:
             "ideal for Klipper: its shapers know no drive",
             code="klipper_knows_no_actuator",
         )
-    if isinstance(subject.options, MzvOptions) and subject.options.n > MOST_IMPULSES:
+    if isinstance(subject.options, MzvOptions) and subject.options.n > MAX_IMPULSES:
         raise InvalidInputError(
             "shaper.n",
             subject.options.n,
-            f"at most {MOST_IMPULSES} for Klipper",
+            f"at most {MAX_IMPULSES} for Klipper",
             code="too_many_for_klipper",
         )
     require_times(head)
@@ -130,11 +130,11 @@ def write_klipper(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
         where = f"row {rows.first + index}"
         plant, _, options = subject.at(paths, rows.fields[index].tolist())
         name, mode = NAMES[subject.kind.name], plant.modes[0]
-        if mode.damping_ratio > LARGEST_DAMPING_RATIOS[name]:
+        if mode.damping_ratio > MAX_DAMPING_RATIOS[name]:
             raise InvalidInputError(
                 f"damping_ratio of {where}",
                 mode.damping_ratio,
-                f"at most {LARGEST_DAMPING_RATIOS[name]} for Klipper's {name}",
+                f"at most {MAX_DAMPING_RATIOS[name]} for Klipper's {name}",
                 code="too_damped_for_klipper",
             )
         shaped = require_positive_row(head, rows, index, "Klipper")
@@ -194,8 +194,8 @@ def _exact(name: str, mode: Mode, options: object, shaped: Impulses, where: str)
 
 def _round_down(tolerance: float) -> float:
     """Return a tolerance that is written in full with `TOLERANCE_DECIMALS`."""
-    steps = math.floor(tolerance / LEAST_TOLERANCE + ROUNDING)
-    return float(f"{steps * LEAST_TOLERANCE:.{TOLERANCE_DECIMALS}f}")
+    steps = math.floor(tolerance / MIN_TOLERANCE + ROUNDING)
+    return float(f"{steps * MIN_TOLERANCE:.{TOLERANCE_DECIMALS}f}")
 
 
 def _line_read_by_most(row: Subject, name: str, told: float, claims: tuple[Claim, ...]) -> str:
@@ -245,8 +245,8 @@ def _fit(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str, li
             return _line_read_by_most(row, name, told, claims), _remark_on_fit(judged)
         # Klipper's fit leaves a little more than it is told to: told less, it leaves the tolerance.
         worst = max(claim.value / claim.limit for claim in judged)
-        told = _round_down(min(told / worst, told - LEAST_TOLERANCE))
-        if name != "ei" or told < LEAST_TOLERANCE:
+        told = _round_down(min(told / worst, told - MIN_TOLERANCE))
+        if name != "ei" or told < MIN_TOLERANCE:
             break
     broken = [claim for claim in judged if not claim.holds]
     raise InvalidInputError(

@@ -31,7 +31,7 @@ import numpy as np
 from design.model.impulses import Impulses
 from design.types import FloatArray
 
-LARGEST_DAMPING_RATIOS = {
+MAX_DAMPING_RATIOS = {
     "zv": 0.99,
     "mzv": 0.99,
     "zvd": 0.99,
@@ -41,7 +41,7 @@ LARGEST_DAMPING_RATIOS = {
 }
 """Largest damping ratio that Klipper takes for each shaper (shaper_defs.py, INPUT_SHAPERS)."""
 
-MOST_IMPULSES = 10
+MAX_IMPULSES = 10
 """Of one shaper (kin_shaper.c, struct shaper_pulses)."""
 
 USUAL_TOLERANCE = 0.05
@@ -92,7 +92,7 @@ def klipper_impulses(
     Parameters
     ----------
     shaper
-        A name of `LARGEST_DAMPING_RATIOS`.
+        A name of `MAX_DAMPING_RATIOS`.
     frequency_hz, damping_ratio
         Of the mode, as on the line [Hz], [-].
     impulses, periods
@@ -134,7 +134,7 @@ def older_klipper_impulses(shaper: str, frequency_hz: float, damping_ratio: floa
     Parameters
     ----------
     shaper
-        A name of `LARGEST_DAMPING_RATIOS`.
+        A name of `MAX_DAMPING_RATIOS`.
     frequency_hz, damping_ratio
         Of the mode, as on the line [Hz], [-].
 

@@ -32,7 +32,7 @@ from design.model.plants.registry import Plant
 from design.types import FloatArray
 
 PRESSES = 40
-SHORTEST_PRESS, LONGEST_PRESS = 0.025, 1.25
+MIN_PRESS, MAX_PRESS = 0.025, 1.25
 """Pulses that are tried, in periods of the slowest mode: from a tap to beyond any usual shaper."""
 
 LEVEL_MARGIN = 1e-9
@@ -140,7 +140,7 @@ def live_remarks(
 
 def _early_release_lines(row: Impulses, modes: tuple[Mode, ...], drive: Actuator) -> list[str]:
     period_s = max(mode.period_s for mode in modes)
-    presses_s = np.linspace(SHORTEST_PRESS, LONGEST_PRESS, PRESSES) * period_s
+    presses_s = np.linspace(MIN_PRESS, MAX_PRESS, PRESSES) * period_s
     early = early_releases(row, modes, drive, presses_s)
     beyond = f"; {100 * early.beyond:.0f} % of them go beyond 0 to 1" if early.beyond else ""
     return [

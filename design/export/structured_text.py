@@ -24,7 +24,7 @@ from design.export.program import (
 from design.tables.rows import WITH_DESIGN, Rows, TableHead
 from design.types import FloatArray
 
-NUMBERS_A_LINE = 8
+NUMBERS_PER_LINE = 8
 
 TABLE = Template("""\
 (* Times and amplitudes of one row. status 0: verified; 3: verified for an ideal actuator only;
@@ -238,8 +238,8 @@ def _literal(value: float) -> str:
 
 def _lines(texts: list[str]) -> str:
     lines = [
-        ", ".join(texts[start : start + NUMBERS_A_LINE])
-        for start in range(0, len(texts), NUMBERS_A_LINE)
+        ", ".join(texts[start : start + NUMBERS_PER_LINE])
+        for start in range(0, len(texts), NUMBERS_PER_LINE)
     ]
     return ",\n".join(f"        {line}" for line in lines)
 

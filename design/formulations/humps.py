@@ -26,10 +26,10 @@ NEWTON_STEPS = 25
 CONVERGED = 1e-12
 """Step, in radians, ratios and amplitudes, after which the next is rounding."""
 
-LARGEST_STEP = 1.0
+MAX_STEP = 1.0
 """A step longer than that has left the neighbourhood of the solution."""
 
-SHORTEST_SHARE = 1e-3
+MIN_SHARE = 1e-3
 """Shortest step on the way from the undamped shaper, over that way [-]."""
 
 Ends = tuple[float, float]
@@ -93,7 +93,7 @@ def follow_from_undamped(seed: str, damping_ratio: float, tolerance: float) -> H
                 found, reached = nearer, wanted
                 continue
             share /= 2
-            if share < SHORTEST_SHARE:
+            if share < MIN_SHARE:
                 damping, height = on(first + reached * (last - first))
                 raise InfeasibleDesignError(
                     f"of {seed} with humps of {tolerance:g} at a damping ratio of "
@@ -153,7 +153,7 @@ def solve_humps(start: Humps, damping_ratio: float, tolerance: float) -> Humps |
         except np.linalg.LinAlgError:
             return None
         length = float(np.abs(step).max())
-        if not length <= LARGEST_STEP:  # not a number is not
+        if not length <= MAX_STEP:  # not a number is not
             return None
         values[columns] += step
         if length <= CONVERGED:

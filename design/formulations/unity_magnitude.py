@@ -21,15 +21,13 @@ from design.types import FloatArray
 
 PERIOD_RAD = 2 * math.pi
 
-LARGEST_ALPHA = 2
+MAX_ALPHA = 2
 """Two unit vectors reach no further [-]."""
 
-SHORTEST_GAP_RAD = 1e-6
+MIN_GAP_RAD = 1e-6
 """Keeps the impulses in order; a thousandth of a degree of swing [rad]."""
 
-LAST_PULSE_VANISHES = (
-    f"its last pulse is shorter than impulses are kept apart, {SHORTEST_GAP_RAD:g} rad"
-)
+LAST_PULSE_VANISHES = f"its last pulse is shorter than impulses are kept apart, {MIN_GAP_RAD:g} rad"
 """What becomes of steps up and down in turn as damping grows: early swings decay by themselves."""
 
 ZV_POLYNOMIALS = (
@@ -189,7 +187,7 @@ def settling_gaps_rad(mode: Mode, actuator: Actuator, impulses: int, *, settle: 
     if settle:
         settling = actuator.accel_lag.settling_time_s(), actuator.decel_lag.settling_time_s()
     shortest = [
-        max(SHORTEST_GAP_RAD, w * (ramp_s + settling_s))
+        max(MIN_GAP_RAD, w * (ramp_s + settling_s))
         for ramp_s, settling_s in zip(ramps, settling, strict=True)
     ]
     return np.array([shortest[number % 2] for number in range(impulses - 1)])
@@ -288,7 +286,7 @@ def _seeds(
         gaps = np.array([
             after - before for before, after in zip([0.0, *times], times, strict=False)
         ])
-        if shortest.max() <= SHORTEST_GAP_RAD or (gaps >= shortest).all():
+        if shortest.max() <= MIN_GAP_RAD or (gaps >= shortest).all():
             seeds.append(Seed(name=name, gaps_rad=gaps))
     return tuple(seeds)
 
@@ -365,7 +363,7 @@ def undamped_times_rad(
 
 
 def _unit_triangle(alpha: float) -> tuple[float, float]:
-    if alpha > LARGEST_ALPHA:
+    if alpha > MAX_ALPHA:
         raise InfeasibleDesignError(
             f"alpha = |G_decel/G_accel| at the plant's frequency is {alpha!r}, and the vector "
             "diagram of three unit impulses closes only for alpha <= 2",

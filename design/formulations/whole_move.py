@@ -23,7 +23,7 @@ from design.types import FloatArray
 TRAIN_PERIODS = (1.0, 0.6, 1.4)
 """Lengths of the pulse trains that a short move may start from, in undamped periods [-]."""
 
-FULLEST_TRAIN = 0.9
+MAX_TRAIN_SHARE = 0.9
 """Largest share of a pulse train in which it is on [-]."""
 
 
@@ -180,7 +180,7 @@ def pulse_trains(problem: Problem) -> list[FloatArray]:
             [1] * pulses,
         ):
             widths = on * np.array(weights) / sum(weights)
-            apart = max(spacing, float(widths.max()) / FULLEST_TRAIN)
+            apart = max(spacing, float(widths.max()) / MAX_TRAIN_SHARE)
             gaps = np.empty(2 * pulses - 1)
             gaps[0::2] = widths
             gaps[1::2] = apart - (widths[:-1] + widths[1:]) / 2

@@ -13,13 +13,13 @@ from design.maps.map_case import OF_ACTUATORS, OF_DESIGNS, Cell, Map, MapCase, R
 from design.maps.of_designs import quantities_of_designs
 from design.types import FloatArray, require_scale
 
-MOST_CELLS = 20_000
+MAX_CELLS = 20_000
 """Largest map of a command that is held, or of gains [cells]."""
 
-MOST_DESIGNS = 2_000
+MAX_DESIGNS = 2_000
 """Largest map whose every cell is designed [cells]."""
 
-MOST_MOVES = 500
+MAX_MOVES = 500
 """Largest map in whose every cell a whole move is solved, up to 50 ms each [cells]."""
 
 
@@ -125,9 +125,9 @@ def _require_bounded(case: MapCase, x: Axis, y: Axis | None) -> None:
             "y.field", "/".join(y.path), "another field than that of x", code="axes_alike"
         )
     cells = x.values.size * (1 if y is None else y.values.size)
-    most = MOST_CELLS
+    most = MAX_CELLS
     if isinstance(case.shaper, Recipe) and case.shaper.each:
-        most = MOST_DESIGNS if case.move is None else MOST_MOVES
+        most = MAX_DESIGNS if case.move is None else MAX_MOVES
     if cells > most:
         raise InvalidInputError(
             "x.points", f"{cells} cells", f"of a map of at most {most} cells", code="too_many_cells"

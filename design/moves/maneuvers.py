@@ -27,7 +27,7 @@ from design.shapers.options import PeakOptions, SettleOptions, ShaperOptions
 from design.solving.solve import solve
 from design.types import LARGEST, SMALLEST, require_scale
 
-LONGEST_PERIODS = 500.0
+MAX_PERIODS = 500.0
 """Longest pulse: up to it the certificate's slope, by differencing, stays clear of rounding [-]."""
 
 MUCH_STEEPER = 10.0
@@ -164,11 +164,11 @@ def maneuver(
     require_speed(actuator, speed_m_s)
     direction = _direction(plant.mode, speed_m_s, pulse_s, distance_m)
     swing = free_swing(plant, initial, direction * abs(speed_m_s), actuator.dead_time_s)
-    if swing is not None and swing.delay_s > LONGEST_PERIODS * plant.mode.period_s:
+    if swing is not None and swing.delay_s > MAX_PERIODS * plant.mode.period_s:
         raise InvalidInputError(
             "actuator.dead_time_s",
             swing.delay_s,
-            f"at most {LONGEST_PERIODS:g} periods of the plant where it swings already",
+            f"at most {MAX_PERIODS:g} periods of the plant where it swings already",
             code="dead_time_too_long",
         )
     parts = _parts(plant, actuator, kind, kind.options() if options is None else options)
@@ -331,11 +331,11 @@ def _direction(
 
 
 def _require_provable(name: str, value: float, travel_s: float, mode: Mode) -> None:
-    if travel_s > LONGEST_PERIODS * mode.period_s:
+    if travel_s > MAX_PERIODS * mode.period_s:
         raise InvalidInputError(
             name,
             value,
-            f"no longer at this speed than {LONGEST_PERIODS:g} periods of the plant",
+            f"no longer at this speed than {MAX_PERIODS:g} periods of the plant",
             code="move_too_long",
         )
 

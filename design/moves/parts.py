@@ -23,7 +23,7 @@ from design.solvers.search import candidates
 from design.solvers.solution import of_gaps
 from design.types import FloatArray
 
-SHORTEST_START_SHARE = 1 / 512
+MIN_START_SHARE = 1 / 512
 """The same of a start, which Newton's method follows [-]."""
 
 REST_TIME_CONSTANTS = 50.0
@@ -169,7 +169,7 @@ def with_swing(parts: Parts, swing: FreeSwing) -> Parts:
         ordered = (end.unknowns[0] >= shortest).all()
         return end.unknowns[0] if end.converged[0] and ordered else None
 
-    path = follow(w * np.diff(parts.start.times_s), root, SHORTEST_START_SHARE)
+    path = follow(w * np.diff(parts.start.times_s), root, MIN_START_SHARE)
     problem = Problem(
         model=model,
         parameters=parameters(1.0),

@@ -16,7 +16,7 @@ from design.model.plants.mode import Mode
 from design.sampling.sample_grid import ON_SAMPLE, split
 from design.types import SMALLEST, FloatArray, require_between
 
-MOST_SAMPLES = 100_000
+MAX_SAMPLES = 100_000
 """Longest program, a bound on the work of one request."""
 
 
@@ -84,11 +84,11 @@ def program(
     """
     require_between("sample_time_s", sample_time_s, SMALLEST, max(command.duration_s, SMALLEST))
     samples = math.ceil(command.duration_s / sample_time_s - ON_SAMPLE)
-    if samples >= MOST_SAMPLES:
+    if samples >= MAX_SAMPLES:
         raise InvalidInputError(
             "sample_time_s",
             sample_time_s,
-            f"such that there are fewer than {MOST_SAMPLES} samples",
+            f"such that there are fewer than {MAX_SAMPLES} samples",
             code="too_many_samples",
         )
     played = split(command, sample_time_s)

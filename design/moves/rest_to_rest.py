@@ -30,17 +30,17 @@ TRAVEL_ITERATIONS = 8
 PULSE_ITERATIONS = 60
 """Where a slow actuator barely comes to rest within the pulse, an iteration gains little [-]."""
 
-LARGEST_TRAVEL_ERROR = 1e-12
+MAX_TRAVEL_ERROR = 1e-12
 """Relative error of the distance beyond which a move is not returned [-]."""
 
 COMPRESSED = 0.95
 """Share of the pulse into which a compressed start is squeezed [-]."""
 
-SHORTEST_SHARE = 1 / 32
+MIN_SHARE = 1 / 32
 """Step of the swing's share at which a whole move is no longer followed: IPOPT takes a tenth of a
 second to fail [-]."""
 
-SMALLEST_SLOPE = 0.1
+MIN_SLOPE = 0.1
 """Change of travel per travel asked below which the secant is not trusted [-]."""
 
 
@@ -212,7 +212,7 @@ def _follow_as_one(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Pa
         in_time = end.unknowns.sum() <= problem.horizon_rad
         return end.unknowns if end.status is Status.SOLVE_SUCCEEDED and in_time else None
 
-    return follow(candidate.gaps_rad, solve_share, SHORTEST_SHARE)
+    return follow(candidate.gaps_rad, solve_share, MIN_SHARE)
 
 
 def _travelling(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Impulses:
@@ -230,11 +230,11 @@ def _travelling(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Impul
     for _ in range(TRAVEL_ITERATIONS):
         candidate, command = _fastest(parts, target_s, seeds)
         miss_s = wanted_s - travel(command, parts.actuator)
-        if abs(miss_s) <= LARGEST_TRAVEL_ERROR * wanted_s:
+        if abs(miss_s) <= MAX_TRAVEL_ERROR * wanted_s:
             return command
         slope = (last_miss_s - miss_s) / (target_s - last_s) if target_s != last_s else 1.0
         last_s, last_miss_s = target_s, miss_s
-        target_s += miss_s / (slope if slope > SMALLEST_SLOPE else 1.0)
+        target_s += miss_s / (slope if slope > MIN_SLOPE else 1.0)
         if target_s <= 0:
             break
         seeds = (Seed(name="last", gaps_rad=candidate.gaps_rad),)
@@ -298,4 +298,4 @@ def _overlapping_seeds(parts: Parts, pulse_s: float) -> tuple[Seed, ...]:
 def _travels(parts: Parts, command: Impulses, wanted_s: float | None) -> bool:
     if wanted_s is None:
         return True
-    return abs(travel(command, parts.actuator) - wanted_s) <= LARGEST_TRAVEL_ERROR * wanted_s
+    return abs(travel(command, parts.actuator) - wanted_s) <= MAX_TRAVEL_ERROR * wanted_s

@@ -20,7 +20,7 @@ from design.recommendations.choices import Choice
 from design.recommendations.requirements import Question
 from design.sampling.left import cuts_ramps
 from design.sampling.sampled_design import SAMPLE_TOLERANCE, sampled_design
-from design.shapers.several_modes import FREQUENCIES_A_RADIAN, impulses_of
+from design.shapers.several_modes import FREQUENCIES_PER_RADIAN, impulses_of
 from design.solvers.budget import Budget
 
 TIGHTENED, TIGHTENED_ON_SAMPLES = 6, 2
@@ -41,11 +41,11 @@ AIM, ENOUGH = 1 - 1e-3, 0.99
 SLOWER = 1.01
 """Duration over the first one's for which it goes on: that of most kinds is one for all [-]."""
 
-LONGEST_PERIODS = {"positive": 12.0, "negative": 4.0}
+MAX_PERIODS = {"positive": 12.0, "negative": 4.0}
 """Shapers over a band that are searched, in periods as of `_periods`, by their amplitudes: longer
 ones cost ten seconds and more each, as measured for bands to 0.9 and tolerances to 0.001."""
 
-MOST_WORK_A_SHAPER = 2_000_000
+MAX_WORK_PER_SHAPER = 2_000_000
 """What one shaper may take of the budget, designed anew for smaller tolerances too [units]."""
 
 DESIGN_WORK = 20_000.0
@@ -54,7 +54,7 @@ DESIGN_WORK = 20_000.0
 SAMPLED_WORK, UNITY_SAMPLED_WORK, CUT_SAMPLED_WORK = 30_000.0, 400_000.0, 2_000_000.0
 """Work of bringing a shaper to samples: of one sign, of both, with ramps that are cut [units]."""
 
-MOST_CONVOLVED = 130
+MAX_CONVOLVED_IMPULSES = 130
 """Impulses of a convolved shaper that is asked, at most: three modes with five each [-]."""
 
 WITHIN = 1 + 1e-9
@@ -129,7 +129,7 @@ def try_choice(choice: Choice, question: Question, budget: Budget) -> Designed |
         )
     if "half_width" in choice.options and hasattr(kind.options, "amplitudes"):
         periods = _periods(choice.options["half_width"], asked.tolerance)
-        if periods > LONGEST_PERIODS[choice.options.get("amplitudes", "positive")]:
+        if periods > MAX_PERIODS[choice.options.get("amplitudes", "positive")]:
             return Refused(
                 choice=choice,
                 reason="is not searched: over this band an undamped positive shaper within "
@@ -139,12 +139,12 @@ def try_choice(choice: Choice, question: Question, budget: Budget) -> Designed |
             )
     try:
         impulses = _count_convolved(choice, question)
-        if impulses > MOST_CONVOLVED:
+        if impulses > MAX_CONVOLVED_IMPULSES:
             return Refused(
                 choice=choice,
                 reason=f"is not designed: convolved for {len(question.nominal)} modes it has "
-                f"{impulses} impulses, and to prove what more than {MOST_CONVOLVED} leave over a "
-                "band takes too long",
+                f"{impulses} impulses, and to prove what more than {MAX_CONVOLVED_IMPULSES} leave "
+                "over a band takes too long",
                 searched=False,
             )
         if budget.spent:
@@ -154,7 +154,7 @@ def try_choice(choice: Choice, question: Question, budget: Budget) -> Designed |
                 "take less",
                 searched=False,
             )
-        own = budget.part(MOST_WORK_A_SHAPER)
+        own = budget.part(MAX_WORK_PER_SHAPER)
         try:
             first = design_choice(choice, question, own)
             over = first.worst_residual / asked.tolerance
@@ -350,7 +350,7 @@ def _work_of_worst(found: Design, question: Question) -> float:
     radians = (band[1] - band[0]) * duration * sum(
         mode.natural_frequency_rad_s for mode in question.designed_for
     )  # fmt: skip
-    return question.actuator.PROOF_WORK * impulses * FREQUENCIES_A_RADIAN * radians * lines
+    return question.actuator.PROOF_WORK * impulses * FREQUENCIES_PER_RADIAN * radians * lines
 
 
 def _worst(found: Design, question: Question) -> float:

@@ -14,7 +14,7 @@ from design.model.impulses import Impulses
 from design.recommendations.candidates import WITHIN, Designed
 from design.recommendations.requirements import Question
 
-MOST_SHOWN = 4
+MAX_SHOWN_AMPLITUDES = 4
 """Amplitudes that a reason repeats."""
 
 ROUNDING = 1e-9
@@ -240,7 +240,10 @@ def _sign_in_words(impulses: Impulses, sign: str, *, met: bool) -> str:
     if met:
         return "its impulses are +1 and -1 in turn"
     told = [f"{amplitude:.3g}" for amplitude in impulses.amplitudes.tolist()]
-    shown = ", ".join([*told[:MOST_SHOWN], *(["..."] if len(told) > MOST_SHOWN else [])])
+    shown = ", ".join([
+        *told[:MAX_SHOWN_AMPLITUDES],
+        *(["..."] if len(told) > MAX_SHOWN_AMPLITUDES else []),
+    ])
     return f"its impulses are {shown}, not +1 and -1 in turn"
 
 

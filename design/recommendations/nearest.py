@@ -14,7 +14,7 @@ from design.solvers.budget import Budget
 HALVINGS = 6
 """Of the way between two tolerances: a sixty-fourth of their quotient's logarithm is left."""
 
-MOST_REASONS = 3
+MAX_REASONS = 3
 """Refusals that are repeated where nothing at all could be designed."""
 
 
@@ -66,7 +66,7 @@ def unmet(
         With the nearest shapers; to be raised by the caller.
     """
     if not ranked:
-        reasons = [f"{one.choice.name}: {one.reason}" for one in refused[:MOST_REASONS]]
+        reasons = [f"{one.choice.name}: {one.reason}" for one in refused[:MAX_REASONS]]
         return InfeasibleDesignError(
             f"no shaper could be designed; {'; '.join(reasons)}", code="none_designed"
         )
@@ -219,7 +219,7 @@ def _eased_candidates(
         choice = candidate.designed.choice
         if candidate.duration_s <= longest or "half_width" not in choice.options:
             continue
-        low, high = question.requirements.tolerance, min([*short, LARGEST_TOLERANCE])
+        low, high = question.requirements.tolerance, min([*short, MAX_TOLERANCE])
         if high <= low:
             continue
         for _ in range(HALVINGS):
@@ -234,7 +234,7 @@ def _eased_candidates(
             high = middle
 
 
-LARGEST_TOLERANCE = 0.5
+MAX_TOLERANCE = 0.5
 """Largest residual over a band that a shaper is designed for: above it little is suppressed [-]."""
 
 

@@ -23,7 +23,7 @@ NO_GAIN = 1 + 1e-6
 SAME = 1e-6
 """Shapers whose times over their duration, and amplitudes, differ by less are the same [-]."""
 
-MOST_WORK = 3_000_000
+MAX_WORK_PER_RECOMMENDATION = 3_000_000
 """What all searches of one recommendation may take: judging takes a second besides [units]."""
 
 DIGITS = 6
@@ -107,7 +107,7 @@ def recommend(plant: Plant, actuator: Actuator, requirements: Requirements) -> R
         if serves(kind, question)
         for choice in choices(kind, question)
     ]
-    budget = Budget(most=MOST_WORK)
+    budget = Budget(most=MAX_WORK_PER_RECOMMENDATION)
     for choice in sorted(asked, key=lambda one: effort(one, question)):
         made = try_choice(choice, question, budget)
         if isinstance(made, Refused):

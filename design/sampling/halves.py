@@ -19,17 +19,17 @@ Each sample more doubles the number of commands; one period more is about what U
 robustness, and so a price that is paid elsewhere.
 """
 
-MOST_POSITIONS = 32
+MAX_POSITIONS = 32
 """Positions that commands are listed on: two halves of 2^15 each. On a finer grid every second,
 third, ... sample is a position, and the best are moved sample by sample afterwards [-]."""
 
-FINEST_NET = 1e-3
+MIN_NET = 1e-3
 """What commands leave at most in the first, finest net cast for them [-]."""
 
-WIDEST_NET = 1.0
+MAX_NET = 1.0
 """No command that leaves more than an unshaped step is of interest [-]."""
 
-MOST_PAIRS = 2_000_000
+MAX_PAIRS = 2_000_000
 """Pairs of halves in one net, a bound on work and memory: it is narrowed to it [-]."""
 
 
@@ -96,7 +96,7 @@ def list_halves(
     """
     longest_s = impulses.duration_s + ADDED_PERIODS * mode.period_s
     longest = math.floor(longest_s / sample_time_s)
-    stride = -(-longest // MOST_POSITIONS)
+    stride = -(-longest // MAX_POSITIONS)
     positions = longest // stride + 1
     times = stride * sample_time_s * np.arange(positions)
     middle = positions // 2
@@ -173,10 +173,10 @@ def match_halves(listed: ListedHalves, count: int, *, slope: bool, tolerance: fl
     damping_rad_s = listed.pole_rad_s.real
     enough = 1 if listed.exact else WANTED
     found: IntArray = np.zeros((0, count), dtype=int)
-    net = max(tolerance, FINEST_NET)
-    while _pairs(halves, damping_rad_s, net) > MOST_PAIRS:
+    net = max(tolerance, MIN_NET)
+    while _pairs(halves, damping_rad_s, net) > MAX_PAIRS:
         net /= 2
-    while halves and net <= WIDEST_NET and _pairs(halves, damping_rad_s, net) <= MOST_PAIRS:
+    while halves and net <= MAX_NET and _pairs(halves, damping_rad_s, net) <= MAX_PAIRS:
         caught = [_catch(*pair, damping_rad_s, net, slope=slope) for pair in halves]
         changes = np.concatenate([changes for changes, _ in caught])
         left = np.concatenate([left for _, left in caught])

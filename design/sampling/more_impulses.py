@@ -19,16 +19,16 @@ from design.sampling.left import TIE, cuts_ramps, residuals_of_many
 from design.sampling.sample_grid import IntArray, nearest_integers
 from design.types import FloatArray
 
-MOST_MATCHED = 300
+MAX_MATCHES = 300
 """The same for commands of more impulses, for each number: the best superposed [-]."""
 
-MOST_ADDED = 6
+MAX_ADDED_IMPULSES = 6
 """Impulses that are added at most, two at a time, as the command must end at full speed [-]."""
 
 DESCENTS = 3
 """The best of those, whose impulses are then moved [-]."""
 
-MOST_ROUNDS = 20
+MAX_ROUNDS = 20
 """Moves of two impulses, one after the other, until none leaves less: a few do [-]."""
 
 SHORT_REACH = 2
@@ -84,14 +84,16 @@ def more_impulses_on_grid(
     listed = list_halves(impulses, mode, actuator, sample_time_s)
     height = float(impulses.amplitudes[0])
     one_by_one = cuts_ramps(impulses, actuator, sample_time_s)
-    for count in range(impulses.times_s.size + 2, impulses.times_s.size + MOST_ADDED + 1, 2):
+    for count in range(
+        impulses.times_s.size + 2, impulses.times_s.size + MAX_ADDED_IMPULSES + 1, 2
+    ):
         signs = (-1.0) ** np.arange(count)
         samples = listed.stride * match_halves(listed, count, slope=slope, tolerance=tolerance)
         if not samples.size:
             continue
         left_of = partial(_residuals_at, sample_time_s, signs, mode, actuator, slope)
         if one_by_one:
-            samples = samples[:MOST_MATCHED]
+            samples = samples[:MAX_MATCHES]
         left = left_of(samples)
         # Where ramps are cut, thousands of moves would be computed one by one.
         descents = 0 if one_by_one else DESCENTS
@@ -130,7 +132,7 @@ def _descend(
     for row, (pair, first, second) in enumerate(pairs):
         moves[row, list(pair)] = first, second
     best, least = samples, math.inf
-    for _ in range(MOST_ROUNDS):
+    for _ in range(MAX_ROUNDS):
         moved = best + moves
         ordered = np.all(np.diff(moved, axis=1) > 0, axis=1)
         moved = moved[ordered & (moved[:, -1] <= longest)]

@@ -20,7 +20,7 @@ ON_SAMPLE = 1e-9
 """Closer than this to a sample counts as on it: a quotient of two times has rounding [samples]."""
 
 
-MOST_SAMPLES = 1_000_000
+MAX_SAMPLES = 1_000_000
 """Most samples from time 0 to an impulse: times in samples then keep the digits of `ON_SAMPLE`."""
 
 
@@ -232,11 +232,11 @@ def _require_grid(impulses: Impulses, sample_time_s: float, longest_s: float, wh
             f"at most {what}, {longest_s:g}",
             code="sample_time_too_long",
         )
-    shortest_s = float(np.max(np.abs(impulses.times_s))) / MOST_SAMPLES
+    shortest_s = float(np.max(np.abs(impulses.times_s))) / MAX_SAMPLES
     if sample_time_s < shortest_s:
         raise InvalidInputError(
             "sample_time_s",
             sample_time_s,
-            f"at least {shortest_s:g}, for all impulses to lie within {MOST_SAMPLES:,} samples",
+            f"at least {shortest_s:g}, for all impulses to lie within {MAX_SAMPLES:,} samples",
             code="sample_time_too_short",
         )

@@ -16,13 +16,13 @@ from design.model.plants.mode import Mode
 from design.sampling.left import TIE, Band, cuts_ramps, largest_over_band, residuals_of_many
 from design.sampling.sample_grid import IntArray, nearest_integers, require_gaps
 
-WIDEST_REACH = 4
+MAX_REACH = 4
 """Samples on each side of an impulse that are looked at [-]."""
 
-MOST_CANDIDATES = 50_000
+MAX_CANDIDATES = 50_000
 """Largest number of rounded shapers that one search compares; it narrows for more impulses."""
 
-MOST_ONE_BY_ONE = 1_000
+MAX_CUT_CANDIDATES = 1_000
 """The same where ramps are cut, so that the formula of many commands at once does not hold: each
 takes some one or two milliseconds then."""
 
@@ -74,7 +74,7 @@ def unity_on_grid(
     require_workable(mode, actuator)
     require_gaps(impulses, sample_time_s)
     cut = cuts_ramps(impulses, actuator, sample_time_s)
-    most = MOST_ONE_BY_ONE if cut else MOST_CANDIDATES
+    most = MAX_CUT_CANDIDATES if cut else MAX_CANDIDATES
     samples = _choices(nearest_integers(impulses.times_s / sample_time_s), most)
     times = samples * sample_time_s
     if band is None:
@@ -88,8 +88,8 @@ def unity_on_grid(
 def _choices(centres: IntArray, most: int) -> IntArray:
     """Every ordered choice of samples around the centres, in lexical order, shape (m, n)."""
     free = centres.size - 1
-    reach = WIDEST_REACH
-    while (2 * reach + 1) ** free > (most if reach > 1 else MOST_CANDIDATES):
+    reach = MAX_REACH
+    while (2 * reach + 1) ** free > (most if reach > 1 else MAX_CANDIDATES):
         reach -= 1
     if reach == 0:
         raise InvalidInputError(

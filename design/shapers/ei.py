@@ -14,8 +14,8 @@ from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
 from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DesignCase, KindOf, ShaperKind
 from design.shapers.options import (
-    LARGEST_TOLERANCE,
-    SMALLEST_TOLERANCE,
+    MAX_TOLERANCE,
+    MIN_TOLERANCE,
     ShaperOptions,
     tolerance_field,
 )
@@ -36,7 +36,7 @@ class ToleranceOptions(ShaperOptions):
     tolerance: float = tolerance_field("Residual vibration that each hump of the curve reaches.")
 
     def __post_init__(self) -> None:
-        require_between("tolerance", self.tolerance, SMALLEST_TOLERANCE, LARGEST_TOLERANCE)
+        require_between("tolerance", self.tolerance, MIN_TOLERANCE, MAX_TOLERANCE)
 
 
 def extra_insensitive(case: DesignCase[ToleranceOptions], *, seed: str) -> Formulation:

@@ -9,7 +9,7 @@ from design.errors import InvalidInputError
 from design.formulations.formulation import Formulation
 from design.model.actuators.rate_limited import Unlimited
 from design.model.actuators.registry import Actuator
-from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 from design.shapers.options import ShaperOptions
 
 Options = TypeVar("Options", bound=ShaperOptions)
@@ -85,7 +85,7 @@ class CompiledRows:
     closed_form_undamped: bool = False
 
 
-EVERY_PLANT = DampingBound(most=LARGEST_DAMPING_RATIO, beyond="there is no such plant")
+EVERY_PLANT = DampingBound(most=MAX_DAMPING_RATIO, beyond="there is no such plant")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -30,7 +30,7 @@ SOURCE = (
     "J. Dyn. Sys., Meas., Control 119 (1997)"
 )
 
-LONGEST_PERIODS = 3.0
+MAX_PERIODS = 3.0
 """Longest of these shapers that is searched, in damped periods [-]."""
 
 HALVINGS = 60
@@ -95,7 +95,7 @@ def sna_zv(case: DesignCase[NegativeOptions]) -> Formulation:
         mode,
         actuator,
         settle=False,
-        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
+        max_duration_periods=damped_periods(mode, MAX_PERIODS),
         amplitudes=amplitudes,
     )
 
@@ -160,7 +160,7 @@ def sna_zvd(case: DesignCase[NegativeOptions]) -> Formulation:
         mode,
         actuator,
         settle=False,
-        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
+        max_duration_periods=damped_periods(mode, MAX_PERIODS),
         amplitudes=_decaying(b, math.exp(y * z / damped)),
         seeds=(Seed(name="undamped_mirror_image", gaps_rad=np.diff(near)),),
     )

@@ -32,8 +32,8 @@ from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.shapers.kind import EVERY_ACTUATOR, DesignCase, KindOf, ShaperKind
 from design.shapers.options import (
-    LARGEST_TOLERANCE,
-    SMALLEST_TOLERANCE,
+    MAX_TOLERANCE,
+    MIN_TOLERANCE,
     SettleOptions,
     tolerance_field,
 )
@@ -57,7 +57,7 @@ rounding, which IPOPT wants below 1e-12; with as many equations as unknowns they
 RATIO_BOUNDS = (0.01, 100.0)
 """How far zeros and peaks of the curve are looked for, ratios of the nominal frequency [-]."""
 
-NEAREST_TO_ONE = 1e-4
+MIN_DISTANCE_FROM_ONE = 1e-4
 """How near to 1 a zero or peak may be, other than that which is there: apart at all [-]."""
 
 
@@ -75,7 +75,7 @@ class HumpOptions(SettleOptions):
 
     def __post_init__(self) -> None:
         SettleOptions.__post_init__(self)
-        require_between("tolerance", self.tolerance, SMALLEST_TOLERANCE, LARGEST_TOLERANCE)
+        require_between("tolerance", self.tolerance, MIN_TOLERANCE, MAX_TOLERANCE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -193,8 +193,8 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
             within(options.tolerance, band=None),
         ),
         ratios=Ratios(
-            lowest=np.where(below, lowest, 1 + NEAREST_TO_ONE),
-            highest=np.where(below, 1 - NEAREST_TO_ONE, highest),
+            lowest=np.where(below, lowest, 1 + MIN_DISTANCE_FROM_ONE),
+            highest=np.where(below, 1 - MIN_DISTANCE_FROM_ONE, highest),
             usual=_moving(near),
         ),
     )

@@ -5,16 +5,16 @@ from typing import ClassVar, Self
 
 from design.types import require_between
 
-SHORTEST_HORIZON_PERIODS = 0.1
-LONGEST_HORIZON_PERIODS = 100.0
+MIN_HORIZON_PERIODS = 0.1
+MAX_HORIZON_PERIODS = 100.0
 """Bounds of how long a shaper is searched, in undamped periods [-]."""
 
-SMALLEST_PEAK = 0.01
-LARGEST_PEAK = 100.0
+MIN_PEAK = 0.01
+MAX_PEAK = 100.0
 """Bounds of the peak command over the cruise speed: beyond them one of the two is nothing [-]."""
 
 
-SMALLEST_TOLERANCE, LARGEST_TOLERANCE = 1e-3, 0.5
+MIN_TOLERANCE, MAX_TOLERANCE = 1e-3, 0.5
 """Bounds of a tolerance: below, zeros do as well; above, hardly any shaper is needed [-]."""
 
 USUAL_TOLERANCE = 0.05
@@ -24,14 +24,14 @@ USUAL_TOLERANCE = 0.05
 def tolerance_field(description: str) -> float:
     """Return the field of a tolerance, with default and bounds.
 
-    The bounds are `SMALLEST_TOLERANCE` and `LARGEST_TOLERANCE`.
+    The bounds are `MIN_TOLERANCE` and `MAX_TOLERANCE`.
     """
     return field(
         default=USUAL_TOLERANCE,
         metadata={
             "description": description,
-            "ge": SMALLEST_TOLERANCE,
-            "le": LARGEST_TOLERANCE,
+            "ge": MIN_TOLERANCE,
+            "le": MAX_TOLERANCE,
         },
     )
 
@@ -89,8 +89,8 @@ class SettleOptions(ShaperOptions):
         default=3.0,
         metadata={
             "description": "Longest shaper searched, in undamped periods of the plant.",
-            "ge": SHORTEST_HORIZON_PERIODS,
-            "le": LONGEST_HORIZON_PERIODS,
+            "ge": MIN_HORIZON_PERIODS,
+            "le": MAX_HORIZON_PERIODS,
         },
     )
 
@@ -98,8 +98,8 @@ class SettleOptions(ShaperOptions):
         require_between(
             "max_duration_periods",
             self.max_duration_periods,
-            SHORTEST_HORIZON_PERIODS,
-            LONGEST_HORIZON_PERIODS,
+            MIN_HORIZON_PERIODS,
+            MAX_HORIZON_PERIODS,
         )
 
 
@@ -117,14 +117,14 @@ class PeakOptions(SettleOptions):
         default=1.0,
         metadata={
             "description": "Peak of the command, over its cruise speed.",
-            "ge": SMALLEST_PEAK,
-            "le": LARGEST_PEAK,
+            "ge": MIN_PEAK,
+            "le": MAX_PEAK,
         },
     )
 
     def __post_init__(self) -> None:
         SettleOptions.__post_init__(self)
-        require_between("max_velocity_ratio", self.max_velocity_ratio, SMALLEST_PEAK, LARGEST_PEAK)
+        require_between("max_velocity_ratio", self.max_velocity_ratio, MIN_PEAK, MAX_PEAK)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -19,7 +19,7 @@ from design.model.actuators.ideal import Ideal
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import ROUNDING, Impulses
-from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 from design.shapers.kind import (
     EVERY_ACTUATOR_BY_ITS_LAG,
     DampingBound,
@@ -42,7 +42,7 @@ LAST_IS_ROUNDING = f"its last impulse is less than {ROUNDING:g} of the command, 
 
 BINOMIALS = ((1.0, 1.0), (1.0, 2.0, 1.0), (1.0, 3.0, 3.0, 1.0), (1.0, 4.0, 6.0, 4.0, 1.0))
 
-FEWEST_MZV, MOST_MZV = 3, 12
+MIN_MZV, MAX_MZV = 3, 12
 """Impulses of an MZV: from twelve on its zeros lie so close that a wide band costs little more."""
 
 MZV_DURATION = 0.75
@@ -121,7 +121,7 @@ def damping_bound(weights: tuple[float, ...], spacing_rad: float) -> DampingBoun
         else:
             low = z
     rounded = math.floor(low / DAMPING_STEP) * DAMPING_STEP
-    return DampingBound(most=min(round(rounded, 2), LARGEST_DAMPING_RATIO), beyond=LAST_IS_ROUNDING)
+    return DampingBound(most=min(round(rounded, 2), MAX_DAMPING_RATIO), beyond=LAST_IS_ROUNDING)
 
 
 def _last_is_rounding(weights: tuple[float, ...], spacing_rad: float, damping_ratio: float) -> bool:
@@ -191,8 +191,8 @@ class MzvOptions(ShaperOptions):
     """
 
     n: int = field(
-        default=FEWEST_MZV,
-        metadata={"description": "Number of impulses.", "ge": FEWEST_MZV, "le": MOST_MZV},
+        default=MIN_MZV,
+        metadata={"description": "Number of impulses.", "ge": MIN_MZV, "le": MAX_MZV},
     )
     t: float | None = field(
         default=None,
@@ -216,7 +216,7 @@ class MzvOptions(ShaperOptions):
     def __post_init__(self) -> None:
         if not isinstance(self.n, int):
             raise InvalidInputError("n", self.n, "a whole number", code="not_whole")
-        require_between("n", self.n, FEWEST_MZV, MOST_MZV)
+        require_between("n", self.n, MIN_MZV, MAX_MZV)
         if self.t is not None and self.tau is not None:
             raise InvalidInputError(
                 "tau", self.tau, "left out where t is given", code="duration_said_twice"

@@ -21,7 +21,7 @@ SOURCE = (
     "J. Dyn. Sys., Meas., Control 119 (1997)"
 )
 
-LONGEST_PERIODS = 1.5
+MAX_PERIODS = 1.5
 """Both shapers take less than one damped period [-]."""
 
 
@@ -42,7 +42,7 @@ def umzv(case: DesignCase[NoOptions]) -> Formulation:
         mode,
         Ideal(),
         settle=False,
-        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
+        max_duration_periods=damped_periods(mode, MAX_PERIODS),
     )
 
 
@@ -54,7 +54,7 @@ def umzvd(case: DesignCase[NoOptions]) -> Formulation:
         mode,
         Ideal(),
         settle=False,
-        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
+        max_duration_periods=damped_periods(mode, MAX_PERIODS),
     )
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from design.trace import TraceStep
 
-MOST_WORK = 4_000_000
+MAX_WORK_PER_DESIGN = 4_000_000
 """What the search for one design may take [units]."""
 
 
@@ -27,7 +27,7 @@ class Budget:
         Steps of the search, in order, of one that is watched; None of others.
     """
 
-    most: float = MOST_WORK
+    most: float = MAX_WORK_PER_DESIGN
     done: float = 0.0
     trace: list[TraceStep] | None = None
 

@@ -22,7 +22,7 @@ BRANCH_STARTS = 1024
 HORIZONS_PERIODS = (3.0, 10.0, 30.0)
 """Horizons that are searched before a longer one [-]."""
 
-SHORTEST_SHARE = 1e-3
+MIN_SHARE = 1e-3
 """Shortest step from what a seed solves to what is asked, over that way [-]."""
 
 JUDGING_WORK = 5_000.0
@@ -255,7 +255,7 @@ def _sharpen_seed(problem: Problem, seed: Seed, budget: Budget) -> FloatArray | 
             return None
         return end.unknowns[0] if end.converged[0] and problem.allows(end.unknowns[0]) else None
 
-    path = follow(start, solve, SHORTEST_SHARE)
+    path = follow(start, solve, MIN_SHARE)
     return path.unknowns if path.complete else None
 
 

@@ -15,7 +15,7 @@ from design.trace import TraceStep
 NO_FASTER = 0.01
 """Share of a wait by which nothing must be shorter [-]."""
 
-LARGEST_OFFERED = 0.5
+MAX_OFFERED_TOLERANCE = 0.5
 """A tolerance above it is not worth to be offered instead: little is suppressed [-]."""
 
 FAR_BEYOND = 1.5
@@ -83,7 +83,9 @@ def require_long_enough(problem: BandProblem, budget: Budget) -> None:
         return
     lower, upper = problem.band
     tolerance = EASIER * least
-    instead = f"; a tolerance of {tolerance:.4g} can be met" if tolerance < LARGEST_OFFERED else ""
+    instead = (
+        f"; a tolerance of {tolerance:.4g} can be met" if tolerance < MAX_OFFERED_TOLERANCE else ""
+    )
     raise InfeasibleDesignError(
         f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "
         f"within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural frequency: none "
@@ -153,7 +155,7 @@ def require_in_time(problem: BandProblem, found: Bounded, budget: Budget) -> Non
     )
     tolerance = EASIER * obstacle_at(problem, problem.horizon_rad, budget)[1]
     # What a grid allows is found where an optimum is found.
-    offered = tolerance < LARGEST_OFFERED and found.gap <= SMALL_GAP
+    offered = tolerance < MAX_OFFERED_TOLERANCE and found.gap <= SMALL_GAP
     instead = f" or a tolerance of {tolerance:.4g}" if offered else ""
     raise InfeasibleDesignError(
         f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "

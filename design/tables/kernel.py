@@ -14,9 +14,9 @@ from decimal import Decimal
 import numpy as np
 
 from design.formulations.unity_magnitude import (
-    LARGEST_ALPHA,
+    MAX_ALPHA,
+    MIN_GAP_RAD,
     PERIOD_RAD,
-    SHORTEST_GAP_RAD,
     ZV_POLYNOMIALS,
     ZVD_POLYNOMIALS,
 )
@@ -95,7 +95,7 @@ def _close_triangles(rows: FloatArray, gaps: FloatArray, ends: IntArray) -> None
         p, q = block[RATIO], block[RATIO + LANES]
         beta, side = -angle(p, q), math.sqrt(p * p + q * q) / 2.0
         best = np.inf
-        if 2.0 * side <= LARGEST_ALPHA:
+        if 2.0 * side <= MAX_ALPHA:
             for sign in (1.0, -1.0):
                 half = sign * angle(side, math.sqrt((1.0 - side) * (1.0 + side)))
                 t2 = _not_before(half - beta, row[5])
@@ -126,7 +126,7 @@ def rows_of_problems(lags: FloatArray, longest_periods: FloatArray, *, settle: b
     """
     rows = np.empty((len(lags), 8))
     rows[:, :5] = lags
-    rows[:, 5:7] = SHORTEST_GAP_RAD
+    rows[:, 5:7] = MIN_GAP_RAD
     rows[:, 7] = longest_periods * PERIOD_RAD
     if settle:
         band = 1 - SETTLED_SHARE

@@ -11,13 +11,13 @@ import numpy as np
 from design.analysis.workable import RESONANCE, SLOWEST
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
-from design.model.actuators.second_order import LARGEST_DAMPING_RATIO as LARGEST_LAG_DAMPING
-from design.model.actuators.second_order import SMALLEST_DAMPING_RATIO as SMALLEST_LAG_DAMPING
+from design.model.actuators.second_order import MAX_DAMPING_RATIO as MAX_LAG_DAMPING
+from design.model.actuators.second_order import MIN_DAMPING_RATIO as MIN_LAG_DAMPING
 from design.model.actuators.second_order import SecondOrder
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
-from design.shapers.options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
-from design.shapers.umzv import LONGEST_PERIODS
+from design.shapers.options import MAX_HORIZON_PERIODS, MIN_HORIZON_PERIODS
+from design.shapers.umzv import MAX_PERIODS
 from design.tables.specification import TableSpecification
 from design.types import LARGEST, SMALLEST, BoolArray, FloatArray
 
@@ -100,11 +100,11 @@ def row_parameters(specification: TableSpecification, values: FloatArray) -> Row
             longest = field(
                 "shaper",
                 "max_duration_periods",
-                least=SHORTEST_HORIZON_PERIODS,
-                most=LONGEST_HORIZON_PERIODS,
+                least=MIN_HORIZON_PERIODS,
+                most=MAX_HORIZON_PERIODS,
             )
         else:
-            longest = LONGEST_PERIODS / np.sqrt(1 - z * z)
+            longest = MAX_PERIODS / np.sqrt(1 - z * z)
         workable = field.lawful & (w >= SMALLEST) & (w <= LARGEST)
         for first, second in ((lags[:, 1], lags[:, 2]), (lags[:, 3], lags[:, 4])):
             workable &= (first <= SLOWEST) & (second <= SLOWEST**2)
@@ -144,8 +144,8 @@ def _lags(specification: TableSpecification, field: _Fields, w: FloatArray) -> l
                 "actuator",
                 name,
                 "damping_ratio",
-                least=SMALLEST_LAG_DAMPING,
-                most=LARGEST_LAG_DAMPING,
+                least=MIN_LAG_DAMPING,
+                most=MAX_LAG_DAMPING,
             )
             slowness = w / corner
             lags += [2 * damping * slowness, slowness * slowness]

@@ -9,8 +9,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from design.formulations.unity_magnitude import PERIOD_RAD, SHORTEST_GAP_RAD
-from design.solvers.newton import LARGEST_STEP_RAD, TOLERANCE
+from design.formulations.unity_magnitude import MIN_GAP_RAD, PERIOD_RAD
+from design.solvers.newton import MAX_STEP_RAD, TOLERANCE
 from design.tables.compiled import compiled
 from design.tables.elementary import near_angle
 from design.tables.equations import (
@@ -126,7 +126,7 @@ def _start(block: FloatArray, lane: int, table: FloatArray, row: FloatArray, tri
             block[GAPS + k * LANES + lane] = time - before
             settled = settled and time - before >= _shortest(row, k)
             before = time
-        if settled or max(row[5], row[6]) <= SHORTEST_GAP_RAD:
+        if settled or max(row[5], row[6]) <= MIN_GAP_RAD:
             return tried
     return 0
 
@@ -285,4 +285,4 @@ def fastest(
                 busy = True
         if not busy:
             return duration
-        newton_step(block, switched, unknowns, LARGEST_STEP_RAD)
+        newton_step(block, switched, unknowns, MAX_STEP_RAD)

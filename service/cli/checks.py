@@ -16,7 +16,7 @@ from schemas.tables import Tolerances
 NAMED = re.compile(rb"#define (\w+)_ROWS |FUNCTION_BLOCK (\w+)_table\b")
 """Lines of a C header and of Structured Text that hold the start of their names."""
 
-MOST_TOLD = 20
+MAX_LISTED_DRIFTS = 20
 """Drifts that are told; all are counted."""
 
 
@@ -30,7 +30,7 @@ class Drifts:
     def add(self, text: str) -> None:
         """Add one."""
         self.count += 1
-        if len(self.told) < MOST_TOLD:
+        if len(self.told) < MAX_LISTED_DRIFTS:
             self.told.append(text)
 
 

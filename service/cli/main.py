@@ -30,7 +30,7 @@ TABLE_HELP = "a table of designs over axes or a list, into a file (POST /v1/tabl
 PROGRAMS = tuple(name for name, row in FORMATS.items() if row.is_program)
 """Formats of a table that a single design has too."""
 
-MOST_WORKERS = 1024
+MAX_WORKERS = 1024
 
 PICTURES = {".png": "png", ".svg": "svg"}
 
@@ -154,8 +154,8 @@ def _table(options: argparse.Namespace) -> int:
             raise UsageError("--check takes a file, or that of -o")
     if options.check is None and options.output is None:
         raise UsageError("table needs -o FILE to write, or --check FILE")
-    if options.workers is not None and not 1 <= options.workers <= MOST_WORKERS:
-        raise UsageError(f"--workers must be between 1 and {MOST_WORKERS}, got {options.workers}")
+    if options.workers is not None and not 1 <= options.workers <= MAX_WORKERS:
+        raise UsageError(f"--workers must be between 1 and {MAX_WORKERS}, got {options.workers}")
     content, read = _read(options.request)
     if options.check is None:
         _require_file(options.output, read, "the specification itself")

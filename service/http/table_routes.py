@@ -35,7 +35,7 @@ from service.workers.costs import shape_of
 from service.workers.protocol import Pool
 
 JSON = ("application/json",)
-MOST_LISTED = 100
+MAX_LISTED_JOBS = 100
 
 ID = re.compile(r"[0-9a-f]{32}\Z")
 
@@ -149,7 +149,7 @@ def _refuse_key(rule: str, code: str) -> ProblemError:
 async def list_tables(request: Request) -> Response:
     """Answer with the newest jobs, newest first."""
     jobs = _jobs(request)
-    found = await jobs.newest(MOST_LISTED)
+    found = await jobs.newest(MAX_LISTED_JOBS)
     tables = TableJobs(tables=[wire_job(job) for job in found])
     return Response(tables.model_dump_json(), media_type="application/json")
 

@@ -24,10 +24,10 @@ Answer = TypeVar("Answer")
 
 LOG = logging.getLogger("shapersmith.jobs")
 
-BEATS_A_STALL = 4
+BEATS_PER_STALL = 4
 """Heartbeats in the time after which a silent worker counts as stalled."""
 
-LONGEST_PAUSE_S = 2.0
+MAX_PAUSE_S = 2.0
 """Between two attempts to reach a database that is gone [s]."""
 
 IDLE_PAUSE_S = 0.5
@@ -36,7 +36,7 @@ IDLE_PAUSE_S = 0.5
 START_PAUSE_S = 0.5
 """Before workers are started anew that could not be started [s]."""
 
-MOST_KILLS = 20
+MAX_KILLS = 20
 """A chunk whose worker is killed so often in a row, while it is computed alone, fails its job."""
 
 
@@ -109,7 +109,7 @@ class Runner:
             if not self._suspects:
                 self.stopping.wait(pause_s)
             return
-        beat_s = self._store.stalled_s / BEATS_A_STALL
+        beat_s = self._store.stalled_s / BEATS_PER_STALL
         ended, _ = wait(
             self._running, timeout=min(beat_s, IDLE_PAUSE_S), return_when=FIRST_COMPLETED
         )
@@ -207,13 +207,13 @@ class Runner:
             return
         self._kills += 1
         self._tell(f"the worker of {of_job} was killed, {self._kills} times in a row")
-        if self._kills < MOST_KILLS:
+        if self._kills < MAX_KILLS:
             self._suspects.appendleft(claim)
             return
         self._kills = 0
         self._fail_job(
             claim,
-            f"the worker of chunk {claim.number} was killed {MOST_KILLS} times in a row, as the "
+            f"the worker of chunk {claim.number} was killed {MAX_KILLS} times in a row, as the "
             "system does for want of memory: take fewer chunk_rows, or fewer workers",
         )
 
@@ -263,7 +263,7 @@ class Runner:
                         f"does: {_first_line(error)}"
                     ) from None
                 time.sleep(pause)
-                pause = min(2 * pause, LONGEST_PAUSE_S)
+                pause = min(2 * pause, MAX_PAUSE_S)
             else:
                 if since is not None:
                     self._tell("the database answers again")

@@ -19,7 +19,7 @@ from service.jobs.schema import CHUNKS, JOBS
 from service.jobs.views import see_jobs
 from service.version import version as version_of_product
 
-MOST_FAILURES = 3
+MAX_FAILURES = 3
 """A chunk that fails so often fails its job."""
 
 
@@ -191,7 +191,7 @@ class Store:
     def fail(self, worker: str, claim: Claim, reason: str) -> None:
         """Record that a chunk failed.
 
-        The chunk is tried again. One that fails `MOST_FAILURES` times fails its job.
+        The chunk is tried again. One that fails `MAX_FAILURES` times fails its job.
 
         Parameters
         ----------
@@ -215,7 +215,7 @@ class Store:
                     CHUNKS.c.job == claim.job, CHUNKS.c.number == claim.number
                 )
             )
-            if held.rowcount == 1 and attempts is not None and attempts >= MOST_FAILURES:
+            if held.rowcount == 1 and attempts is not None and attempts >= MAX_FAILURES:
                 told = f"chunk {claim.number} failed {attempts} times, last: {reason}"
                 connection.execute(_set_failed(claim.job, told))
 

@@ -20,7 +20,7 @@ ALONE = threading.Lock()
 """One solver at a time in a process, however many threads a Dask worker has: CasADi crashes when
 threads share it."""
 
-MOST_SPECIFICATIONS = 2
+MAX_SPECIFICATIONS = 2
 """Specifications that a worker keeps expanded: two jobs in turn are not read again and again."""
 
 
@@ -36,7 +36,7 @@ def pack(specification: str) -> bytes:
     return zlib.compress(specification.encode())
 
 
-@functools.lru_cache(maxsize=MOST_SPECIFICATIONS)
+@functools.lru_cache(maxsize=MAX_SPECIFICATIONS)
 def _expand(content: bytes, impulses: int | None) -> TableSpecification:
     try:
         return specification_of(zlib.decompress(content).decode(), impulses)

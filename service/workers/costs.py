@@ -10,7 +10,7 @@ from collections.abc import Hashable
 SLICE_S = 0.25
 """Work that takes longer is large: it is moved out of the way of what is small [s]."""
 
-MOST_SHAPES = 4096
+MAX_SHAPES = 4096
 """Shapes that are remembered, the latest used."""
 
 LEARNING = 0.3
@@ -19,10 +19,10 @@ LEARNING = 0.3
 FIRST_GUESS_S = 0.005
 """What work of an unknown shape is expected to take before any was done [s]."""
 
-LEAST_S = 1e-4
+MIN_COST_S = 1e-4
 """Work costs no less: below it the system's clocks tell nothing [s]."""
 
-LONGEST_SHAPE = 16_384
+MAX_SHAPE_BYTES = 16_384
 """Bodies up to so long are told apart by all but their numbers; longer ones by length [bytes]."""
 
 NUMBERS = re.compile(rb"[-+.\d]+(?:[eE][-+]?\d+)?")
@@ -36,14 +36,14 @@ def shape_of(operation: str, body: bytes) -> Hashable:
     operation
         Name of what is done with the body.
     body
-        The request; beyond `LONGEST_SHAPE` only the magnitude of its length counts [bytes].
+        The request; beyond `MAX_SHAPE_BYTES` only the magnitude of its length counts [bytes].
 
     Returns
     -------
     Hashable
         Equal for requests that are expected to cost alike.
     """
-    if len(body) > LONGEST_SHAPE:
+    if len(body) > MAX_SHAPE_BYTES:
         return operation, len(body).bit_length()
     return operation, NUMBERS.sub(b"", body)
 
@@ -104,7 +104,7 @@ class Costs:
         seconds
             Processor time [s].
         """
-        seconds = max(seconds, LEAST_S)
+        seconds = max(seconds, MIN_COST_S)
         if seconds < SLICE_S:
             self.small_s += LEARNING * (seconds - self.small_s)
         self._learn(shape, seconds)
@@ -122,7 +122,7 @@ class Costs:
             Processor time [s].
         """
         self._took_s += LEARNING * (seconds - self._took_s)
-        self._cost_s += LEARNING * (max(cost_s, LEAST_S) - self._cost_s)
+        self._cost_s += LEARNING * (max(cost_s, MIN_COST_S) - self._cost_s)
 
     def at_least(self, client: str, shape: Hashable, seconds: float) -> None:
         """Learn that a client's work takes so long at least: it still runs.
@@ -147,5 +147,5 @@ class Costs:
     def _remember(self, known: Hashable, seconds: float) -> None:
         self._means[known] = seconds
         self._means.move_to_end(known)
-        if len(self._means) > MOST_SHAPES:
+        if len(self._means) > MAX_SHAPES:
             self._means.popitem(last=False)

@@ -36,13 +36,13 @@ from service.workers.runs import (
     no_room_error,
 )
 
-MOST_CRASHES = 2
+MAX_CRASHES = 2
 """Workers that a task may crash: it is the task's fault then."""
 
-MOST_DEATHS = 10
+MAX_DEATHS = 10
 """Workers of a task that may be killed from outside: then it may be the system, short of memory."""
 
-LONGEST_WAIT_S = 30.0
+MAX_WAIT_S = 30.0
 """How long a task may wait for a worker, or be expected to [s]."""
 
 IDLING_S = 4 * SLICE_S
@@ -167,7 +167,7 @@ class WorkerPool:
             if self.pending >= self._max_pending:
                 raise no_room_error(f"{self.pending} tasks are running or waiting", wait_s)
             admitted = (
-                wait_s <= LONGEST_WAIT_S
+                wait_s <= MAX_WAIT_S
                 if large
                 else self._patience.admits(
                     get_running_loop().time(), wait_s, cost_s * self.costs.slowness
@@ -192,11 +192,11 @@ class WorkerPool:
         self._runs[run.ticket] = run
         (self._large if flow.large else self._small).add(run.ticket, start)
         if run.kind != "batch":
-            run.timers.append(get_running_loop().call_later(LONGEST_WAIT_S, self._refuse_late, run))
+            run.timers.append(get_running_loop().call_later(MAX_WAIT_S, self._refuse_late, run))
 
     def _refuse_late(self, run: Run) -> None:
-        late = f"no worker was free within {LONGEST_WAIT_S:g} s"
-        self._fail(run, no_room_error(late, LONGEST_WAIT_S))
+        late = f"no worker was free within {MAX_WAIT_S:g} s"
+        self._fail(run, no_room_error(late, MAX_WAIT_S))
 
     def _leave(self, run: Run) -> None:
         """Take a task out of the queue and the books."""
@@ -354,7 +354,7 @@ class WorkerPool:
         for ticket in list(self._large):
             run = self._runs[ticket]
             wait_s = ahead_s / self._large_places
-            if wait_s > LONGEST_WAIT_S and run.kind != "batch":
+            if wait_s > MAX_WAIT_S and run.kind != "batch":
                 self._fail(run, long_wait_error(wait_s))
             else:
                 ahead_s += self.costs.of(run.client, run.shape)
@@ -406,7 +406,7 @@ class WorkerPool:
         if run.done.done():
             return
         run.crashes, run.deaths = run.crashes + crashed, run.deaths + (not crashed)
-        if run.crashes >= MOST_CRASHES or run.deaths >= MOST_DEATHS:
+        if run.crashes >= MAX_CRASHES or run.deaths >= MAX_DEATHS:
             self._fail(run, TaskError(Problem(INTERNAL, "every worker died at this request")))
         else:
             ticket = run.ticket

@@ -33,7 +33,7 @@ NICENESS, NICENESS_OF_LARGE = 5, 10
 """Of workers, which let the event loop go first on the processors too; of one that is busy with
 large work, which lets what is small go first."""
 
-TICKS_A_SECOND = os.sysconf("SC_CLK_TCK")
+TICKS_PER_SECOND = os.sysconf("SC_CLK_TCK")
 
 STATUS_WAIT_S = 0.5
 """How long the exit status of a process that has ended may take to arrive [s]."""
@@ -160,7 +160,7 @@ class Worker(asyncio.Protocol):
             return 0.0  # it has just ended, which is told
         # The name, in brackets, may hold anything.
         fields = told.rpartition(")")[2].split()
-        return (int(fields[11]) + int(fields[12])) / TICKS_A_SECOND - self._used_s
+        return (int(fields[11]) + int(fields[12])) / TICKS_PER_SECOND - self._used_s
 
     def make_way(self) -> None:
         """Let other processes go first."""

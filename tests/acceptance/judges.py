@@ -25,7 +25,7 @@ from design.sampling.sampled_design import sampled_design
 from design.shapers.registry import SHAPERS
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions
-from design.solvers.budget import MOST_WORK
+from design.solvers.budget import MAX_WORK_PER_DESIGN
 from design.types import FloatArray
 from tests.random_cases import Case
 from tests.second_route import (
@@ -52,10 +52,10 @@ SAMPLED = 7
 COMPARED = 3
 """Every how manieth case is integrated step by step, brought to samples, compared with bounds."""
 
-FEWEST_STARTS = 1024
+MIN_STARTS = 1024
 """Starts of a search that says that it found nothing."""
 
-MOST_INTEGRATED = 9
+MAX_INTEGRATED_IMPULSES = 9
 """Impulses of a command that is integrated, at most."""
 
 
@@ -214,7 +214,7 @@ def _wrong_bound(made: Design) -> Iterator[str]:
 
 
 def _wrong_by_integration(case: Case, made: Design) -> Iterator[str]:
-    if made.impulses.times_s.size > MOST_INTEGRATED:
+    if made.impulses.times_s.size > MAX_INTEGRATED_IMPULSES:
         return
     told = residual_by_integration(made.impulses, case.plant.modes[0], case.actuator)
     # The integrator keeps 1e-11 a step, over an unshaped step's swing that damping makes smaller.
@@ -326,7 +326,7 @@ def _can_be_met(case: Case, **changed: float) -> bool:
 
 def _none_as_short(case: Case, horizon: float, starts: float) -> bool:
     """Whether a search over a longer horizon finds nothing within the one that was searched."""
-    if starts < FEWEST_STARTS:
+    if starts < MIN_STARTS:
         return False
     if not hasattr(case.options, "max_duration_periods"):
         return True
@@ -368,7 +368,7 @@ JUDGES: tuple[tuple[str, Callable[..., bool]], ...] = (
     ),
     (
         rf"in {NUMBER} starts; nearest miss.* to the end: its budget of {NUMBER} million units",
-        lambda _, starts, budget: starts > 0 and budget * 1e6 == MOST_WORK,
+        lambda _, starts, budget: starts > 0 and budget * 1e6 == MAX_WORK_PER_DESIGN,
     ),
     (
         rf"frequency is {NUMBER}, and the vector diagram",

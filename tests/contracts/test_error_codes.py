@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 CODE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 """Words in small letters: the style of the codes of warnings."""
 
-LONGEST_CODE = 32
+MAX_CODE_CHARACTERS = 32
 """Characters of a code."""
 
 BOUND = re.compile(r"between|at least|at most|greater than 0|> 0")
@@ -89,7 +89,7 @@ def test_an_error_says_its_code_where_it_is_made_or_keeps_that_of_another() -> N
 @pytest.mark.parametrize("code", sorted(codes()))
 def test_a_code_is_a_few_words_in_snake_case(code: str) -> None:
     assert CODE.fullmatch(code)
-    assert len(code) <= LONGEST_CODE
+    assert len(code) <= MAX_CODE_CHARACTERS
 
 
 @pytest.mark.parametrize("code", sorted(codes()))

@@ -11,9 +11,9 @@ from design.types import (
     require_scale,
 )
 
-SMALLEST_DAMPING_RATIO = 0.1
+MIN_DAMPING_RATIO = 0.1
 
-LARGEST_DAMPING_RATIO = 5.0
+MAX_DAMPING_RATIO = 5.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,9 +33,7 @@ class SecondOrderSet:
 
     def __post_init__(self) -> None:
         require_scale("natural_frequency_rad_s", self.natural_frequency_rad_s)
-        require_between(
-            "damping_ratio", self.damping_ratio, SMALLEST_DAMPING_RATIO, LARGEST_DAMPING_RATIO
-        )
+        require_between("damping_ratio", self.damping_ratio, MIN_DAMPING_RATIO, MAX_DAMPING_RATIO)
 
     @property
     def lag(self) -> Lag:

@@ -12,7 +12,7 @@ import numpy as np
 from design.formulations.bands import BandProblem
 from design.types import BoolArray, FloatArray, IntArray
 
-MOST_STEPS = 30
+MAX_STEPS = 30
 CONVERGED = 1e-12
 """Change of times and amplitudes at which Newton's method is done [rad, -]."""
 
@@ -119,7 +119,7 @@ def solve_conditions(problem: BandProblem, point: Point, tolerance: float) -> Po
     if places.rows != places.columns:
         return None
     now = point
-    for step in range(MOST_STEPS):
+    for step in range(MAX_STEPS):
         conditions = _conditions(problem.unit_pole, now, places, tolerance)
         if conditions is None:
             return None

@@ -53,7 +53,7 @@ ROUGH_FINENESS = 2
 """How much longer than the shortest a command of the grid's own cells may be, and the grid how many
 times finer [-]."""
 
-MOST_DURATIONS = 12
+MAX_DURATIONS = 12
 """Durations tried in all."""
 
 AWAY = (0.005, -0.005, 0.02, -0.02)
@@ -125,7 +125,7 @@ def candidates(problem: BandProblem, budget: Budget) -> Iterator[BandOptimum | O
     programs, met = 0, False
     enough = STRUCTURE_SHARE * budget.most
     refine = False
-    for attempt in range(MOST_DURATIONS):
+    for attempt in range(MAX_DURATIONS):
         if attempt >= EVEN_ONLY and not refine:
             # What even grids say of a duration is off by what they miss.
             refine, low, high = True, low * (1 - COARSE), high * (1 + COARSE)

@@ -12,7 +12,7 @@ NEWTON_STEPS = 30
 CONVERGED = 1e-12
 """Step of times and amplitudes after which the next is rounding."""
 
-SHORTEST_GAP_RAD = 1e-6
+MIN_GAP_RAD = 1e-6
 """Impulses closer than this, in turns of the slowest mode, are one [rad]."""
 
 STRAYED = 2.0
@@ -93,7 +93,7 @@ def sharpen(
     left = np.abs(dual.swings(times) @ amplitudes) * np.exp(dual.poles.real * times[-1])
     good = (
         left.max() < ZERO
-        and np.diff(times).min() > SHORTEST_GAP_RAD
+        and np.diff(times).min() > MIN_GAP_RAD
         and (amplitudes.min() > ROUNDING or not dual.positive)
     )
     if not good:

@@ -31,10 +31,10 @@ from design.solvers.joint.structure import obstacle_to, structures, work_of
 from design.trace import TraceStep
 from design.types import ComplexArray, FloatArray
 
-MOST_PROGRAMS = 60
+MAX_PROGRAMS = 60
 """Linear programs until the search is given up; a dozen do for six modes."""
 
-FINEST = 8.0
+MAX_REFINEMENT = 8.0
 """How many times finer than at first the grid may become [-]."""
 
 NEAR = 0.1
@@ -43,7 +43,7 @@ NEAR = 0.1
 CLOSE_ENOUGH = 1e-6
 """Gap between bound and duration, over the duration, at which nothing better is looked for [-]."""
 
-FARTHEST_AHEAD = 8.0
+MAX_STRIDE = 8.0
 """How many times the last gain of the bound the next duration is beyond it, at most [-]."""
 
 
@@ -74,7 +74,7 @@ def shortest(problem: JointProblem, budget: Budget | None = None) -> Iterator[Sh
     duration = low
     best: Shortest | None = None
     strongest: tuple[float, ComplexArray] = (0.0, np.zeros(0, dtype=np.complex128))
-    for programs in range(1, MOST_PROGRAMS + 1):
+    for programs in range(1, MAX_PROGRAMS + 1):
         if budget.spent:
             break
         budget.spend(work_of(dual, duration, fineness))
@@ -115,7 +115,7 @@ def shortest(problem: JointProblem, budget: Budget | None = None) -> Iterator[Sh
         if low > dual.horizon_rad:
             break
         if high - low <= CLOSE_ENOUGH * low or 0 < gained <= CLOSE_ENOUGH * low:
-            if fineness >= FINEST:
+            if fineness >= MAX_REFINEMENT:
                 break
             # What a coarse grid says of a duration is off by what it misses.
             fineness, high, ahead = 2 * fineness, math.inf, 0.0
@@ -125,7 +125,7 @@ def shortest(problem: JointProblem, budget: Budget | None = None) -> Iterator[Sh
             duration = (low + high) / 2
         else:
             # The c of a duration far too short says little: go ahead by more and more.
-            duration, ahead = low + ahead * gained, min(max(2 * ahead, 1.0), FARTHEST_AHEAD)
+            duration, ahead = low + ahead * gained, min(max(2 * ahead, 1.0), MAX_STRIDE)
     if best is not None:
         yield replace(best, vectors=strongest[1])
     modes = problem.unit_poles.size

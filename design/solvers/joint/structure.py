@@ -9,10 +9,10 @@ from design.solvers import highs
 from design.solvers.joint.dual_function import PERIOD_RAD, ZERO, DualFunction
 from design.types import ComplexArray, FloatArray
 
-CELLS_A_TURN = 20
+CELLS_PER_TURN = 20
 """Cells of the linear program, to a period of the fastest mode [-]."""
 
-FEWEST_CELLS = 60
+MIN_CELLS = 60
 """Cells of the first linear program, at least [-]."""
 
 PROGRAM_WORK = 2500.0
@@ -54,7 +54,7 @@ class Obstacle:
 def _cells(dual: DualFunction, duration: float, fineness: float) -> int:
     """Return the number of cells of the grid of a linear program."""
     turns = duration * dual.fastest / PERIOD_RAD
-    return int(fineness * max(FEWEST_CELLS, CELLS_A_TURN * turns))
+    return int(fineness * max(MIN_CELLS, CELLS_PER_TURN * turns))
 
 
 def work_of(dual: DualFunction, duration: float, fineness: float) -> float:

@@ -14,7 +14,7 @@ from design.types import BoolArray, FloatArray, IntArray, Symbolic
 LANES = 64
 """Ratios that are looked at by one call of the compiled expressions."""
 
-LONGEST_TURN_RAD = 0.1
+MAX_TURN_RAD = 0.1
 """Turn of the last impulse's phase from one ratio to the next, where peaks are looked for [rad]."""
 
 PEAKS = 8
@@ -198,7 +198,7 @@ class Family:
     def _blocks(x: FloatArray, half_width: float) -> int:
         """Return how many calls of `LANES` ratios show all peaks over a band."""
         turn = 2 * half_width * float(x.sum())
-        return 1 + int(turn / (LANES * LONGEST_TURN_RAD))
+        return 1 + int(turn / (LANES * MAX_TURN_RAD))
 
     def peaks_work(self, x: FloatArray, half_width: float) -> float:
         """Return the work of `peaks` [units].

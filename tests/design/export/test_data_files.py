@@ -11,7 +11,7 @@ import pytest
 
 from design.errors import InvalidInputError
 from design.export.formats import FORMATS
-from design.export.mat_file import LARGEST_MATRIX_BYTES, check_mat
+from design.export.mat_file import MAX_MATRIX_BYTES, check_mat
 from design.export.reading import READERS, rows_of
 from design.export.registry import EXPORTS
 from design.tables.rows import STATUSES
@@ -157,7 +157,7 @@ def test_mat_holds_matrices_and_names_for_matlab() -> None:
 
 
 def test_mat_refuses_what_its_sizes_cannot_count() -> None:
-    most = LARGEST_MATRIX_BYTES // (8 * 6)
+    most = MAX_MATRIX_BYTES // (8 * 6)
     amplitudes = (1.0, -1.0, 1.0, -1.0, 1.0)
     check_mat(head_of(CRANE, ("plant.cable_length_m",), most, amplitudes))
     with refused("too_many_rows_for_mat", "rows", says="at most 44739242 for a"):

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from design.export.c_header import EXPORT as C
-from design.export.program import DEFAULT_TITLE, LONGEST_NAME, name_of
+from design.export.program import DEFAULT_TITLE, MAX_NAME_CHARACTERS, name_of
 from design.export.structured_text import EXPORT as STRUCTURED_TEXT
 from design.tables.rows import Rows, TableHead
 from schemas.tables import TableRequest
@@ -87,7 +87,7 @@ def test_any_title_gives_names_that_are_legal(
     head, rows = replace(table[0], title=title), table[1]
     name = name_of(head)
     assert re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name), name
-    assert len(name) <= LONGEST_NAME + len("table_")
+    assert len(name) <= MAX_NAME_CHARACTERS + len("table_")
     program = b"".join(STRUCTURED_TEXT.write(head, [rows])).decode()
     blocks = re.findall(r"^FUNCTION_BLOCK (\w+)$", program, re.MULTILINE)
     assert blocks == [f"{name}_table", f"{name}_shaper"]

@@ -12,7 +12,7 @@ from design.errors import InfeasibleDesignError, InvalidInputError
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
-from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 from design.model.plants.modes import Modes
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.scheduled import Scheduled
@@ -102,7 +102,7 @@ def test_kinds_are_designed_up_to_the_damping_that_they_are_known_to_bear(name: 
 def test_beyond_its_bound_a_kind_is_refused_by_name(name: str) -> None:
     kind, bound = SHAPERS[name], TO_BOUND[name]
     assert kind.damping.most == bound
-    if bound == LARGEST_DAMPING_RATIO:
+    if bound == MAX_DAMPING_RATIO:
         return
     rule = rf"^plant.damping_ratio must be at most {bound:g} for {name}: beyond it its last .*, got"
     with refused("too_damped_for_kind", "plant.damping_ratio", says=rule):

@@ -14,7 +14,7 @@ import httpx
 import pytest
 
 from tests.conftest import CRANE, Running, running_service
-from tests.processes import HUNG_S, TICKS_A_SECOND, children, running, until, workers
+from tests.processes import HUNG_S, TICKS_PER_SECOND, children, running, until, workers
 
 SLOW: dict[str, Any] = {
     **CRANE,
@@ -45,7 +45,7 @@ built [s]."""
 
 
 def at_work(
-    service: Running, before: dict[int, float], used_s: float = 4.5 / TICKS_A_SECOND
+    service: Running, before: dict[int, float], used_s: float = 4.5 / TICKS_PER_SECOND
 ) -> int:
     """Return a worker that has worked since, waiting for one; a ready worker that waits does not.
 

@@ -17,8 +17,8 @@ from schemas.tables import sha256_of
 from service.jobs.executors import Started, fault_of, processes
 from service.jobs.plan import Plan, plan_table
 from service.jobs.records import Done, Job, NewJob
-from service.jobs.runner import MOST_KILLS, Runner
-from service.jobs.store import MOST_FAILURES, Store
+from service.jobs.runner import MAX_KILLS, Runner
+from service.jobs.store import MAX_FAILURES, Store
 from tests.conftest import CRANE
 
 HUNG_S = 120.0
@@ -144,7 +144,7 @@ def breaking(number: int, times: int) -> Script:
 def test_a_chunk_whose_worker_dies_by_its_own_fault_when_alone_fails_its_job_alone(
     store: Store,
 ) -> None:
-    script = breaking(3, MOST_FAILURES)  # the other job has no such chunk
+    script = breaking(3, MAX_FAILURES)  # the other job has no such chunk
     bad, good = table(4, "bad"), table(2, "good")
     run(store, lambda: start(script, fault="SIGSEGV"), bad, good)
     assert ended(store, bad).state == "failed"
@@ -156,7 +156,7 @@ def test_a_chunk_whose_worker_dies_by_its_own_fault_when_alone_fails_its_job_alo
 
 
 def test_kills_from_outside_cost_nothing_but_time(store: Store) -> None:
-    new, script = table(3), breaking(1, MOST_KILLS - 1)
+    new, script = table(3), breaking(1, MAX_KILLS - 1)
     run(store, lambda: start(script), new)
     assert ended(store, new).state == "done"
     assert attempts(store) == 0
@@ -166,7 +166,7 @@ def test_a_chunk_whose_workers_are_killed_without_end_fails_its_job_alone(store:
     bad, good, script = table(4, "bad"), table(2, "good"), breaking(3, 10**9)
     run(store, lambda: start(script), bad, good)
     assert ended(store, bad).state == "failed"
-    assert f"chunk 3 was killed {MOST_KILLS} times in a row" in ended(store, bad).reason
+    assert f"chunk 3 was killed {MAX_KILLS} times in a row" in ended(store, bad).reason
     assert ended(store, good).state == "done"
 
 

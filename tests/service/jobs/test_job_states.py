@@ -12,7 +12,7 @@ from service.jobs.contents import GoneError
 from service.jobs.erasing import ERASED_AT_ONCE
 from service.jobs.plan import wire_job
 from service.jobs.records import Claim, Job
-from service.jobs.store import MOST_FAILURES, Store
+from service.jobs.store import MAX_FAILURES, Store
 from tests.job_stores import HOUR_S, change_jobs, count_chunks, done, job, silent_for
 
 
@@ -127,7 +127,7 @@ def test_a_failed_job_that_is_resumed_is_tried_as_often_as_before(store: Store) 
     new = job(rows=1)
     store.add(new)
     for _ in range(2):
-        for _ in range(MOST_FAILURES):
+        for _ in range(MAX_FAILURES):
             assert state_of(store, new.id) in {"waiting", "running"}
             (claim,) = store.claim("w", 1)
             store.fail("w", claim, "it broke")

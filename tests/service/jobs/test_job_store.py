@@ -13,7 +13,7 @@ from alembic.config import Config
 import service.jobs
 from service.jobs.database import StoreError
 from service.jobs.records import Claim
-from service.jobs.store import MOST_FAILURES, Store
+from service.jobs.store import MAX_FAILURES, Store
 from tests.job_stores import HOUR_S, change_jobs, done, job, silent_for
 
 MIGRATIONS = Path(service.jobs.__file__).parent / "migrations"
@@ -78,7 +78,7 @@ def test_a_heartbeat_keeps_a_chunk(store: Store, url: str) -> None:
 def test_a_chunk_that_fails_again_and_again_fails_its_job_with_the_reason(store: Store) -> None:
     new = job(rows=1)
     store.add(new)
-    for _ in range(MOST_FAILURES):
+    for _ in range(MAX_FAILURES):
         (claim,) = store.claim("one", 1)
         store.fail("one", claim, "it broke")
     found = store.job(new.id)

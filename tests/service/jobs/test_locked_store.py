@@ -157,7 +157,7 @@ def test_calls_beyond_the_bound_are_refused_at_once_and_served_when_there_is_roo
 
 
 def test_a_call_that_takes_too_long_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("service.jobs.asking.LONGEST_WAIT_S", 0.05)
+    monkeypatch.setattr("service.jobs.asking.MAX_WAIT_S", 0.05)
     let_go = threading.Event()
 
     async def asked() -> None:

@@ -16,7 +16,7 @@ import pytest
 
 from service.problems import INTERNAL, OVERLOADED, TIME_LIMIT, TOO_LARGE
 from service.workers.costs import SLICE_S
-from service.workers.pool import MOST_DEATHS, WorkerPool
+from service.workers.pool import MAX_DEATHS, WorkerPool
 from service.workers.runs import SplitError, TaskError
 from tests import pool_tasks as tasks
 from tests.processes import HUNG_S, running
@@ -234,10 +234,10 @@ def test_a_task_whose_workers_are_killed_from_outside_is_answered(tmp_path: Path
     async def story() -> None:
         async with pool(workers=1) as one:
             note = str(tmp_path / "few")
-            assert await one.run(tasks.kill_until, note, MOST_DEATHS - 1) == "answered"
+            assert await one.run(tasks.kill_until, note, MAX_DEATHS - 1) == "answered"
             note = str(tmp_path / "many")
             with pytest.raises(TaskError, match="every worker died"):
-                await one.run(tasks.kill_until, note, MOST_DEATHS)
+                await one.run(tasks.kill_until, note, MAX_DEATHS)
             assert await one.run(tasks.echo, 1) == 1
 
     play(story())

@@ -7,8 +7,8 @@ import pytest
 
 from service.workers.costs import (
     FIRST_GUESS_S,
-    LONGEST_SHAPE,
-    MOST_SHAPES,
+    MAX_SHAPE_BYTES,
+    MAX_SHAPES,
     SLICE_S,
     Costs,
     shape_of,
@@ -164,7 +164,7 @@ def test_work_that_differs_in_numbers_only_is_expected_to_cost_alike() -> None:
     assert one == other
     assert one != shape_of("map", bodies[0])
     assert one != shape_of("design", bodies[0].replace(b"cable", b"other"))
-    assert shape_of("design", b"1" * LONGEST_SHAPE + b"22") == ("design", 15)
+    assert shape_of("design", b"1" * MAX_SHAPE_BYTES + b"22") == ("design", 15)
 
 
 def test_costs_are_learned_and_forgotten() -> None:
@@ -176,7 +176,7 @@ def test_costs_are_learned_and_forgotten() -> None:
     assert costs.of("b", "slow") == pytest.approx(20.0)
     assert costs.of("b", "quick") == pytest.approx(0.002)
     assert costs.of("b", "new") == pytest.approx(0.002, rel=0.01)
-    for number in range(MOST_SHAPES):
+    for number in range(MAX_SHAPES):
         costs.record("a", number, 1.0)
     assert costs.of("b", "slow") == costs.of("b", "new")
 

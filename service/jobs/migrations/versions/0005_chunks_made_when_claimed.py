@@ -16,7 +16,7 @@ ADDED = {
     "served": sa.Double,
 }
 
-MOST_INSERTED = 10_000
+MAX_INSERTED = 10_000
 
 
 def upgrade() -> None:
@@ -47,8 +47,8 @@ def downgrade() -> None:
         "verified_ideal) VALUES (:job, :number, 'waiting', 0, :rows, 0, 0, 0)"
     )
     for job, rows, chunks, chunk_rows, begun in jobs:
-        for first in range(begun, chunks, MOST_INSERTED):
-            numbers = range(first, min(first + MOST_INSERTED, chunks))
+        for first in range(begun, chunks, MAX_INSERTED):
+            numbers = range(first, min(first + MAX_INSERTED, chunks))
             of_each = [
                 {"job": job, "number": one, "rows": min(chunk_rows, rows - one * chunk_rows)}
                 for one in numbers
