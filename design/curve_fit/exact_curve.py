@@ -11,7 +11,7 @@ from design.curve_fit.polynomials import Fit
 from design.curve_fit.variable import FitAxis
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.formulations.bands import BandProblem, BandSearch
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
@@ -53,7 +53,7 @@ class ExactCurve:
         modes = [axis.plant_at(float(x)).mode for x in self.checked]
         self.poles_rad_s = np.array([mode.pole_rad_s for mode in modes])
         self.frequencies_rad_s = np.array([mode.natural_frequency_rad_s for mode in modes])
-        self.formulations: list[Problem | ClosedForm] = []
+        self.formulations: list[GapProblem | ClosedForm] = []
         for mode in modes:
             form = kind.formulate(kind.case((mode,), actuator, self.options))
             if isinstance(form, BandProblem | BandSearch | JointProblem | Convolution):
@@ -180,14 +180,14 @@ class ExactCurve:
         starts = power.polyval(self.checked, curves.T).T
         times = np.zeros((CHECKED_POINTS, starts.shape[1] + 1))
         solved = [
-            index for index, form in enumerate(self.formulations) if isinstance(form, Problem)
+            index for index, form in enumerate(self.formulations) if isinstance(form, GapProblem)
         ]
         for index, form in enumerate(self.formulations):
             if isinstance(form, ClosedForm):
                 times[index] = form.impulses.times_s
         if not solved:
             return times
-        problems = [form for form in self.formulations if isinstance(form, Problem)]
+        problems = [form for form in self.formulations if isinstance(form, GapProblem)]
         ends = roots(
             problems[0].model,
             np.array([

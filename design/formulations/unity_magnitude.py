@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.errors import InfeasibleDesignError
-from design.formulations.equations import Expressions, Problem, Seed
+from design.formulations.equations import Expressions, GapProblem, Seed
 from design.formulations.lag_parameters import LAG_PARAMETERS, lag_parameters, switched_order
 from design.formulations.symbolic import alternating_steps, with_slopes, with_swing
 from design.model.actuators.rate_limited import RateLimited
@@ -202,7 +202,7 @@ def unity_magnitude_problem(
     max_duration_periods: float,
     amplitudes: FloatArray | None = None,
     seeds: tuple[Seed, ...] = (),
-) -> Problem:
+) -> GapProblem:
     """Formulate a shaper of steps up and down for one mode.
 
     Parameters
@@ -247,7 +247,7 @@ def unity_magnitude_problem(
     else:
         weights = heights = amplitudes
         seeds = seeds or _undamped_seeds(ratio, shortest, horizon, amplitudes)
-    return Problem(
+    return GapProblem(
         model=replace(
             model,
             switched_order=switched_order(actuator),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.formulations.equations import Expressions, Problem, Seed
+from design.formulations.equations import Expressions, GapProblem, Seed
 from design.formulations.lag_parameters import (
     LAG_PARAMETERS,
     lag_parameters,
@@ -104,7 +104,7 @@ def whole_move_problem(
     horizon_rad: float,
     seeds: tuple[Seed, ...],
     swing: FreeSwing | None = None,
-) -> Problem:
+) -> GapProblem:
     """Formulate the fastest move over a given travel, every gap unknown.
 
     Parameters
@@ -130,7 +130,7 @@ def whole_move_problem(
         In the gaps between all steps.
     """
     w = mode.natural_frequency_rad_s
-    return Problem(
+    return GapProblem(
         model=WholeMove(
             steps=steps,
             derivatives=derivatives,
@@ -152,7 +152,7 @@ def whole_move_problem(
     )
 
 
-def pulse_trains(problem: Problem) -> list[FloatArray]:
+def pulse_trains(problem: GapProblem) -> list[FloatArray]:
     """Return starts for a short move: evenly spaced pulses.
 
     A pulse much shorter than the period is an impulse to the mode: binomial widths make it the ZV

@@ -8,7 +8,7 @@ import numpy as np
 from design.analysis.certificate import certify
 from design.claims import Promise
 from design.errors import InfeasibleDesignError
-from design.formulations.equations import Problem, Seed
+from design.formulations.equations import GapProblem, Seed
 from design.formulations.lag_parameters import lag_parameters, swing_parameters, switched_order
 from design.formulations.unity_magnitude import UnityMagnitude, settling_gaps_rad
 from design.model.actuators.rate_limited import RateLimited
@@ -170,7 +170,7 @@ def with_swing(parts: Parts, swing: FreeSwing) -> Parts:
         return end.unknowns[0] if end.converged[0] and ordered else None
 
     path = follow(w * np.diff(parts.start.times_s), root, MIN_START_SHARE)
-    problem = Problem(
+    problem = GapProblem(
         model=model,
         parameters=parameters(1.0),
         amplitudes=parts.start.amplitudes,

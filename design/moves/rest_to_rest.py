@@ -6,7 +6,7 @@ import numpy as np
 
 from design.analysis.residual import swing_over_step
 from design.errors import InfeasibleDesignError
-from design.formulations.equations import Problem, Seed
+from design.formulations.equations import GapProblem, Seed
 from design.formulations.lag_parameters import lag_parameters, swing_parameters, switched_order
 from design.formulations.unity_magnitude import settling_gaps_rad
 from design.formulations.whole_move import WholeMove, whole_move_problem
@@ -264,7 +264,7 @@ def _fastest(
     return next((found, command) for found, command in commands if parts.verified(command))
 
 
-def _problem(parts: Parts, travel_s: float, seeds: tuple[Seed, ...]) -> Problem:
+def _problem(parts: Parts, travel_s: float, seeds: tuple[Seed, ...]) -> GapProblem:
     """Formulate the move as one; on levels 0 and the peak, all is in units of the peak."""
     return whole_move_problem(
         parts.mode,

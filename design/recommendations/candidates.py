@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from design.analysis.band import largest_in_band
 from design.analysis.judge import DesignWarning
 from design.errors import DesignError
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution
 from design.model.actuators.registry import Actuator
 from design.model.plants.modes import Modes
@@ -258,7 +258,7 @@ def effort(choice: Choice, question: Question) -> float:
         return 0.0  # what is refused at once
     if isinstance(found, ClosedForm):
         return 0.0
-    if isinstance(found, Problem):
+    if isinstance(found, GapProblem):
         return float(found.bounds[0].size)
     if isinstance(found, Convolution):
         return float(impulses_of(found.parts))

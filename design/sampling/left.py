@@ -6,7 +6,7 @@ from design.analysis.residuals_of_many import vectors_of_many
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
-from design.sampling.sample_grid import IntArray
+from design.sampling.sample_grid import AnyIntArray
 from design.types import ComplexArray, FloatArray
 
 Band = tuple[float, float]
@@ -157,7 +157,7 @@ def largest_over_band(
     order = np.argsort(least, kind="stable")
     largest: FloatArray = np.full(len(times_s), np.inf)
 
-    def look_at(ones: IntArray) -> None:
+    def look_at(ones: AnyIntArray) -> None:
         if ones.size:
             largest[ones] = residuals_of_many(
                 times_s[ones], amplitudes, mode, actuator, slope=False, band=band

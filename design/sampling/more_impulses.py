@@ -16,7 +16,7 @@ from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.sampling.halves import list_halves, match_halves
 from design.sampling.left import TIE, cuts_ramps, residuals_of_many
-from design.sampling.sample_grid import IntArray, nearest_integers
+from design.sampling.sample_grid import AnyIntArray, nearest_integers
 from design.types import FloatArray
 
 MAX_MATCHES = 300
@@ -116,14 +116,14 @@ def _residuals_at(
     mode: Mode,
     actuator: Actuator,
     slope: bool,
-    samples: IntArray,
+    samples: AnyIntArray,
 ) -> FloatArray:
     return residuals_of_many(samples * sample_time_s, amplitudes, mode, actuator, slope=slope)
 
 
 def _descend(
-    samples: IntArray, longest: int, left_of: Callable[[IntArray], FloatArray]
-) -> IntArray:
+    samples: AnyIntArray, longest: int, left_of: Callable[[AnyIntArray], FloatArray]
+) -> AnyIntArray:
     """Return the samples after moving two impulses at a time while that leaves less."""
     free = samples.size - 1
     reach = range(-SHORT_REACH, SHORT_REACH + 1)

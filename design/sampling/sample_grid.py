@@ -14,7 +14,7 @@ from design.errors import InvalidInputError
 from design.model.impulses import Impulses
 from design.types import FloatArray, require_scale
 
-IntArray = NDArray[np.integer[Any]]
+AnyIntArray = NDArray[np.integer[Any]]
 
 ON_SAMPLE = 1e-9
 """Closer than this to a sample counts as on it: a quotient of two times has rounding [samples]."""
@@ -140,7 +140,7 @@ def split(impulses: Impulses, sample_time_s: float) -> Impulses:
 
 def share_on_samples(
     impulses: Impulses, sample_time_s: float, *, reach: int
-) -> tuple[IntArray, FloatArray]:
+) -> tuple[AnyIntArray, FloatArray]:
     """Return samples around the impulses, and the linear split on them.
 
     Parameters
@@ -165,7 +165,7 @@ def share_on_samples(
     after = np.ceil(positions).astype(int)
     around = np.add.outer(np.arange(1 - reach, reach), np.stack([before, after]))
     # No sooner than the first impulse needs: an earlier start would only be a later shaper.
-    samples: IntArray = np.unique(np.maximum(around, before[0]))
+    samples: AnyIntArray = np.unique(np.maximum(around, before[0]))
     shares = np.zeros(samples.size)
     later = positions - before
     np.add.at(shares, np.searchsorted(samples, before), impulses.amplitudes * (1 - later))
@@ -173,7 +173,7 @@ def share_on_samples(
     return samples, shares
 
 
-def on_samples(samples: IntArray, amplitudes: FloatArray, sample_time_s: float) -> Impulses:
+def on_samples(samples: AnyIntArray, amplitudes: FloatArray, sample_time_s: float) -> Impulses:
     """Return the impulses at these samples; those of height 0 are left out.
 
     Parameters
@@ -194,12 +194,12 @@ def on_samples(samples: IntArray, amplitudes: FloatArray, sample_time_s: float) 
     return Impulses(times_s=samples[used] * sample_time_s, amplitudes=amplitudes[used])
 
 
-def nearest_integers(positions: FloatArray) -> IntArray:
+def nearest_integers(positions: FloatArray) -> AnyIntArray:
     """Return the nearest whole numbers; halves round up.
 
     `numpy.rint` would round them to even.
     """
-    whole: IntArray = np.floor(positions + 0.5).astype(int)
+    whole: AnyIntArray = np.floor(positions + 0.5).astype(int)
     return whole
 
 

@@ -14,7 +14,7 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.sampling.left import TIE, Band, cuts_ramps, largest_over_band, residuals_of_many
-from design.sampling.sample_grid import IntArray, nearest_integers, require_gaps
+from design.sampling.sample_grid import AnyIntArray, nearest_integers, require_gaps
 
 MAX_REACH = 4
 """Samples on each side of an impulse that are looked at [-]."""
@@ -85,7 +85,7 @@ def unity_on_grid(
     return Impulses(times_s=chosen * sample_time_s, amplitudes=impulses.amplitudes)
 
 
-def _choices(centres: IntArray, most: int) -> IntArray:
+def _choices(centres: AnyIntArray, most: int) -> AnyIntArray:
     """Every ordered choice of samples around the centres, in lexical order, shape (m, n)."""
     free = centres.size - 1
     reach = MAX_REACH
@@ -98,10 +98,10 @@ def _choices(centres: IntArray, most: int) -> IntArray:
     moves = list(itertools.product(range(-reach, reach + 1), repeat=free))
     samples = np.repeat(centres[None], len(moves), axis=0)
     samples[:, 1:] += np.array(moves, dtype=int)
-    ordered: IntArray = samples[np.all(np.diff(samples, axis=1) > 0, axis=1)]
+    ordered: AnyIntArray = samples[np.all(np.diff(samples, axis=1) > 0, axis=1)]
     return ordered
 
 
-def _shortest(samples: IntArray, among: IntArray) -> int:
+def _shortest(samples: AnyIntArray, among: AnyIntArray) -> int:
     """Return the first of the shortest: rows come in lexical order, so that it is the earlier."""
     return int(among[np.argmin(samples[among, -1])])

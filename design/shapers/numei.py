@@ -10,7 +10,7 @@ import numpy as np
 from design.claims import ZERO_LIMITS, Promise, within
 from design.errors import InfeasibleDesignError
 from design.formulations.alternating import AlternatingBand
-from design.formulations.equations import Expressions, Problem, Ratios, Seed
+from design.formulations.equations import Expressions, GapProblem, Ratios, Seed
 from design.formulations.formulation import Formulation
 from design.formulations.humps import (
     UNITY_ONE_HUMP,
@@ -179,7 +179,7 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
     lowest, highest = RATIO_BOUNDS
     nominal = options.tolerance if humps == 1 else ZERO_LIMITS["residual"]
     below = np.arange(2 * humps) < humps
-    return Problem(
+    return GapProblem(
         model=model,
         parameters=parameters,
         amplitudes=alternating(model.impulses),

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from design.errors import InvalidInputError
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, Formulation, JointProblem
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
@@ -153,7 +153,7 @@ def impulses_of(parts: tuple[Formulation, ...]) -> int:
     counts = [
         part.impulses.times_s.size if isinstance(part, ClosedForm) else part.amplitudes.size
         for part in parts
-        if isinstance(part, ClosedForm | Problem)  # as all bases are
+        if isinstance(part, ClosedForm | GapProblem)  # as all bases are
     ]
     return math.prod(counts)
 

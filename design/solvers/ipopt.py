@@ -4,7 +4,7 @@ import functools
 import threading
 from typing import Any
 
-from design.formulations.equations import Model, Problem
+from design.formulations.equations import GapProblem, Model
 from design.solvers.buffered import Buffered
 from design.solvers.newton import instructions_of
 from design.solvers.outcome import Outcome, Status
@@ -42,7 +42,7 @@ _one_at_a_time = threading.Lock()
 """One CasADi function used by two threads crashes the process."""
 
 
-class _Program:
+class _NonlinearProgram:
     """The solver of one problem family."""
 
     def __init__(self, model: Model) -> None:
@@ -61,7 +61,7 @@ class _Program:
             ("x",),
         )
 
-    def __call__(self, problem: Problem, start: FloatArray) -> Outcome:
+    def __call__(self, problem: GapProblem, start: FloatArray) -> Outcome:
         """Solve one problem of the family from one start."""
         inputs = self._solver.inputs
         inputs["x0"][:] = start
@@ -78,8 +78,8 @@ class _Program:
 
 
 @functools.cache
-def _program(model: Model) -> _Program:
-    return _Program(model)
+def _program(model: Model) -> _NonlinearProgram:
+    return _NonlinearProgram(model)
 
 
 def work_of(model: Model, iterations: int) -> float:
@@ -100,7 +100,7 @@ def work_of(model: Model, iterations: int) -> float:
     return iterations * (ITERATION_WORK + INSTRUCTION_WORK * instructions_of(model))
 
 
-def solve(problem: Problem, start: FloatArray) -> Outcome:
+def solve(problem: GapProblem, start: FloatArray) -> Outcome:
     """Minimise the duration from one start.
 
     The solver of the problem's family is built at its first use in this process.

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.errors import InfeasibleDesignError, TimeLimitError
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.unity_magnitude import PERIOD_RAD
 from design.formulations.whole_move import WholeMove, pulse_trains
 from design.solvers import ipopt
@@ -40,7 +40,7 @@ class MoveCandidate:
         Gaps between its steps, shape (steps - 1,) [rad].
     """
 
-    problem: Problem
+    problem: GapProblem
     gaps_rad: FloatArray
 
     @property
@@ -56,7 +56,7 @@ class _Search:
         self.starts = 0
         self.budget = budget
 
-    def solve_runs(self, problem: Problem, seeds: list[FloatArray]) -> Iterator[FloatArray]:
+    def solve_runs(self, problem: GapProblem, seeds: list[FloatArray]) -> Iterator[FloatArray]:
         """Yield the ends of the runs that the solver calls solved."""
         for seed in seeds:
             if self.budget.spent:
@@ -74,7 +74,9 @@ class _Search:
             if outcome.status is Status.SOLVE_SUCCEEDED and in_time:
                 yield outcome.unknowns
 
-    def with_fewer_steps(self, problem: Problem, gaps_rad: FloatArray) -> Iterator[MoveCandidate]:
+    def with_fewer_steps(
+        self, problem: GapProblem, gaps_rad: FloatArray
+    ) -> Iterator[MoveCandidate]:
         """Yield the move without its coinciding steps, if that can be solved, then as it is.
 
         Steps up and down at one moment leave something only in the superposed model, where each
@@ -86,7 +88,7 @@ class _Search:
                 yield from self.with_fewer_steps(fewer, end)
         yield MoveCandidate(problem=problem, gaps_rad=gaps_rad)
 
-    def everywhere(self, problem: Problem, usual_rad: float) -> Iterator[MoveCandidate]:
+    def everywhere(self, problem: GapProblem, usual_rad: float) -> Iterator[MoveCandidate]:
         """Yield what seeds and trains lead to, then what fewer steps do."""
         seeds = [*(seed.gaps_rad for seed in problem.seeds), *pulse_trains(problem)]
         for end in self.solve_runs(problem, seeds):
@@ -100,7 +102,7 @@ class _Search:
 
 
 def move_candidates(
-    problem: Problem, usual_rad: float, budget: Budget | None = None
+    problem: GapProblem, usual_rad: float, budget: Budget | None = None
 ) -> Iterator[MoveCandidate]:
     """Yield moves, the likeliest minimum first.
 
@@ -150,7 +152,7 @@ def move_candidates(
     )
 
 
-def _with_two_steps_fewer(problem: Problem) -> Problem | None:
+def _with_two_steps_fewer(problem: GapProblem) -> GapProblem | None:
     """Return the same move with two steps less; None if there would be more equations than gaps."""
     model = problem.model
     if not isinstance(model, WholeMove) or model.steps - 2 <= model.equations:

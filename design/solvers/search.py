@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.errors import InfeasibleDesignError, TimeLimitError
-from design.formulations.equations import Problem, Seed
+from design.formulations.equations import GapProblem, Seed
 from design.solvers import ipopt, newton
 from design.solvers.budget import Budget
 from design.solvers.continuation import follow
@@ -33,7 +33,7 @@ SAME_ROOT_RAD = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Candidate:
+class OrderedSolution:
     """An ordered solution as reported by the solver, not yet certified.
 
     Attributes
@@ -52,7 +52,7 @@ class Candidate:
         Starts tried so far, this one included.
     """
 
-    problem: Problem
+    problem: GapProblem
     gaps_rad: FloatArray
     ratios: FloatArray
     seed: str
@@ -60,7 +60,7 @@ class Candidate:
     starts: int
 
 
-def solve(problem: Problem, budget: Budget) -> Iterator[Solution]:
+def solve(problem: GapProblem, budget: Budget) -> Iterator[Solution]:
     """Yield ordered solutions, the likeliest minimum first.
 
     Parameters
@@ -97,7 +97,7 @@ def solve(problem: Problem, budget: Budget) -> Iterator[Solution]:
         )
 
 
-def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Candidate]:
+def candidates(problem: GapProblem, budget: Budget | None = None) -> Iterator[OrderedSolution]:
     """Yield ordered solutions, the likeliest minimum first.
 
     Each solution comes from IPOPT, which starts at the problem's own seeds first. Newton's method
@@ -169,7 +169,7 @@ def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Candi
     )
 
 
-def _describe_early_end(problem: Problem, budget: Budget) -> str:
+def _describe_early_end(problem: GapProblem, budget: Budget) -> str:
     """Say that a search ended before its end, if it did."""
     if not budget.spent:
         return ""
@@ -179,7 +179,7 @@ def _describe_early_end(problem: Problem, budget: Budget) -> str:
     )
 
 
-def _horizons(problem: Problem) -> list[float]:
+def _horizons(problem: GapProblem) -> list[float]:
     """Return the horizons that are searched one after another, the problem's own last [rad].
 
     Starts spread over a long horizon are sparse: what is fast is looked for first.
@@ -192,7 +192,7 @@ def _horizons(problem: Problem) -> list[float]:
     ]
 
 
-def spread_starts(problem: Problem) -> FloatArray:
+def spread_starts(problem: GapProblem) -> FloatArray:
     """Return ordered starts spread evenly over the horizon.
 
     The starts are a Kronecker sequence on the generalised golden ratio, sorted into times: the same
@@ -239,7 +239,7 @@ def unit_starts(count: int) -> FloatArray:
     return gaps
 
 
-def _sharpen_seed(problem: Problem, seed: Seed, budget: Budget) -> FloatArray | None:
+def _sharpen_seed(problem: GapProblem, seed: Seed, budget: Budget) -> FloatArray | None:
     """Return where Newton's method ends from a seed: a root or not, within bounds or not.
 
     None if the seed is to be followed from what it solves, and the path ends on the way.
@@ -260,8 +260,8 @@ def _sharpen_seed(problem: Problem, seed: Seed, budget: Budget) -> FloatArray | 
 
 
 def _solve_from(
-    problem: Problem, start: FloatArray, seed: str, tried: int, budget: Budget
-) -> Iterator[Candidate]:
+    problem: GapProblem, start: FloatArray, seed: str, tried: int, budget: Budget
+) -> Iterator[OrderedSolution]:
     outcome = ipopt.solve(problem, start)
     budget.spend(JUDGING_WORK + ipopt.work_of(problem.model, outcome.iterations))
     if outcome.status is Status.TIME_LIMIT:
@@ -281,7 +281,7 @@ def _solve_from(
         )
     )
     if outcome.status is Status.SOLVE_SUCCEEDED and in_time:
-        yield Candidate(
+        yield OrderedSolution(
             problem=problem,
             gaps_rad=gaps,
             ratios=ratios,
@@ -292,7 +292,7 @@ def _solve_from(
 
 
 def _seed_step(
-    problem: Problem, seed: Seed, sharpened: FloatArray | None, *, allowed: bool
+    problem: GapProblem, seed: Seed, sharpened: FloatArray | None, *, allowed: bool
 ) -> TraceStep:
     """Return what became of a seed before the solver itself starts there."""
     gaps = seed.gaps_rad if sharpened is None else problem.split(sharpened)[0]
@@ -312,14 +312,14 @@ def _seed_step(
     )
 
 
-def _duration_s(problem: Problem, gaps_rad: FloatArray) -> float | None:
+def _duration_s(problem: GapProblem, gaps_rad: FloatArray) -> float | None:
     """Return what gaps add up to; None where they ran away [s]."""
     with np.errstate(all="ignore"):
         duration = float(gaps_rad.sum()) / problem.natural_frequency_rad_s
     return duration if math.isfinite(duration) else None
 
 
-def _ordered_fastest_first(problem: Problem, ends: newton.Roots) -> Iterator[FloatArray]:
+def _ordered_fastest_first(problem: GapProblem, ends: newton.Roots) -> Iterator[FloatArray]:
     """Distinct roots within the problem's bounds, by duration."""
     durations = problem.split(ends.unknowns)[0].sum(axis=1)
     usable = np.flatnonzero(ends.converged & problem.allows(ends.unknowns))
@@ -330,7 +330,7 @@ def _ordered_fastest_first(problem: Problem, ends: newton.Roots) -> Iterator[Flo
             yield ends.unknowns[index]
 
 
-def _describe_search(problem: Problem, ends: newton.Roots | None, starts: int) -> str:
+def _describe_search(problem: GapProblem, ends: newton.Roots | None, starts: int) -> str:
     """Say how far was searched, and what came nearest; nothing did where there was no start."""
     period = 2 * np.pi
     report = (

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from design.formulations.bands import BandProblem, BandSearch
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, Formulation, JointProblem
 from design.solvers import search
 from design.solvers.budget import Budget
@@ -79,7 +79,7 @@ def _convolution(formulation: Convolution, budget: Budget) -> Iterator[Solution]
 
 SOLVERS: dict[type[Formulation], Callable[[Any, Budget], Iterator[Solution]]] = {
     ClosedForm: _solve_closed_form,
-    Problem: search.solve,
+    GapProblem: search.solve,
     BandSearch: unity_band.solve,
     BandProblem: optima.solve_over_band,
     JointProblem: optima.solve_jointly,

@@ -37,7 +37,7 @@ from design.tables.starts import (
     FOUND,
     NO_SEED,
     UNSURE,
-    IntArray,
+    Int8Array,
     fastest,
     nearest_to_seeds,
     within,
@@ -86,7 +86,7 @@ def _not_before(angle: float, earliest: float) -> float:
 
 
 @compiled
-def _close_triangles(rows: FloatArray, gaps: FloatArray, ends: IntArray) -> None:
+def _close_triangles(rows: FloatArray, gaps: FloatArray, ends: Int8Array) -> None:
     """Write the gaps of `design.formulations.unity_magnitude.undamped_times_rad`."""
     block = np.ones(LENGTH)
     for m in range(rows.shape[0]):
@@ -135,7 +135,7 @@ def rows_of_problems(lags: FloatArray, longest_periods: FloatArray, *, settle: b
     return rows
 
 
-def closed_triangles(rows: FloatArray) -> tuple[FloatArray, IntArray]:
+def closed_triangles(rows: FloatArray) -> tuple[FloatArray, Int8Array]:
     """Return the gaps of undamped three-impulse shapers in closed form.
 
     Steps are superposed.
@@ -157,7 +157,7 @@ def closed_triangles(rows: FloatArray) -> tuple[FloatArray, IntArray]:
     return gaps, ends
 
 
-def solve_rows(rows: FloatArray, impulses: int, *, switched: bool) -> tuple[FloatArray, IntArray]:
+def solve_rows(rows: FloatArray, impulses: int, *, switched: bool) -> tuple[FloatArray, Int8Array]:
     """Solve the problems of many rows.
 
     Parameters

@@ -28,7 +28,7 @@ from design.tables.equations import (
 from design.tables.newton import newton_step
 from design.types import FloatArray
 
-IntArray = NDArray[np.int8]
+Int8Array = NDArray[np.int8]
 
 FULL_STEPS = 12
 """Newton steps from a seed, as the single design's root finder takes [-]."""
@@ -138,7 +138,7 @@ def nearest_to_seeds(
     switched: Switched,
     rows: FloatArray,
     gaps: FloatArray,
-    ends: IntArray,
+    ends: Int8Array,
 ) -> None:
     """Write where full Newton steps end from the first seed within bounds.
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import sqlalchemy as sa
 
-from service.jobs.records import UNFINISHED, Claim
+from service.jobs.records import UNFINISHED, ChunkClaim
 from service.jobs.schema import CHUNKS, JOBS
 from service.jobs.soundness import damage_of
 
@@ -92,7 +92,7 @@ class Claimer:
     stalled_s: float
     version: str
 
-    def claim(self, connection: sa.Connection, most: int) -> list[Claim]:
+    def claim(self, connection: sa.Connection, most: int) -> list[ChunkClaim]:
         """Claim so many chunks at most, in a transaction that is open.
 
         Parameters
@@ -111,7 +111,7 @@ class Claimer:
             # Two that lock several jobs each, in orders of their own, would wait for each other.
             connection.execute(sa.select(sa.func.pg_advisory_xact_lock(CLAIM_LOCK)))
         return [
-            Claim(job, number)
+            ChunkClaim(job, number)
             for job, share in shares(self._turns(connection), most).items()
             for number in self._take_chunks(connection, job, share)
         ]

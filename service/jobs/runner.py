@@ -16,7 +16,7 @@ from sqlalchemy.exc import DBAPIError, OperationalError
 from service.jobs.contents import DamagedError, GoneError
 from service.jobs.database import StoreError, disk_full
 from service.jobs.executors import Start, Started
-from service.jobs.records import Claim, Done
+from service.jobs.records import ChunkClaim, Done
 from service.jobs.store import Store
 from service.jobs.work import UnreadableError, compute_chunk, pack
 
@@ -71,8 +71,8 @@ class Runner:
         self._tell = tell
         self._started: Started | None = None
         self._specifications: dict[str, tuple[bytes, int | None]] = {}
-        self._running: dict[Future[Done], Claim] = {}
-        self._suspects: deque[Claim] = deque()
+        self._running: dict[Future[Done], ChunkClaim] = {}
+        self._suspects: deque[ChunkClaim] = deque()
         self._kills = 0
         self._beaten = time.monotonic()
 
@@ -125,10 +125,10 @@ class Runner:
             self._start_over()
 
     @property
-    def _held(self) -> list[Claim]:
+    def _held(self) -> list[ChunkClaim]:
         return [*self._running.values(), *self._suspects]
 
-    def _next(self) -> list[Claim]:
+    def _next(self) -> list[ChunkClaim]:
         """Return the chunks to be computed next: of suspects one at a time, with none beside it."""
         if self._suspects:
             return [] if self._running else [self._suspects.popleft()]
@@ -136,7 +136,7 @@ class Runner:
         free = slots - len(self._running)
         return self.patiently(lambda: self._store.claim(self.name, free)) if free > 0 else []
 
-    def _submit(self, claim: Claim) -> None:
+    def _submit(self, claim: ChunkClaim) -> None:
         try:
             content, impulses = self._specification(claim.job)
         except GoneError:
@@ -169,7 +169,7 @@ class Runner:
             self._specifications = {**kept, job: (pack(contents.specification), contents.impulses)}
         return self._specifications[job]
 
-    def _record(self, claim: Claim, future: "Future[Done]") -> None:
+    def _record(self, claim: ChunkClaim, future: "Future[Done]") -> None:
         error = future.exception()
         if error is None:
             done = future.result()
@@ -217,7 +217,7 @@ class Runner:
             "system does for want of memory: take fewer chunk_rows, or fewer workers",
         )
 
-    def _fail_job(self, claim: Claim, reason: str) -> None:
+    def _fail_job(self, claim: ChunkClaim, reason: str) -> None:
         self.patiently(lambda: self._store.fail_job(claim.job, reason))
         self.patiently(lambda: self._store.give_back(self.name, [claim]))
 

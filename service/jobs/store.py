@@ -14,7 +14,7 @@ from service.jobs import adding, contents, erasing
 from service.jobs.claims import Claimer, has_rows
 from service.jobs.counting import NO_RATE, NOTHING, with_chunk
 from service.jobs.database import open_database
-from service.jobs.records import DELETED, ENDED, UNFINISHED, Claim, Done, Job, NewJob
+from service.jobs.records import DELETED, ENDED, UNFINISHED, ChunkClaim, Done, Job, NewJob
 from service.jobs.schema import CHUNKS, JOBS
 from service.jobs.views import see_jobs
 from service.version import version as version_of_product
@@ -75,7 +75,7 @@ class Store:
         """
         return adding.add(self._database, job, key, self._now)
 
-    def claim(self, worker: str, most: int) -> list[Claim]:
+    def claim(self, worker: str, most: int) -> list[ChunkClaim]:
         """Claim chunks for a worker, of the jobs in turn.
 
         Parameters
@@ -100,7 +100,7 @@ class Store:
         with self._engine.begin() as connection:
             return claimer.claim(connection, most)
 
-    def beat(self, worker: str, claims: Iterable[Claim]) -> None:
+    def beat(self, worker: str, claims: Iterable[ChunkClaim]) -> None:
         """Record that a worker still computes its chunks.
 
         Parameters
@@ -113,7 +113,7 @@ class Store:
         for claim in claims:
             self._change(worker, claim, heartbeat=self._now)
 
-    def give_back(self, worker: str, claims: Iterable[Claim]) -> None:
+    def give_back(self, worker: str, claims: Iterable[ChunkClaim]) -> None:
         """Free chunks for others, as a worker does when it stops.
 
         Parameters
@@ -126,7 +126,7 @@ class Store:
         for claim in claims:
             self._change(worker, claim, state="waiting", worker=None)
 
-    def finish(self, worker: str, claim: Claim, done: Done) -> bool:
+    def finish(self, worker: str, claim: ChunkClaim, done: Done) -> bool:
         """Record a chunk and count it, if its worker still holds it.
 
         Parameters
@@ -168,7 +168,7 @@ class Store:
             connection.execute(JOBS.update().where(JOBS.c.id == claim.job).values(counted))
         return True
 
-    def _change(self, _holder: str, _claim: Claim, **values: Any) -> None:  # noqa: ANN401
+    def _change(self, _holder: str, _claim: ChunkClaim, **values: Any) -> None:  # noqa: ANN401
         """Change a chunk if a worker holds it; one a transaction, so that none waits for two."""
         with self._engine.begin() as connection:
             connection.execute(CHUNKS.update().where(*_is_held(_holder, _claim)).values(values))
@@ -188,7 +188,7 @@ class Store:
                 done = JOBS.update().where(JOBS.c.id == job, complete).values(state="done")
                 connection.execute(done)
 
-    def fail(self, worker: str, claim: Claim, reason: str) -> None:
+    def fail(self, worker: str, claim: ChunkClaim, reason: str) -> None:
         """Record that a chunk failed.
 
         The chunk is tried again. One that fails `MAX_FAILURES` times fails its job.
@@ -355,7 +355,7 @@ def _lock_job(connection: sa.Connection, job: str) -> str | None:
     return state
 
 
-def _is_held(worker: str, claim: Claim) -> tuple[sa.ColumnElement[bool], ...]:
+def _is_held(worker: str, claim: ChunkClaim) -> tuple[sa.ColumnElement[bool], ...]:
     return (
         CHUNKS.c.job == claim.job,
         CHUNKS.c.number == claim.number,

@@ -14,7 +14,7 @@ from design.claims import Promise
 from design.curve_fit.fit import fit
 from design.curve_fit.fit_range import FitRange
 from design.fields import Axis
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.model import Model
 from design.model.actuators.registry import Actuator
@@ -320,7 +320,7 @@ def test_where_the_ideal_actuator_has_none_the_search_goes_on() -> None:
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=0.5)
     options = HumpOptions(tolerance=0.5)
     problem = SHAPERS["num_ei"].formulate(SHAPERS["num_ei"].case((mode,), IDEAL, options))
-    assert isinstance(problem, Problem)
+    assert isinstance(problem, GapProblem)
     assert [seed.name for seed in problem.seeds] == ["um_ei_undamped", "um_ei_undamped_followed"]
     with refused("no_solution_found", says=r"in 1026 starts"):
         shaper(mode, IDEAL, options=options)

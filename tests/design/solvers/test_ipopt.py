@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from design.formulations.equations import Expressions, Model, Problem
+from design.formulations.equations import Expressions, GapProblem, Model
 from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE, unity_magnitude_problem
 from design.model.actuators.ideal import Ideal
 from design.solvers import ipopt
@@ -43,8 +43,8 @@ class Nowhere:
 
 def problem(
     model: Model, parameter: float, shortest: tuple[float, float] = (1e-6, 1e-6)
-) -> Problem:
-    return Problem(
+) -> GapProblem:
+    return GapProblem(
         model=model,
         parameters=np.array([parameter]),
         amplitudes=np.array([1.0, -1.0, 1.0]),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from design.errors import InfeasibleDesignError
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.unity_magnitude import (
     ZERO_VIBRATION,
     ZERO_VIBRATION_DERIVATIVE,
@@ -36,7 +36,7 @@ def formulate(
     *,
     settle: bool = False,
     periods: float = 3.0,
-) -> Problem:
+) -> GapProblem:
     return unity_magnitude_problem(
         model, mode, actuator, settle=settle, max_duration_periods=periods
     )
@@ -49,7 +49,7 @@ def second_order(w1: float, z1: float, w2: float, z2: float) -> SecondOrder:
     )
 
 
-def fastest_of_random_starts(problem: Problem, mode: Mode, actuator: Actuator) -> float:
+def fastest_of_random_starts(problem: GapProblem, mode: Mode, actuator: Actuator) -> float:
     """Least duration of the ordered roots that SciPy finds of the textbook's own equations."""
     from scipy.optimize import root
 
@@ -172,7 +172,7 @@ def test_a_search_without_any_root_says_how_far_off_the_nearest_is() -> None:
     assert left >= 1.2 / math.sqrt(2) - 1e-3
 
 
-def answer(problem: Problem, status: Status) -> Outcome:
+def answer(problem: GapProblem, status: Status) -> Outcome:
     return Outcome(status=status, unknowns=problem.seeds[0].gaps_rad, iterations=1)
 
 

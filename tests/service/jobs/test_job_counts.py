@@ -9,7 +9,7 @@ import pytest
 import sqlalchemy as sa
 
 from service.jobs.counting import SPAN_S, rate_rows_s
-from service.jobs.records import Claim, Done
+from service.jobs.records import ChunkClaim, Done
 from service.jobs.schema import CHUNKS, JOBS
 from service.jobs.store import Store
 from tests.job_stores import HOUR_S, change_jobs, done, engine_of, job
@@ -35,7 +35,7 @@ def require_sums(url: str, one: str) -> int:
     return wanted[0]
 
 
-def rows_of(claim: Claim) -> Done:
+def rows_of(claim: ChunkClaim) -> Done:
     """Return a chunk of four rows or more, of which so many are such as its number says."""
     kinds = claim.number % 2, claim.number % 3
     return done(b"%d" % claim.number, infeasible=kinds[0], verified_ideal=min(kinds[1], 1))
@@ -104,7 +104,7 @@ def test_counts_hold_when_a_job_ends_or_is_taken_back_under_those_who_finish(
     recorded: list[bool] = []
     begun = threading.Event()
 
-    def work(part: list[Claim]) -> None:
+    def work(part: list[ChunkClaim]) -> None:
         mine = Store(url, stalled_s=HOUR_S, version="1")
         for claim in part:
             recorded.append(mine.finish("w", claim, done()))

@@ -11,7 +11,7 @@ from service.jobs.claims import Turn, shares
 from service.jobs.contents import GoneError
 from service.jobs.erasing import ERASED_AT_ONCE
 from service.jobs.plan import wire_job
-from service.jobs.records import Claim, Job
+from service.jobs.records import ChunkClaim, Job
 from service.jobs.store import MAX_FAILURES, Store
 from tests.job_stores import HOUR_S, change_jobs, count_chunks, done, job, silent_for
 
@@ -29,7 +29,7 @@ def to_waiting(store: Store, one: str) -> None:
 
 
 def to_running(store: Store, one: str) -> None:
-    assert store.claim("w", 1) == [Claim(one, 0)]
+    assert store.claim("w", 1) == [ChunkClaim(one, 0)]
 
 
 def to_done(store: Store, one: str) -> None:
@@ -41,7 +41,7 @@ def to_done(store: Store, one: str) -> None:
 
 def to_failed(store: Store, one: str) -> None:
     to_running(store, one)
-    store.give_back("w", [Claim(one, 0)])
+    store.give_back("w", [ChunkClaim(one, 0)])
     store.fail_job(one, "it broke")
 
 
@@ -356,7 +356,7 @@ def test_many_at_once_compute_many_jobs_and_each_chunk_once(stores: list[Store])
     jobs = [job(rows, 1) for rows in (1, 30, 60)]
     for new in jobs:
         stores[0].add(new)
-    recorded: list[Claim] = []
+    recorded: list[ChunkClaim] = []
 
     def work(number: int) -> None:
         mine, name = stores[number], str(number)

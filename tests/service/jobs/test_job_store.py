@@ -12,7 +12,7 @@ from alembic.config import Config
 
 import service.jobs
 from service.jobs.database import StoreError
-from service.jobs.records import Claim
+from service.jobs.records import ChunkClaim
 from service.jobs.store import MAX_FAILURES, Store
 from tests.job_stores import HOUR_S, change_jobs, done, job, silent_for
 
@@ -22,8 +22,8 @@ MIGRATIONS = Path(service.jobs.__file__).parent / "migrations"
 def test_chunks_are_claimed_once_and_in_order(store: Store) -> None:
     new = job()
     store.add(new)
-    assert store.claim("one", 2) == [Claim(new.id, 0), Claim(new.id, 1)]
-    assert store.claim("two", 2) == [Claim(new.id, 2)]
+    assert store.claim("one", 2) == [ChunkClaim(new.id, 0), ChunkClaim(new.id, 1)]
+    assert store.claim("two", 2) == [ChunkClaim(new.id, 2)]
     assert store.claim("one", 2) == []
 
 
@@ -119,12 +119,12 @@ def test_only_ended_jobs_that_are_old_are_dropped(store: Store) -> None:
     store.add(ended)
     store.add(unfinished)
     assert store.cancel(ended.id)
-    assert store.claim("a", 1) == [Claim(unfinished.id, 0)]
+    assert store.claim("a", 1) == [ChunkClaim(unfinished.id, 0)]
     assert store.drop_ended(60.0) == 0
     time.sleep(0.01)
     assert store.drop_ended(0.0) == 1
     assert store.job(ended.id) is None
-    assert store.finish("a", Claim(unfinished.id, 0), done())
+    assert store.finish("a", ChunkClaim(unfinished.id, 0), done())
 
 
 def test_rows_of_a_dropped_job_are_gone(store: Store) -> None:
@@ -141,7 +141,7 @@ def test_rows_of_a_dropped_job_are_gone(store: Store) -> None:
 
 def test_many_claim_at_once_and_none_gets_what_another_has(store: Store, url: str) -> None:
     store.add(job(rows=120, chunk_rows=1))
-    claimed: list[Claim] = []
+    claimed: list[ChunkClaim] = []
 
     def claim(name: str) -> None:
         mine = Store(url, stalled_s=30.0, version="1")
