@@ -14,14 +14,14 @@ from design.model.actuators.second_order import (
     SecondOrder,
     SecondOrderSet,
 )
-from design.types import LARGEST
+from design.types import MAX_VALUE
 from schemas.base import Positive, Wire, name_field
 
 Example = dict[str, Any]
 """A request's value, as JSON has it."""
 
 TimeConstant = Annotated[
-    float, Field(ge=0, le=LARGEST, description="Time constant, 0 or at least 1e-12 [s].")
+    float, Field(ge=0, le=MAX_VALUE, description="Time constant, 0 or at least 1e-12 [s].")
 ]
 ModelIn = Annotated[
     Model,
@@ -33,7 +33,7 @@ ModelIn = Annotated[
 
 
 DeadTime = Annotated[
-    float, Field(ge=0, le=LARGEST, description="Delay of all that the actuator does [s].")
+    float, Field(ge=0, le=MAX_VALUE, description="Delay of all that the actuator does [s].")
 ]
 
 

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from design.errors import InvalidInputError
 from design.model.plants.mode import MAX_DAMPING_RATIO
-from design.types import LARGEST
+from design.types import MAX_VALUE
 
 
 class Wire(BaseModel):
@@ -35,7 +35,7 @@ def leave_out_none(description: str) -> Any:  # noqa: ANN401 - as pydantic's own
     return Field(default=None, exclude_if=_says_nothing, description=description)
 
 
-Positive = Annotated[float, Field(gt=0, le=LARGEST)]
+Positive = Annotated[float, Field(gt=0, le=MAX_VALUE)]
 PlantDamping = Annotated[
     float,
     Field(ge=0, le=MAX_DAMPING_RATIO, description="Share of critical damping [-]."),

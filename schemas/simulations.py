@@ -11,7 +11,7 @@ from design.errors import InvalidInputError
 from design.model import commands
 from design.model.impulses import Impulses
 from design.moves.playback import Motion, Swing
-from design.types import LARGEST, FloatArray
+from design.types import MAX_VALUE, FloatArray
 from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Wire, name_field
 from schemas.impulses import ImpulsesWire
@@ -86,8 +86,8 @@ class SampledCommand(Wire):
             If the last sample is too late, or the velocities are no command.
         """
         times = self.sample_time_s * np.arange(len(self.velocity_m_s))
-        if times[-1] > LARGEST:
-            rule = f"such that the last sample is at {LARGEST:g} s at most"
+        if times[-1] > MAX_VALUE:
+            rule = f"such that the last sample is at {MAX_VALUE:g} s at most"
             raise InvalidInputError(
                 "sample_time_s", self.sample_time_s, rule, code="samples_not_served"
             )

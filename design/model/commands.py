@@ -4,7 +4,7 @@ import numpy as np
 
 from design.errors import InvalidInputError
 from design.model.impulses import Impulses
-from design.types import LARGEST, SMALLEST, FloatArray, require_between
+from design.types import MAX_VALUE, MIN_VALUE, FloatArray, require_between
 
 
 def step() -> Impulses:
@@ -30,7 +30,7 @@ def pulse(pulse_s: float) -> Impulses:
     InvalidInputError
         If the duration is not between 1e-12 and 1e12 s.
     """
-    require_between("pulse_s", pulse_s, SMALLEST, LARGEST)
+    require_between("pulse_s", pulse_s, MIN_VALUE, MAX_VALUE)
     return Impulses(times_s=np.array([0.0, pulse_s]), amplitudes=np.array([1.0, -1.0]))
 
 
@@ -62,13 +62,13 @@ def command_of_velocities(times_s: FloatArray, velocities: FloatArray) -> Impuls
             f"as many as the times, {times_s.size}",
             code="velocities_unlike_times",
         )
-    huge = ~(np.abs(velocities) <= LARGEST / 2)  # not a number is not
+    huge = ~(np.abs(velocities) <= MAX_VALUE / 2)  # not a number is not
     if huge.any():
         index = int(huge.argmax())
         raise InvalidInputError(
             f"velocity_m_s.{index}",
             f"{float(velocities[index]):g} times",
-            f"a number, at most {LARGEST / 2:g} times full speed",
+            f"a number, at most {MAX_VALUE / 2:g} times full speed",
             code="velocity_out_of_range",
         )
     last = np.append(times_s[1:] != times_s[:-1], True)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from design.errors import InvalidInputError
-from design.types import LARGEST, BoolArray, FloatArray
+from design.types import MAX_VALUE, BoolArray, FloatArray
 
 ROUNDING = 1e-12
 """Share of all steps' sizes below which one is none: rounding of their sum, not a command [-]."""
@@ -59,7 +59,9 @@ class Impulses:
         gaps = times[1:] - times[:-1]
         shortest = float(gaps.min()) if gaps.size else np.inf
         ordered = shortest >= 0
-        if not (ordered and times[0] >= -LARGEST and times[-1] <= LARGEST and 0 < total <= LARGEST):
+        if not (
+            ordered and times[0] >= -MAX_VALUE and times[-1] <= MAX_VALUE and 0 < total <= MAX_VALUE
+        ):
             self._require_numbers()
         margin = ROUNDING * total
         if shortest > self._instant_s and heights.min() > margin:
@@ -133,12 +135,12 @@ class Impulses:
     def _require_numbers(self) -> None:
         """Raise InvalidInputError for the first fault, if there is one."""
         for name, values in (("times_s", self.times_s), ("amplitudes", self.amplitudes)):
-            if not np.abs(values).max() <= LARGEST:  # not a number is not
-                index = int(np.flatnonzero(~(np.abs(values) <= LARGEST))[0])
+            if not np.abs(values).max() <= MAX_VALUE:  # not a number is not
+                index = int(np.flatnonzero(~(np.abs(values) <= MAX_VALUE))[0])
                 raise InvalidInputError(
                     f"{name}.{index}",
                     float(values[index]),
-                    f"between {-LARGEST:g} and {LARGEST:g}",
+                    f"between {-MAX_VALUE:g} and {MAX_VALUE:g}",
                     code="out_of_range",
                 )
         backward = self.times_s[1:] < self.times_s[:-1]

@@ -8,12 +8,12 @@ from design.errors import InvalidInputError
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
-from design.types import LARGEST, require_between
+from design.types import MAX_VALUE, require_between
 
 
 def _require_sizes(record: object, *names: str) -> None:
     for name in names:
-        require_between(name, getattr(record, name), -LARGEST, LARGEST)
+        require_between(name, getattr(record, name), -MAX_VALUE, MAX_VALUE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,8 +155,8 @@ def free_swing(
     if state == (0.0, 0.0):
         return None
     deflection, rate = (per_speed * one for one in state)
-    if not math.hypot(deflection, rate) <= LARGEST:
+    if not math.hypot(deflection, rate) <= MAX_VALUE:
         raise InvalidInputError(
-            "initial", state, f"at most {LARGEST:g} times the speed", code="swing_too_large"
+            "initial", state, f"at most {MAX_VALUE:g} times the speed", code="swing_too_large"
         )
     return FreeSwing(deflection_s=deflection, rate=rate, frequency_power=power, delay_s=delay_s)

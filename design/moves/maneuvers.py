@@ -25,7 +25,7 @@ from design.response.closed_form import travel
 from design.shapers.kind import ShaperKind
 from design.shapers.options import PeakOptions, SettleOptions, ShaperOptions
 from design.solving.solve import solve
-from design.types import LARGEST, SMALLEST, require_scale
+from design.types import MAX_VALUE, MIN_VALUE, require_scale
 
 MAX_PERIODS = 500.0
 """Longest pulse: up to it the certificate's slope, by differencing, stays clear of rounding [-]."""
@@ -308,22 +308,22 @@ def _direction(
         )
     if pulse_s is not None:
         require_scale("pulse_s", pulse_s)
-        if not SMALLEST <= abs(speed_m_s) <= LARGEST:
+        if not MIN_VALUE <= abs(speed_m_s) <= MAX_VALUE:
             raise InvalidInputError(
                 "speed_m_s",
                 speed_m_s,
-                f"{SMALLEST:g} to {LARGEST:g}, or minus",
+                f"{MIN_VALUE:g} to {MAX_VALUE:g}, or minus",
                 code="speed_out_of_range",
             )
         _require_provable("pulse_s", pulse_s, pulse_s, mode)
         return 1 if speed_m_s > 0 else -1
     require_scale("speed_m_s", speed_m_s)
     distance = 0.0 if distance_m is None else distance_m
-    if not SMALLEST <= abs(distance) <= LARGEST:
+    if not MIN_VALUE <= abs(distance) <= MAX_VALUE:
         raise InvalidInputError(
             "distance_m",
             distance_m,
-            f"between {SMALLEST:g} and {LARGEST:g} either way, not 0",
+            f"between {MIN_VALUE:g} and {MAX_VALUE:g} either way, not 0",
             code="out_of_range",
         )
     _require_provable("distance_m", distance, abs(distance) / speed_m_s, mode)

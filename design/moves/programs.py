@@ -14,7 +14,7 @@ from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
 from design.model.plants.mode import Mode
 from design.sampling.sample_grid import ON_SAMPLE, split
-from design.types import SMALLEST, FloatArray, require_between
+from design.types import MIN_VALUE, FloatArray, require_between
 
 MAX_SAMPLES = 100_000
 """Longest program, a bound on the work of one request."""
@@ -82,7 +82,7 @@ def program(
     InvalidInputError
         If the sample time is longer than the command, or so short that there are too many samples.
     """
-    require_between("sample_time_s", sample_time_s, SMALLEST, max(command.duration_s, SMALLEST))
+    require_between("sample_time_s", sample_time_s, MIN_VALUE, max(command.duration_s, MIN_VALUE))
     samples = math.ceil(command.duration_s / sample_time_s - ON_SAMPLE)
     if samples >= MAX_SAMPLES:
         raise InvalidInputError(

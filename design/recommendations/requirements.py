@@ -12,7 +12,7 @@ from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
-from design.types import LARGEST, require_between, require_scale
+from design.types import MAX_VALUE, require_between, require_scale
 
 Sign = Literal["any", "positive", "unity"]
 """Amplitudes allowed: all; above zero; +1, -1, +1, ... as an on-off drive takes them."""
@@ -94,7 +94,7 @@ class Requirements:
                 require_scale(name, value)
         require_between("lowest_command", self.lowest_command, -MAX_COMMAND, 0.0)
         require_between("highest_command", self.highest_command, 1.0, 1.0 + MAX_COMMAND)
-        if self.max_high_mode_gain is not None and not 0 < self.max_high_mode_gain <= LARGEST:
+        if self.max_high_mode_gain is not None and not 0 < self.max_high_mode_gain <= MAX_VALUE:
             raise InvalidInputError(
                 "max_high_mode_gain", self.max_high_mode_gain, "> 0", code="out_of_range"
             )

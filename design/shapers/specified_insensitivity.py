@@ -11,7 +11,7 @@ from design.shapers.kind import UNLIMITED_ACTUATORS, DesignCase, KindOf
 from design.shapers.options import MAX_HORIZON_PERIODS, MIN_HORIZON_PERIODS, ShaperOptions
 from design.types import require_between
 
-NARROWEST, WIDEST = 0.01, 0.9
+MIN_HALF_WIDTH, MAX_HALF_WIDTH = 0.01, 0.9
 """Bounds of half the band's width over its centre: beyond them shapers take tens of periods [-]."""
 
 MIN_RATIO, MAX_RATIO = 0.01, 100.0
@@ -50,8 +50,8 @@ class BandOptions(ShaperOptions):
         metadata={
             "description": "The band is 1 - half_width to 1 + half_width of the natural "
             f"frequency; {USUAL_HALF_WIDTH} if neither it nor the ratios are given.",
-            "ge": NARROWEST,
-            "le": WIDEST,
+            "ge": MIN_HALF_WIDTH,
+            "le": MAX_HALF_WIDTH,
         },
     )
     lower_ratio: float | None = field(
@@ -147,12 +147,12 @@ class BandOptions(ShaperOptions):
     def _require_band(self) -> None:
         require_said_once(self)
         if self.half_width is not None:
-            require_between("half_width", self.half_width, NARROWEST, WIDEST)
+            require_between("half_width", self.half_width, MIN_HALF_WIDTH, MAX_HALF_WIDTH)
             return
         lower, upper = self.band
         require_between("lower_ratio", lower, MIN_RATIO, MAX_RATIO)
         require_between("upper_ratio", upper, MIN_RATIO, MAX_RATIO)
-        narrow, wide = ((1 + h) / (1 - h) for h in (NARROWEST, WIDEST))
+        narrow, wide = ((1 + h) / (1 - h) for h in (MIN_HALF_WIDTH, MAX_HALF_WIDTH))
         # The quotient of 1 + h and 1 - h is off by a rounding.
         if not narrow * (1 - 1e-12) <= upper / lower <= wide * (1 + 1e-12):
             raise InvalidInputError(

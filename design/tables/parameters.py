@@ -19,7 +19,7 @@ from design.model.plants.pendulum import Pendulum
 from design.shapers.options import MAX_HORIZON_PERIODS, MIN_HORIZON_PERIODS
 from design.shapers.umzv import MAX_PERIODS
 from design.tables.specification import TableSpecification
-from design.types import LARGEST, SMALLEST, BoolArray, FloatArray
+from design.types import MAX_VALUE, MIN_VALUE, BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -55,7 +55,7 @@ class _Fields:
         self.lawful = np.ones(len(values), dtype=np.bool_)
 
     def __call__(
-        self, *path: str, least: float = SMALLEST, most: float = LARGEST, zero: bool = False
+        self, *path: str, least: float = MIN_VALUE, most: float = MAX_VALUE, zero: bool = False
     ) -> FloatArray:
         """Return one field of every row, shape (m,)."""
         if path in self._specification.fields:
@@ -105,7 +105,7 @@ def row_parameters(specification: TableSpecification, values: FloatArray) -> Row
             )
         else:
             longest = MAX_PERIODS / np.sqrt(1 - z * z)
-        workable = field.lawful & (w >= SMALLEST) & (w <= LARGEST)
+        workable = field.lawful & (w >= MIN_VALUE) & (w <= MAX_VALUE)
         for first, second in ((lags[:, 1], lags[:, 2]), (lags[:, 3], lags[:, 4])):
             workable &= (first <= SLOWEST) & (second <= SLOWEST**2)
             # 1/G at the plant's pole -z + j sqrt(1 - z^2).

@@ -11,7 +11,7 @@ from design.moves.shaped_commands import ShapedCommand, shaped_command
 from design.pipeline import design
 from design.sampling.sampled_design import claims_on_samples
 from design.shapers.options import ShaperOptions
-from design.types import SMALLEST
+from design.types import MIN_VALUE
 from schemas.base import name_field
 from schemas.shapers import ShaperIn
 from schemas.simulations import ImpulsesCommand, SimulationRequest, SimulationResponse
@@ -67,7 +67,7 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
             + AFTERMATH_PERIODS * plant.mode.period_s
         )
     first = min(0.0, float(played.times_s[0]))
-    times = np.linspace(first, max(end, first + SMALLEST), request.points)
+    times = np.linspace(first, max(end, first + MIN_VALUE), request.points)
     return SimulationResponse.from_design(
         motion(plant, actuator, played, request.speed_m_s, times), played, warnings
     )

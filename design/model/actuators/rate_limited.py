@@ -10,7 +10,7 @@ from design.model.actuators.model import Model
 from design.model.actuators.second_order import SecondOrder
 from design.model.lags import Lag
 from design.types import (
-    LARGEST,
+    MAX_VALUE,
     require_between,
     require_scale,
 )
@@ -53,7 +53,7 @@ class RateLimited:
     def __post_init__(self) -> None:
         for name in ("accel_limit_m_s2", "decel_limit_m_s2", "speed_m_s"):
             require_scale(name, getattr(self, name))
-        require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
+        require_between("dead_time_s", self.dead_time_s, 0.0, MAX_VALUE)
         if self.then.dead_time_s != 0:
             raise InvalidInputError(
                 "then.dead_time_s",

@@ -6,7 +6,7 @@ from typing import ClassVar
 from design.model.actuators.model import Model
 from design.model.lags import Lag
 from design.types import (
-    LARGEST,
+    MAX_VALUE,
     require_between,
     require_scale,
 )
@@ -70,7 +70,7 @@ class SecondOrder:
     dead_time_s: float = 0.0
 
     def __post_init__(self) -> None:
-        require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
+        require_between("dead_time_s", self.dead_time_s, 0.0, MAX_VALUE)
 
     @property
     def in_words(self) -> tuple[str, str]:

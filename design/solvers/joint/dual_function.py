@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from design.types import LARGEST, ComplexArray, FloatArray
+from design.types import MAX_VALUE, ComplexArray, FloatArray
 
 PERIOD_RAD = 2 * math.pi
 
@@ -36,7 +36,7 @@ class DualFunction:
         self.poles = poles
         self.positive = positive
         self.fastest = float(np.abs(poles).max())
-        decay = max(float(np.abs(poles.real).max()), MAX_DECAY / LARGEST)
+        decay = max(float(np.abs(poles.real).max()), MAX_DECAY / MAX_VALUE)
         self.horizon_rad = min(MAX_TURNS * PERIOD_RAD * poles.size, MAX_DECAY / decay)
         slowest = float(np.abs(poles).min())
         # A shaper of the slowest mode alone takes half a period, a third where steps go both ways.
