@@ -41,7 +41,7 @@ MIN_VALUE, MAX_VALUE = 1e-12, 1e12
 
 
 def require_scale(name: str, value: float) -> None:
-    """Check that ``SMALLEST <= value <= LARGEST``.
+    """Check that ``MIN_VALUE <= value <= MAX_VALUE``.
 
     Parameters
     ----------
