@@ -1,35 +1,22 @@
 """One design from request to proof: check, formulate, solve, certify, describe."""
 
-import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from design.analysis.certificate import Certificate, rounding_of
-from design.analysis.insensitivity import insensitivity
-from design.analysis.judge import (
-    DesignWarning,
-    Judgement,
-    drive_warnings,
-    judge,
-    shortfall_of,
-)
+from design.analysis.certificate import Certificate
+from design.analysis.drive_warnings import drive_warnings
+from design.analysis.warnings import DesignWarning
 from design.analysis.workable import require_workable
-from design.claims import Promise, zeros
-from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
-from design.formulations.formulation import Convolution, Formulation
+from design.certification import Certified, certify
+from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
-from design.ranges import options_over, promises_over, require_over, worst_over
-from design.shapers.kind import DesignCase, KindOf, Options, ShaperKind
+from design.model.plants.scheduled import Scheduled
+from design.ranges import options_over, worst_over
+from design.shapers.kind import DesignCase, KindOf, Options
 from design.solvers.budget import Budget
-from design.solvers.solution import Solution, SolverReport
+from design.solvers.solution import SolverReport
 from design.solving.solve import solve
-from design.trace import TraceStep
-
-BAND_MARGIN = 1e-6
-"""Share by which a band is reported narrower than found: its ends are within the tolerance [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -67,22 +54,6 @@ class Design:
     def residual(self) -> float:
         """The most that it leaves in any mode with the actuator given [-]."""
         return max(self.residuals)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Certified:
-    """A solution that keeps what is promised of it.
-
-    Attributes
-    ----------
-    solution
-        What a solver answered with.
-    judgement
-        Its certificate, and what it does with the actuator given.
-    """
-
-    solution: Solution
-    judgement: Judgement
 
 
 def design(
@@ -175,91 +146,9 @@ def check(
     for mode in modes:
         require_workable(mode, actuator)
     case = kind.case(modes, actuator, options)
-    return replace(case, options=options_over(plant, case.options))
-
-
-def certify(
-    solutions: Iterator[Solution],
-    formulation: Formulation,
-    kind: ShaperKind,
-    plant: Plant,
-    actuator: Actuator,
-    budget: Budget,
-) -> Certified:
-    """Return the first solution that keeps what is promised of it.
-
-    Parameters
-    ----------
-    solutions
-        Those of the formulation, the likeliest optimum first.
-    formulation
-        What they solve.
-    kind
-        The shaper's.
-    plant
-        What moves.
-    actuator
-        What drives it.
-    budget
-        That of the search, which notes what is rejected and why.
-
-    Returns
-    -------
-    Certified
-        The solution, held against its promises.
-
-    Raises
-    ------
-    InfeasibleDesignError
-        If there is no solution, or its times are too long for doubles to hold what it claims.
-    SolverFailedError
-        If there are solutions, and none keeps its promises.
-    """
-    modes = plant.modes
-    promises = promises_over(plant, promises_of(formulation, kind, modes))
-    unverified: Certificate | None = None
-    others = 0
-    try:
-        for solution in solutions:
-            kept = [
-                _with_its_band(one, solution, modes, formulation.designed_for) for one in promises
-            ]
-            if None in kept:
-                others += 1
-                _note(budget, solution, "it is above the tolerance between its own zeros")
-                continue
-            judgement = judge(
-                solution.impulses,
-                modes,
-                actuator,
-                tuple(promise for promise in kept if promise is not None),
-                name=kind.name,
-                designed_for=formulation.designed_for,
-            )
-            certificate = judgement.certificate
-            _note(budget, solution, shortfall_of(certificate))
-            if certificate.verified:
-                return Certified(solution=solution, judgement=judgement)
-            require_over(plant, kind.name, certificate)
-            _require_doubles_to_hold(solution.impulses, modes, certificate)
-            unverified = certificate
-    except InfeasibleDesignError as error:
-        if unverified is None and others:
-            raise InfeasibleDesignError(
-                f"{error}; solutions rejected, above the tolerance inside the band: {others}",
-                code=error.code,
-            ) from None
-        if unverified is None:
-            raise
-    if unverified is None:
-        raise SolverFailedError(
-            f"no solution of {kind.name} was found, and none was excluded",
-            code="none_found_nor_excluded",
-        )
-    raise SolverFailedError(
-        f"no solution of {kind.name} was verified; of the last one {shortfall_of(unverified)}",
-        code="none_verified",
-    )
+    if isinstance(plant, Scheduled):
+        return replace(case, options=options_over(plant, case.options))
+    return case
 
 
 def describe(certified: Certified, plant: Plant, actuator: Actuator) -> Design:
@@ -285,89 +174,7 @@ def describe(certified: Certified, plant: Plant, actuator: Actuator) -> Design:
         for_ideal=judgement.for_ideal,
         solver=certified.solution.solver,
         warnings=(*judgement.warnings, *drive_warnings(impulses, plant.modes, actuator)),
-        worst_in_range=worst_over(plant, impulses, actuator),
+        worst_in_range=worst_over(plant, impulses, actuator)
+        if isinstance(plant, Scheduled)
+        else None,
     )
-
-
-def _note(budget: Budget, solution: Solution, shortfall: str) -> None:
-    """Note that a solution was verified, or why it was rejected."""
-    budget.note(
-        TraceStep(
-            stage="certify",
-            method="certificate",
-            start=solution.solver.seed,
-            outcome="rejected" if shortfall else "verified",
-            duration_s=solution.impulses.duration_s,
-            detail=shortfall,
-        )
-    )
-
-
-def _require_doubles_to_hold(
-    impulses: Impulses, modes: tuple[Mode, ...], certificate: Certificate
-) -> None:
-    """Refuse a command of which all that does not hold can be rounding."""
-    failing = [claim for claim in certificate.claims if not claim.holds]
-    for claim in failing:
-        if not claim.is_zero or claim.value > rounding_of(claim, impulses, modes[claim.mode]):
-            return
-    claim = failing[0]
-    phase = modes[claim.mode].natural_frequency_rad_s * impulses.duration_s
-    raise InfeasibleDesignError(
-        f"the {claim.quantity.replace('_', ' ')} of mode {claim.mode} cannot be proved zero: the "
-        f"command lasts {phase / math.tau:.4g} of that mode's periods, and the rounding of "
-        f"double precision makes {claim.value:.3g} of it (limit {claim.limit:g}). Modes nearer "
-        "to each other, or a kind that claims fewer derivatives, can be proved",
-        code="rounding_above_claim",
-    )
-
-
-def promises_of(
-    formulation: Formulation, kind: ShaperKind, modes: tuple[Mode, ...]
-) -> tuple[Promise, ...]:
-    """Return what is promised of a formulation's solutions.
-
-    A formulation's own claims come first; without any its kind's count, each at zero in each mode.
-
-    Parameters
-    ----------
-    formulation
-        What is solved.
-    kind
-        The shaper's.
-    modes
-        The modes of the plant.
-
-    Returns
-    -------
-    tuple of Promise
-        With the numbers of the modes.
-    """
-    if formulation.claims:
-        return formulation.claims
-    names = kind.claims
-    if isinstance(formulation, Convolution):
-        names = formulation.zeros_of_parts
-    return tuple(
-        replace(promise, mode=number) for number in range(len(modes)) for promise in zeros(names)
-    )
-
-
-def _with_its_band(
-    promise: Promise, solution: Solution, modes: tuple[Mode, ...], actuator: Actuator
-) -> Promise | None:
-    """Return a promise with the widest band around 1 that the impulses keep, where it has none.
-
-    None if they pass the tolerance between their own zeros: then they solve the equations, and have
-    another curve than these are to find.
-    """
-    if promise.quantity != "band" or promise.band is not None:
-        return promise
-    found = insensitivity(solution.impulses, modes[promise.mode], actuator, promise.limit)
-    if found is None:
-        return None
-    lower, upper = found.searched_from_ratio, found.searched_to_ratio
-    if ((solution.ratios < lower) | (solution.ratios > upper)).any():
-        return None
-    half_width = found.half_width * (1 - BAND_MARGIN)
-    return replace(promise, band=(1 - half_width, 1 + half_width))

@@ -1,7 +1,4 @@
-"""Plants whose frequency is anywhere in a range: what a design promises over it.
-
-Every function is for any plant; of a plant of fixed frequencies, none has anything to do.
-"""
+"""Plants whose frequency is anywhere in a range: what a design promises over it."""
 
 import math
 from dataclasses import fields
@@ -11,18 +8,17 @@ from design.claims import Promise, within
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
 from design.shapers.kind import Options
 
 
-def options_over(plant: Plant, options: Options) -> Options:
+def options_over(plant: Scheduled, options: Options) -> Options:
     """Return options whose band is the plant's range.
 
     Parameters
     ----------
     plant
-        The plant; only a scheduled one has a range.
+        The plant.
     options
         Those of the request; of a kind that takes no band they stay as they are.
 
@@ -36,7 +32,7 @@ def options_over(plant: Plant, options: Options) -> Options:
     InvalidInputError
         If a band is given besides, or the range is wider than the kind serves.
     """
-    if not isinstance(plant, Scheduled) or not options.BAND_FIELDS:
+    if not options.BAND_FIELDS:
         return options
     for option in fields(options):
         given = getattr(options, option.name)
@@ -58,7 +54,7 @@ def options_over(plant: Plant, options: Options) -> Options:
         ) from None
 
 
-def promises_over(plant: Plant, promises: tuple[Promise, ...]) -> tuple[Promise, ...]:
+def promises_over(plant: Scheduled, promises: tuple[Promise, ...]) -> tuple[Promise, ...]:
     """Return promises with that over the plant's range last.
 
     It is of the kind's largest tolerance. A kind that promises nothing over a band promises nothing
@@ -67,7 +63,7 @@ def promises_over(plant: Plant, promises: tuple[Promise, ...]) -> tuple[Promise,
     Parameters
     ----------
     plant
-        The plant; of one that is not scheduled the promises stay as they are.
+        The plant.
     promises
         Those of the kind.
 
@@ -76,13 +72,11 @@ def promises_over(plant: Plant, promises: tuple[Promise, ...]) -> tuple[Promise,
     tuple of Promise
         At most one more.
     """
-    if not isinstance(plant, Scheduled):
-        return promises
     limits = [promise.limit for promise in promises if promise.quantity == "band"]
     return (*promises, *(within(limit, plant.band) for limit in sorted(limits)[-1:]))
 
 
-def require_over(plant: Plant, name: str, certificate: Certificate) -> None:
+def require_over(plant: Scheduled, name: str, certificate: Certificate) -> None:
     """Check that the tolerance over the range is not all that fails.
 
     Parameters
@@ -97,11 +91,11 @@ def require_over(plant: Plant, name: str, certificate: Certificate) -> None:
     Raises
     ------
     InfeasibleDesignError
-        If the plant is scheduled, every other claim holds, and that over the range does not.
+        If every other claim holds, and that over the range does not.
     """
     *own, over_range = certificate.claims
     fails = over_range.band is not None and not over_range.holds
-    if not isinstance(plant, Scheduled) or not fails or not all(claim.holds for claim in own):
+    if not fails or not all(claim.holds for claim in own):
         return
     low, high = plant.band
     raise InfeasibleDesignError(
@@ -112,7 +106,7 @@ def require_over(plant: Plant, name: str, certificate: Certificate) -> None:
     )
 
 
-def worst_over(plant: Plant, impulses: Impulses, actuator: Actuator) -> float | None:
+def worst_over(plant: Scheduled, impulses: Impulses, actuator: Actuator) -> float:
     """Return the largest residual at any frequency of the range [-].
 
     Parameters
@@ -126,10 +120,8 @@ def worst_over(plant: Plant, impulses: Impulses, actuator: Actuator) -> float | 
 
     Returns
     -------
-    float or None
-        Share of an unshaped step [-]; None for a plant without a range.
+    float
+        Share of an unshaped step [-].
     """
-    if not isinstance(plant, Scheduled):
-        return None
     asked = within(math.inf, plant.band)
     return certify(impulses, plant.middle, actuator, (asked,)).claims[0].value

@@ -5,7 +5,7 @@ from typing import Annotated, Self
 
 from pydantic import Field
 
-from design.analysis.judge import DesignWarning
+from design.analysis.warnings import DesignWarning
 from design.curve_fit.fit_range import MAX_DEGREE, FitRange, Form
 from design.curve_fit.fit_range import Field as PlantField
 from design.curve_fit.polynomials import Fit

@@ -9,7 +9,7 @@ from design.moves.maneuvers import Maneuver
 from design.moves.programs import Program
 from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Wire
-from schemas.designs import CertificateOut
+from schemas.certificates import CertificateOut
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn

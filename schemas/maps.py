@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from design.analysis.judge import DesignWarning
+from design.analysis.warnings import DesignWarning
 from design.errors import InvalidInputError
 from design.fields import Axis, space_evenly
 from design.maps.map_case import Map, MapCase, Move, Quantity, Recipe

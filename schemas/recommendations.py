@@ -22,7 +22,7 @@ from schemas.actuators import ActuatorIn
 from schemas.base import PlantDamping, Positive, Wire, leave_out_none
 from schemas.impulses import ImpulsesWire
 from schemas.plants import BareMode, PlantIn
-from schemas.sensitivity import InsensitivityOut
+from schemas.sensitivity_curves import InsensitivityOut
 from schemas.warnings import WarningOut, Warnings
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from design.analysis.judge import DesignWarning
+from design.analysis.warnings import DesignWarning
 from design.errors import InvalidInputError
 from design.model import commands
 from design.model.impulses import Impulses

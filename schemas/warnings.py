@@ -4,7 +4,7 @@ from typing import Annotated, Self
 
 from pydantic import Field
 
-from design.analysis.judge import DesignWarning
+from design.analysis.warnings import DesignWarning
 from schemas.base import Wire
 
 

@@ -8,8 +8,6 @@ from types import MappingProxyType
 from pydantic import BaseModel, ValidationError
 
 from design.errors import DesignError
-from schemas.designs import DesignRequest
-from service.operations.design import design_file as file_of
 from service.operations.table import TABLE, load
 from service.problems import (
     Problem,
@@ -17,7 +15,8 @@ from service.problems import (
     problem_of_repetition,
     problem_of_validation,
 )
-from service.strict_json import RepeatedNameError, require_names_once
+from service.repeated_names import RepeatedNameError
+from service.strict_json import require_names_once
 
 NOTHING: Mapping[str, object] = MappingProxyType({})
 
@@ -87,31 +86,6 @@ def respond(
         return problem_of_repetition(error)
     try:
         return case.run(request.model_copy(update=asked) if asked else request)
-    except DesignError as error:
-        return problem_of_design(error)
-
-
-def design_file(body: bytes, format_name: str) -> bytes | Problem:
-    """Validate a request for a design and return its shaper as a file.
-
-    Parameters
-    ----------
-    body
-        The request as JSON.
-    format_name
-        Name of a format that a single design can be written in.
-
-    Returns
-    -------
-    bytes or Problem
-        The file, or what is wrong.
-    """
-    try:
-        request = DesignRequest.model_validate_json(body)
-    except ValidationError as error:
-        return problem_of_validation(error, body)
-    try:
-        return file_of(request, format_name)
     except DesignError as error:
         return problem_of_design(error)
 

@@ -22,7 +22,7 @@ from design.trace import TraceStep
 from schemas.pointers import json_pointer
 from schemas.problems import FieldFault, ProblemDocument
 from schemas.trace import TraceStepOut
-from service.strict_json import RepeatedNameError
+from service.repeated_names import RepeatedNameError
 
 
 @dataclass(frozen=True, slots=True)

@@ -48,10 +48,6 @@ Of a vibration that turns by phase p the third derivative is off by less than 1e
 polynomial's degree, and by up to 1e-11 p^3 by rounding in what is simulated.
 """
 
-ROUNDINGS = 4
-"""Rounding of a claim in units of that of its last phase: twice; up to 1.02 was seen in
-1,500 random pairs of modes [-]."""
-
 METHOD = (
     "state of actuator and mode carried from step to step by matrix exponential; "
     "derivatives from the same at frequencies beside its own"
@@ -242,29 +238,6 @@ class _Denominators:
             )
             quotients.append((complex(derivative) - known) / own[0])
         return quotients
-
-
-def rounding_of(claim: Claim, impulses: Impulses, mode: Mode) -> float:
-    """Return what rounding can make of a claim of zero [-].
-
-    A phase is off by up to ``eps`` of it, as a time and once more in each step of the simulation:
-    the derivative of order n of a vector then by some ``eps phase^(n + 1)``.
-
-    Parameters
-    ----------
-    claim
-        Of a residual or one of its derivatives.
-    impulses, mode
-        The shaper, and the mode that it is about.
-
-    Returns
-    -------
-    float
-        In the unit of the claim's value [-].
-    """
-    phase = mode.natural_frequency_rad_s * impulses.duration_s
-    powers = phase ** (ORDERS[claim.quantity] + 1) * np.abs(impulses.amplitudes).sum()
-    return float(ROUNDINGS * np.finfo(float).eps * powers)
 
 
 def certify_modes(

@@ -1,7 +1,6 @@
 """The frequencies around the nominal one on which the residual is within a tolerance."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,33 +58,6 @@ class Insensitivity:
     def half_width(self) -> float:
         """Half width of the widest interval around 1 known to be within [-]."""
         return min(1 - self.searched_from_ratio, self.searched_to_ratio - 1)
-
-
-def common_interval(intervals: Sequence[Insensitivity | None]) -> Insensitivity | None:
-    """Return the interval common to several modes at one tolerance.
-
-    Parameters
-    ----------
-    intervals
-        One a mode, all at the same tolerance; None where a mode's nominal is above it.
-
-    Returns
-    -------
-    Insensitivity or None
-        None where one mode has none.
-    """
-    known = [interval for interval in intervals if interval is not None]
-    if len(known) < len(intervals):
-        return None
-    first = max(known, key=lambda interval: interval.searched_from_ratio)
-    last = min(known, key=lambda interval: interval.searched_to_ratio)
-    return Insensitivity(
-        tolerance=first.tolerance,
-        lower_ratio=first.lower_ratio,
-        upper_ratio=last.upper_ratio,
-        searched_from_ratio=first.searched_from_ratio,
-        searched_to_ratio=last.searched_to_ratio,
-    )
 
 
 def insensitivity(

@@ -10,7 +10,6 @@ from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
 from design.model.plants.mode import Mode
 from design.model.reference_ramps import ramp_factors
-from design.types import FloatArray
 
 
 def residual_vibration(
@@ -71,27 +70,3 @@ def swing_over_step(swing: FreeSwing, mode: Mode, actuator: Actuator) -> complex
     rise_s, _ = unit_ramps_s(actuator)
     ramp = complex(ramp_factors(np.array(pole), np.array(rise_s)))
     return swing.vector(mode) * actuator.accel_lag.denominator(pole) / ramp
-
-
-def residual_curve(
-    impulses: Impulses, mode: Mode, actuator: Actuator, frequency_ratios: FloatArray
-) -> FloatArray:
-    """Return the residual at each ratio of true and nominal frequency.
-
-    Damping ratio and times stay; the pole and the normalising step move along.
-
-    Parameters
-    ----------
-    impulses
-        The command.
-    mode, actuator
-        The nominal mode and its actuator.
-    frequency_ratios
-        True frequency over the nominal one, shape (m,), > 0 [-].
-
-    Returns
-    -------
-    FloatArray
-        Residual vibration, shape (m,) [-].
-    """
-    return np.abs(residual_vectors(impulses, mode.pole_rad_s * frequency_ratios, actuator))

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from design.analysis.step_contributions import heights_by_set, pass_on_state
+from design.analysis.passed_on_state import pass_on_state
+from design.analysis.step_contributions import heights_by_set
 from design.analysis.vectors import join_over_accel, join_sets, residual_vectors
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.model import Model

@@ -1,88 +1,17 @@
 """How the residual vibration grows with an error in the plant's frequency or damping."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from design.analysis.insensitivity import Insensitivity, common_interval, insensitivity
+from design.analysis.insensitivity import Insensitivity, insensitivity
+from design.analysis.sensitivity_range import DampingRange, SensitivityRange
 from design.analysis.vectors import evenly_spaced_vectors, residual_vectors
-from design.errors import InvalidInputError, SolverFailedError
+from design.errors import SolverFailedError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
-from design.types import FloatArray, require_between
-
-MAX_CURVE_POINTS = 20_001
-"""Longest curve, a bound on the work of one request."""
-
-RATIO_BOUNDS = (1e-6, 1e6)
-"""Frequency ratios of a curve [-]."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DampingRange:
-    """Which damping ratios the plant may have.
-
-    Attributes
-    ----------
-    start, stop
-        Least and largest, ``0 <= start < stop <= 0.99`` [-].
-    points
-        Number of points, 2 to 20,001.
-    """
-
-    start: float
-    stop: float
-    points: int = 101
-
-    def __post_init__(self) -> None:
-        require_between("damping.from", self.start, 0.0, MAX_DAMPING_RATIO)
-        require_between("damping.to", self.stop, 0.0, MAX_DAMPING_RATIO)
-        if self.stop <= self.start:
-            raise InvalidInputError(
-                "damping.to", self.stop, f"greater than from, {self.start!r}", code="range_reversed"
-            )
-        require_between("damping.points", self.points, 2, MAX_CURVE_POINTS)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SensitivityRange:
-    """What part of the curve is wanted.
-
-    Attributes
-    ----------
-    from_ratio, to_ratio
-        First and last frequency ratio, ``0 < from < to`` [-].
-    points
-        Number of points, 2 to 20,001.
-    tolerance
-        Residual at which the insensitivity is told, 0 to 1, both excluded [-].
-    damping
-        Range of a curve over the damping ratio; None for no such curve.
-    """
-
-    from_ratio: float = 0.5
-    to_ratio: float = 1.5
-    points: int = 201
-    tolerance: float = 0.05
-    damping: DampingRange | None = None
-
-    def __post_init__(self) -> None:
-        require_between("from_ratio", self.from_ratio, *RATIO_BOUNDS)
-        require_between("to_ratio", self.to_ratio, *RATIO_BOUNDS)
-        if self.to_ratio <= self.from_ratio:
-            raise InvalidInputError(
-                "to_ratio",
-                self.to_ratio,
-                f"greater than from_ratio, {self.from_ratio!r}",
-                code="ratios_reversed",
-            )
-        require_between("points", self.points, 2, MAX_CURVE_POINTS)
-        if not 0 < self.tolerance < 1:
-            raise InvalidInputError(
-                "tolerance", self.tolerance, "between 0 and 1, both excluded", code="out_of_range"
-            )
+from design.model.plants.mode import Mode
+from design.types import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -165,29 +94,25 @@ def _over_damping(
     return ratios, np.abs(residual_vectors(impulses, poles, actuator))
 
 
-def worst_of(curves: Sequence[Sensitivity]) -> Sensitivity:
-    """Return the largest residuals of several modes that change alike.
+def residual_curve(
+    impulses: Impulses, mode: Mode, actuator: Actuator, frequency_ratios: FloatArray
+) -> FloatArray:
+    """Return the residual at each ratio of true and nominal frequency.
 
-    The frequencies of all modes are off by the same ratio.
+    Damping ratio and times stay; the pole and the normalising step move along.
 
     Parameters
     ----------
-    curves
-        One a mode, over the same ratios and at the same tolerance; at least one.
+    impulses
+        The command.
+    mode, actuator
+        The nominal mode and its actuator.
+    frequency_ratios
+        True frequency over the nominal one, shape (m,), > 0 [-].
 
     Returns
     -------
-    Sensitivity
-        Its insensitivity is the interval common to all modes; None where one mode has none.
+    FloatArray
+        Residual vibration, shape (m,) [-].
     """
-    damped = [curve.damping for curve in curves if curve.damping is not None]
-    over_damping = None
-    if damped:
-        over_damping = damped[0][0], np.max([residuals for _, residuals in damped], axis=0)
-    return Sensitivity(
-        frequency_ratios=curves[0].frequency_ratios,
-        residuals=np.max([curve.residuals for curve in curves], axis=0),
-        tolerance=curves[0].tolerance,
-        insensitivity=common_interval([curve.insensitivity for curve in curves]),
-        damping=over_damping,
-    )
+    return np.abs(residual_vectors(impulses, mode.pole_rad_s * frequency_ratios, actuator))

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from design.analysis.passed_on_state import pass_on_state
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.reference_ramps import Reference, reference
-from design.response.closed_form import LagStates, states_of
+from design.response.closed_form import states_of
 from design.types import FloatArray
 
 
@@ -78,32 +79,3 @@ def heights_by_set(changes: Reference) -> FloatArray:
     heights[:, 0] = np.where(changes.accelerates, changes.changes, 0.0)
     heights[:, 1] = changes.changes - heights[:, 0]
     return heights
-
-
-def pass_on_state(states: LagStates, changes: Reference, second_s2: FloatArray) -> FloatArray:
-    """Return what a switched lag's state adds where its set changes.
-
-    Parameters
-    ----------
-    states
-        Just before each change, of m commands or actuators.
-    changes
-        The n changes.
-    second_s2
-        Coefficients, columns accel and decel, shape (m, 2) or (1, 2) [s^2].
-
-    Returns
-    -------
-    FloatArray
-        Gains by either set, then their rates, shape (m, n, 4) [-], [s].
-    """
-    error, rate = states.errors.sum(axis=-1), states.rates_s.sum(axis=-1)
-    forces = np.where(changes.accelerates, 0, 1)
-    columns = np.zeros((*error.shape, 4))
-    for which in (0, 1):
-        # To the new set less from the old; at rest there is nothing to pass on.
-        sign = (forces == which).astype(float)
-        sign[1:] -= forces[:-1] == which
-        columns[..., which] = -sign * error
-        columns[..., 2 + which] = sign * second_s2[:, which, None] * rate
-    return columns

@@ -1,12 +1,12 @@
-"""What differs from one problem of a family to the next: the mode, its drive and its swing."""
+"""What differs from one problem of a family to the next: the mode and its drive."""
 
 import numpy as np
 
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
-from design.model.initial_state import FreeSwing
 from design.model.lag_motions import ramp_responses
 from design.model.plants.mode import Mode
+from design.model.reference_ramps import ramp_factors
 from design.types import FloatArray
 
 
@@ -48,51 +48,24 @@ def lag_parameters(mode: Mode, actuator: Actuator) -> FloatArray:
     return np.array([mode.damping_ratio, *scaled])
 
 
-ACCEL_TO_DECEL = {1: 3, 2: 4, 5: 6, 7: 9, 8: 10}
-"""Places in `lag_parameters` of what tells of the accelerating set and of the other."""
+def decel_over_accel(mode: Mode, actuator: Actuator) -> complex:
+    """Return G_decel / G_accel at the plant's pole (Kim 2011, 3.50).
 
-
-def with_equal_sets(parameters: FloatArray) -> FloatArray:
-    """Return `lag_parameters` of an actuator that brakes as it accelerates.
-
-    What follows them stays.
+    It is ``alpha exp(-j beta)``. A ramp, where limits make one, is part of G.
 
     Parameters
     ----------
-    parameters
-        Of lags without limits and of at most one more number, or with limits, shape (p,).
+    mode, actuator
+        The plant's mode and its drive.
 
     Returns
     -------
-    FloatArray
-        Shape (p,).
+    complex
+        1 behind equal sets [-].
     """
-    equal = parameters.copy()
-    ramped = parameters.size >= LAG_PARAMETERS[True]
-    for accel, decel in ACCEL_TO_DECEL.items():
-        if ramped or decel < LAG_PARAMETERS[False]:
-            equal[decel] = parameters[accel]
-    return equal
-
-
-def swing_parameters(mode: Mode, swing: FreeSwing | None) -> FloatArray:
-    """Return the four parameters of `with_swing`, or none.
-
-    Parameters
-    ----------
-    mode
-        The plant's mode.
-    swing
-        What the payload swings at the first step.
-
-    Returns
-    -------
-    FloatArray
-        Shape (4,), or (0,) without a swing.
-    """
-    if swing is None:
-        return np.zeros(0)
-    w = mode.natural_frequency_rad_s
-    return np.array([
-        w * swing.deflection_s, swing.rate, swing.frequency_power, w * swing.delay_s
-    ])  # fmt: skip
+    pole = mode.pole_rad_s
+    lags = actuator.accel_lag.denominator(pole) / actuator.decel_lag.denominator(pole)
+    if not isinstance(actuator, RateLimited):
+        return lags
+    rise, fall = ramp_factors(np.array([pole]), np.array(actuator.unit_ramps_s)).tolist()
+    return complex(lags * fall / rise)

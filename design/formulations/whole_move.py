@@ -6,14 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.formulations.equations import Expressions, GapProblem, Seed
-from design.formulations.lag_parameters import (
-    LAG_PARAMETERS,
-    lag_parameters,
-    swing_parameters,
-    switched_order,
-)
+from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
+from design.formulations.lag_parameters import LAG_PARAMETERS, lag_parameters, switched_order
 from design.formulations.symbolic import alternating_steps, with_slopes, with_swing
-from design.formulations.unity_magnitude import PERIOD_RAD, alternating, settling_gaps_rad
+from design.formulations.unity_magnitude_problem import alternating
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.initial_state import FreeSwing
@@ -126,7 +122,7 @@ def whole_move_problem(
 
     Returns
     -------
-    Problem
+    GapProblem
         In the gaps between all steps.
     """
     w = mode.natural_frequency_rad_s
@@ -186,3 +182,26 @@ def pulse_trains(problem: GapProblem) -> list[FloatArray]:
             gaps[1::2] = apart - (widths[:-1] + widths[1:]) / 2
             trains.append(gaps)
     return trains
+
+
+def swing_parameters(mode: Mode, swing: FreeSwing | None) -> FloatArray:
+    """Return the four parameters of `with_swing`, or none.
+
+    Parameters
+    ----------
+    mode
+        The plant's mode.
+    swing
+        What the payload swings at the first step.
+
+    Returns
+    -------
+    FloatArray
+        Shape (4,), or (0,) without a swing.
+    """
+    if swing is None:
+        return np.zeros(0)
+    w = mode.natural_frequency_rad_s
+    return np.array([
+        w * swing.deflection_s, swing.rate, swing.frequency_power, w * swing.delay_s
+    ])  # fmt: skip

@@ -5,7 +5,8 @@ import math
 import numpy as np
 
 from design.errors import InvalidInputError
-from design.formulations.unity_magnitude import PERIOD_RAD, decel_over_accel
+from design.formulations.gaps import PERIOD_RAD
+from design.formulations.lag_parameters import decel_over_accel
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.registry import Plant

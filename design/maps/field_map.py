@@ -5,7 +5,7 @@ import numpy as np
 from design.analysis.unshaped import unshaped_deflection_s
 from design.errors import InvalidInputError
 from design.fields import Axis, vary
-from design.formulations.unity_magnitude import decel_over_accel
+from design.formulations.lag_parameters import decel_over_accel
 from design.maps.branch import BRANCHED
 from design.maps.commands import drive_designed_for
 from design.maps.held import residuals_of_held, residuals_of_re_timed

@@ -6,10 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.analysis.certificate import Certificate, certify
-from design.analysis.judge import DesignWarning, drive_warnings, judge, shortfall_of
+from design.analysis.drive_warnings import drive_warnings
+from design.analysis.judge import judge, shortfall_of
+from design.analysis.warnings import DesignWarning
 from design.claims import ZERO_LIMITS, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
-from design.formulations.unity_magnitude import PERIOD_RAD
+from design.formulations.gaps import PERIOD_RAD
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.rate_limited import RateLimited, Unlimited
 from design.model.actuators.registry import Actuator, require_speed

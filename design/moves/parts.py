@@ -9,8 +9,10 @@ from design.analysis.certificate import certify
 from design.claims import Promise
 from design.errors import InfeasibleDesignError
 from design.formulations.equations import GapProblem, Seed
-from design.formulations.lag_parameters import lag_parameters, swing_parameters, switched_order
-from design.formulations.unity_magnitude import UnityMagnitude, settling_gaps_rad
+from design.formulations.gaps import settling_gaps_rad
+from design.formulations.lag_parameters import lag_parameters, switched_order
+from design.formulations.unity_magnitude import UnityMagnitude
+from design.formulations.whole_move import swing_parameters
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
@@ -20,7 +22,6 @@ from design.response.closed_form import travel
 from design.solvers import newton
 from design.solvers.continuation import follow
 from design.solvers.search import candidates
-from design.solvers.solution import of_gaps
 from design.types import FloatArray
 
 MIN_START_SHARE = 1 / 512
@@ -183,9 +184,8 @@ def with_swing(parts: Parts, swing: FreeSwing) -> Parts:
     swinging = replace(parts, swing=swing)
     try:
         for found in candidates(problem):
-            start = of_gaps(found.gaps_rad, w, problem.amplitudes)
-            if swinging.verified(start):
-                return replace(swinging, start=start)
+            if swinging.verified(found.impulses):
+                return replace(swinging, start=found.impulses)
     except InfeasibleDesignError:  # the stop may do what the start cannot
         pass
     return replace(swinging, apart=False, cancelled=path.share)

@@ -12,7 +12,7 @@ from design.model.impulses import Impulses
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.response.closed_form import history
-from design.response.simulation import simulated_history
+from design.response.simulated_history import simulated_history
 from design.types import FloatArray, require_scale
 
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.analysis.judge import DesignWarning, judge
+from design.analysis.judge import judge
 from design.analysis.residual import residual_vibration
+from design.analysis.warnings import DesignWarning
 from design.claims import zeros
 from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator

@@ -7,18 +7,18 @@ import numpy as np
 from design.analysis.residual import swing_over_step
 from design.errors import InfeasibleDesignError
 from design.formulations.equations import GapProblem, Seed
-from design.formulations.lag_parameters import lag_parameters, swing_parameters, switched_order
-from design.formulations.unity_magnitude import settling_gaps_rad
-from design.formulations.whole_move import WholeMove, whole_move_problem
+from design.formulations.gaps import of_gaps, settling_gaps_rad
+from design.formulations.lag_parameters import lag_parameters, switched_order
+from design.formulations.whole_move import WholeMove, swing_parameters, whole_move_problem
 from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses
 from design.moves.parts import Parts
 from design.response.closed_form import travel
-from design.solvers import ipopt, newton
+from design.solvers import ipopt
 from design.solvers.continuation import Path, follow
 from design.solvers.moves import MoveCandidate, move_candidates
+from design.solvers.near_root import root
 from design.solvers.outcome import Status
-from design.solvers.solution import of_gaps
 from design.types import FloatArray
 
 TRAVEL_TOLERANCE = 1e-14
@@ -170,7 +170,7 @@ def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> I
         w * (wanted_s or 1.0),
         *gaps[:given],
     ])
-    gaps[given:] = newton.root(model, gaps[given:], parameters)
+    gaps[given:] = root(model, gaps[given:], parameters)
     shortest = settling_gaps_rad(parts.mode, parts.designed_for, parts.steps, settle=parts.settle)
     if not (gaps[given:] >= shortest[given:]).all():  # not a number is not
         return None

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.analysis.certificate import TOLERANCE_MARGIN, Claim
-from design.analysis.judge import DesignWarning, judge
+from design.analysis.judge import judge
+from design.analysis.warnings import DesignWarning
 from design.claims import Promise
 from design.model.actuators.registry import Actuator
 from design.model.commands import convolve

@@ -4,21 +4,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from design.analysis.vectors import terms_of_residual
+from design.analysis.terms import terms_of_residual
 from design.claims import ZERO_LIMITS
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.reference_ramps import reference
-from design.pictures.style import (
-    BRIGHT,
-    DEEP,
-    GREY,
-    INK,
-    SMALL_PT,
-    name_panel,
-    percent,
-)
+from design.pictures.style import BRIGHT, DEEP, GREY, INK, SMALL_PT, name_panel, percent
 from design.types import ComplexArray
 
 LABEL_SPACING = 0.08

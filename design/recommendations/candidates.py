@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass, replace
 
 from design.analysis.band import largest_in_band
-from design.analysis.judge import DesignWarning
+from design.analysis.warnings import DesignWarning
 from design.errors import DesignError
 from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution

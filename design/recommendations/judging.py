@@ -7,9 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.analysis.high_modes import HIGH_MODES, high_mode_gain
-from design.analysis.insensitivity import Insensitivity, common_interval, insensitivity
+from design.analysis.insensitivity import Insensitivity, insensitivity
 from design.analysis.residual import residual_vibration
 from design.analysis.smoothing import Smoothing, smoothing
+from design.analysis.worst_mode import common_interval
 from design.model.impulses import Impulses
 from design.recommendations.candidates import WITHIN, Designed
 from design.recommendations.requirements import Question

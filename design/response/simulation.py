@@ -18,10 +18,9 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.lags import Lag
-from design.model.plants.mode import Mode
 from design.model.reference_ramps import Reference, reference
-from design.response.closed_form import History
 from design.response.matrix_exponential import exponentials
+from design.response.ramp_flows import ramp_flows
 from design.types import ComplexArray, FloatArray
 
 UNIT_STEP = Impulses(times_s=np.zeros(1), amplitudes=np.ones(1))
@@ -38,7 +37,7 @@ def _lag_matrix(lag: Lag, scale_rad_s: float) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Dynamics:
+class Dynamics:
     """State matrices of one actuator on modes of several frequencies, f of them, n states each.
 
     Sets are numbered 0, in force after a step that decreases the command's magnitude, and 1. For
@@ -52,9 +51,25 @@ class _Dynamics:
     coupled: list[int]  # states that are velocity errors
 
 
-def _dynamics(
+def dynamics_of(
     actuator: Actuator, frequencies_rad_s: FloatArray, damping_ratio: float | FloatArray
-) -> _Dynamics:
+) -> Dynamics:
+    """Return the state matrices of an actuator on modes.
+
+    Parameters
+    ----------
+    actuator
+        The actuator.
+    frequencies_rad_s
+        Natural frequencies of the modes, shape (f,) [rad/s].
+    damping_ratio
+        Of all modes, or of each, shape (f,) [-].
+
+    Returns
+    -------
+    Dynamics
+        For either set in force.
+    """
     both = (actuator.decel_lag, actuator.accel_lag)
     scale = max(lag.corner_rad_s for lag in both)
     if actuator.model == "switched":
@@ -72,7 +87,7 @@ def _dynamics(
     taken, left = np.zeros((2, size + 2)), np.ones((2, size + 2))
     taken[:, :size], left[:, :size] = jumps, kept
     taken[:, -2] = 1.0  # q is measured from the command
-    return _Dynamics(np.broadcast_to(matrices, (2, *matrices.shape[1:])), taken, left, coupled)
+    return Dynamics(np.broadcast_to(matrices, (2, *matrices.shape[1:])), taken, left, coupled)
 
 
 def _side_by_side(
@@ -110,12 +125,24 @@ def _one_state(
     return matrices, [0] if order else [], jumps, kept
 
 
-def _states_at_changes(
-    changes: Reference, dynamics: _Dynamics, initial: FloatArray | None = None
+def states_at_changes(
+    changes: Reference, dynamics: Dynamics, initial: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
-    """Error states as each change begins, in its own set, and where its ramp ends.
+    """Return error states as each change begins, and where its ramp ends.
 
-    Shape (changes, f, n) each; of a step the second is just after it.
+    Parameters
+    ----------
+    changes
+        Of the reference.
+    dynamics
+        Of actuator and modes.
+    initial
+        Of each mode before the first change, shape (f, 2); at rest if not given.
+
+    Returns
+    -------
+    tuple of FloatArray
+        Shape (changes, f, n) each, in the change's own set; of a step the second is just after it.
     """
     held = changes.times_s[1:] - changes.times_s[:-1] - changes.ramps_s[:-1]
     sets = changes.accelerates.astype(int)
@@ -126,7 +153,9 @@ def _states_at_changes(
     )
     kept = dynamics.kept[sets]
     jumps = changes.changes[:, None] * dynamics.jumps[sets] * kept
-    ramps = _ramps(dynamics.matrices[sets], changes.ramps_s, jumps) if changes.ramps_s.any() else ()
+    ramps = (
+        ramp_flows(dynamics.matrices[sets], changes.ramps_s, jumps) if changes.ramps_s.any() else ()
+    )
     before = np.zeros((sets.size, *dynamics.matrices.shape[1:3]))
     if initial is not None:
         before[0, :, -2:] = initial
@@ -140,21 +169,6 @@ def _states_at_changes(
         else:
             after[index] = before[index] - jumps[index]
     return before, after
-
-
-def _ramps(
-    matrices: FloatArray, ramps_s: FloatArray, jumps: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return what ramps do: the flow of the state, and what they take off one at rest.
-
-    ``matrices`` of shape (r, f, n, n), ``jumps`` (r, n): taken off at a constant rate.
-    """
-    size = matrices.shape[-1]
-    augmented = np.zeros((*matrices.shape[:2], size + 1, size + 1))
-    augmented[..., :size, :size] = matrices * ramps_s[:, None, None, None]
-    augmented[..., :size, size] = -jumps[:, None]
-    both = exponentials(augmented)
-    return both[..., :size, :size], both[..., :size, size]
 
 
 def ringing_after(
@@ -188,7 +202,7 @@ def ringing_after(
         The actuator's own transient is projected out by the left eigenvector of the mode in the
         coupled system.
     """
-    dynamics = _dynamics(actuator, frequencies_rad_s, damping_ratio)
+    dynamics = dynamics_of(actuator, frequencies_rad_s, damping_ratio)
     unit_poles = np.broadcast_to(
         -damping_ratio + 1j * np.sqrt(1 - np.square(damping_ratio)), frequencies_rad_s.shape
     )
@@ -197,7 +211,7 @@ def ringing_after(
 
     def ringing(command: Impulses, begun: FloatArray | None) -> ComplexArray:
         changes = reference(command, actuator)
-        final = _states_at_changes(changes, dynamics, begun)[1][-1]
+        final = states_at_changes(changes, dynamics, begun)[1][-1]
         last = rising
         if not changes.accelerates[-1]:
             last = _left_eigenvectors(dynamics, 0, frequencies_rad_s, unit_poles)
@@ -212,7 +226,7 @@ def ringing_after(
 
 
 def _left_eigenvectors(
-    dynamics: _Dynamics, force: int, frequencies_rad_s: FloatArray, unit_poles: ComplexArray
+    dynamics: Dynamics, force: int, frequencies_rad_s: FloatArray, unit_poles: ComplexArray
 ) -> ComplexArray:
     """Left eigenvectors of the mode in the coupled system of one set, shape (f, n).
 
@@ -233,56 +247,3 @@ def _left_eigenvectors(
             np.linalg.solve(shifted, drive[..., None])[..., 0] * dynamics.kept[force, :lags]
         )
     return left
-
-
-def simulated_history(
-    impulses: Impulses, mode: Mode, actuator: Actuator, times_s: FloatArray
-) -> History:
-    """Return the time history of a command by matrix exponential.
-
-    The second route to what `design.response.closed_form.history` returns.
-
-    Parameters
-    ----------
-    impulses
-        The command.
-    mode, actuator
-        The plant's mode and its drive.
-    times_s
-        Times, shape (n,) [s]; before the first step all is at rest.
-
-    Returns
-    -------
-    History
-        All of shape (n,).
-    """
-    dynamics = _dynamics(actuator, np.array([mode.natural_frequency_rad_s]), mode.damping_ratio)
-    changes = reference(impulses, actuator)
-    before, after = (states[:, 0] for states in _states_at_changes(changes, dynamics))
-    segment = np.searchsorted(changes.times_s, times_s, side="right") - 1
-    moving = segment >= 0
-    started = np.maximum(segment, 0)
-    ramps = changes.ramps_s[started]
-    elapsed = np.where(moving, times_s - changes.times_s[started], 0.0)
-    sets = changes.accelerates.astype(int)[started]
-    matrices = dynamics.matrices[sets]
-    held = np.maximum(elapsed - ramps, 0.0)
-    flow = exponentials(matrices[:, 0] * held[:, None, None])
-    states = (flow @ after[started][..., None])[..., 0]
-    reached = np.cumsum(changes.changes)[started]
-    (during,) = np.nonzero(elapsed < ramps)
-    if during.size:
-        share = elapsed[during] / ramps[during]
-        whole = changes.changes[started[during]]
-        reached[during] -= (1 - share) * whole
-        jumps = (share * whole)[:, None] * (dynamics.jumps * dynamics.kept)[sets[during]]
-        flows, pulls = _ramps(matrices[during], elapsed[during], jumps)
-        states[during] = (flows[:, 0] @ before[started[during]][..., None])[..., 0] + pulls[:, 0]
-    states = np.where(moving[:, None], states, 0.0)
-    command = np.concatenate(([0.0], np.cumsum(impulses.amplitudes)))
-    return History(
-        times_s=times_s,
-        command=command[np.searchsorted(impulses.times_s, times_s, side="right")],
-        velocity=np.where(moving, reached, 0.0) + states[:, dynamics.coupled].sum(axis=1),
-        deflection=-states[:, -1],
-    )

@@ -162,7 +162,7 @@ def match_halves(listed: ListedHalves, count: int, *, slope: bool, tolerance: fl
 
     Returns
     -------
-    IntArray
+    AnyIntArray
         Numbers of positions, shape (m, n), rising; of shape (0, n) where none was caught.
     """
     halves = [

@@ -12,14 +12,10 @@ import numpy as np
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.formulations.equations import Seed
 from design.formulations.formulation import ClosedForm, Formulation
-from design.formulations.unity_magnitude import (
-    LAST_PULSE_VANISHES,
-    ZERO_VIBRATION,
-    ZERO_VIBRATION_DERIVATIVE,
-    damped_periods,
-    decel_over_accel,
-    unity_magnitude_problem,
-)
+from design.formulations.gaps import LAST_PULSE_VANISHES, damped_periods
+from design.formulations.lag_parameters import decel_over_accel
+from design.formulations.unity_magnitude import ZERO_VIBRATION, ZERO_VIBRATION_DERIVATIVE
+from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.model.impulses import Impulses
 from design.shapers.kind import UNLIMITED_ACTUATORS, DampingBound, DesignCase, KindOf
 from design.shapers.options import ShaperOptions

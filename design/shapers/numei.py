@@ -10,8 +10,10 @@ import numpy as np
 from design.claims import ZERO_LIMITS, Promise, within
 from design.errors import InfeasibleDesignError
 from design.formulations.alternating import AlternatingBand
+from design.formulations.equal_sets import with_equal_sets
 from design.formulations.equations import Expressions, GapProblem, Ratios, Seed
 from design.formulations.formulation import Formulation
+from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
 from design.formulations.humps import (
     UNITY_ONE_HUMP,
     UNITY_TOLERANCE,
@@ -20,13 +22,8 @@ from design.formulations.humps import (
     Humps,
     follow_from_undamped,
 )
-from design.formulations.lag_parameters import lag_parameters, switched_order, with_equal_sets
-from design.formulations.unity_magnitude import (
-    PERIOD_RAD,
-    alternating,
-    decel_over_accel,
-    settling_gaps_rad,
-)
+from design.formulations.lag_parameters import decel_over_accel, lag_parameters, switched_order
+from design.formulations.unity_magnitude_problem import alternating
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode

@@ -1,23 +1,18 @@
-"""UMZVc, NUMZV, NUMZVD: unity magnitude behind an actuator that brakes at another pace."""
+"""UMZVc, NUMZV: three impulses behind an actuator that brakes at another pace."""
 
 import numpy as np
 
 from design.errors import InvalidInputError
 from design.formulations.formulation import ClosedForm, Formulation
-from design.formulations.unity_magnitude import (
-    PERIOD_RAD,
-    ZERO_VIBRATION,
-    ZERO_VIBRATION_DERIVATIVE,
-    alternating,
-    decel_over_accel,
-    settling_gaps_rad,
-    undamped_times_rad,
-    unity_magnitude_problem,
-)
+from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
+from design.formulations.lag_parameters import decel_over_accel
+from design.formulations.unity_magnitude import ZERO_VIBRATION
+from design.formulations.unity_magnitude_problem import alternating, unity_magnitude_problem
+from design.formulations.vector_diagram import undamped_times_rad
 from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses
 from design.shapers.kind import EVERY_ACTUATOR, CompiledRows, DesignCase, KindOf
-from design.shapers.options import PeakOptions, SettleOptions
+from design.shapers.options import PeakOptions
 
 SOURCE = "Kim, master thesis (2011), chapter 3"
 
@@ -77,20 +72,6 @@ def numzv(case: DesignCase[PeakOptions]) -> Formulation:
     )
 
 
-def numzvd(case: DesignCase[SettleOptions]) -> Formulation:
-    """Formulate the fastest five-impulse shaper flat in frequency.
-
-    V = 0 and dV/dw = 0, the actuator's own slope included, which the thesis leaves out.
-    """
-    return unity_magnitude_problem(
-        ZERO_VIBRATION_DERIVATIVE,
-        case.mode,
-        case.actuator,
-        settle=case.options.settle,
-        max_duration_periods=case.options.max_duration_periods,
-    )
-
-
 UMZVC = KindOf(
     name="umzvc",
     summary="Unity magnitude, zero vibration, behind a first-order asymmetric actuator.",
@@ -113,15 +94,4 @@ NUMZV = KindOf(
     formulation=numzv,
     compiled_rows=CompiledRows(closed_form_undamped=True),
     has_branches=True,
-)
-
-NUMZVD = KindOf(
-    name="numzvd",
-    summary="Minimum-time unity magnitude, zero vibration and slope, asymmetric actuator.",
-    source=f"{SOURCE}, eqs. 3.44-3.46, slope exact",
-    claims=("residual", "slope"),
-    options=SettleOptions,
-    actuators=EVERY_ACTUATOR,
-    formulation=numzvd,
-    compiled_rows=CompiledRows(),
 )

@@ -9,15 +9,10 @@ import numpy as np
 
 from design.formulations.equations import Seed
 from design.formulations.formulation import ClosedForm, Formulation
-from design.formulations.unity_magnitude import (
-    LAST_PULSE_VANISHES,
-    PERIOD_RAD,
-    ZERO_VIBRATION,
-    ZERO_VIBRATION_DERIVATIVE,
-    damped_periods,
-    undamped_times_rad,
-    unity_magnitude_problem,
-)
+from design.formulations.gaps import LAST_PULSE_VANISHES, PERIOD_RAD, damped_periods
+from design.formulations.unity_magnitude import ZERO_VIBRATION, ZERO_VIBRATION_DERIVATIVE
+from design.formulations.unity_magnitude_problem import unity_magnitude_problem
+from design.formulations.vector_diagram import undamped_times_rad
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
 from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DampingBound, DesignCase, KindOf

@@ -5,7 +5,8 @@ from design.shapers.kind import ShaperKind
 from design.shapers.negative import SNA_ZV, SNA_ZVD
 from design.shapers.numei import NUM_2EI, NUM_EI
 from design.shapers.numsi import NUM_SI
-from design.shapers.numzv import NUMZV, NUMZVD, UMZVC
+from design.shapers.numzv import NUMZV, UMZVC
+from design.shapers.numzvd import NUMZVD
 from design.shapers.partial_sums import PS_ZV, PS_ZVD
 from design.shapers.positive import MZV, ZV, ZVD, ZVDD, ZVDDD
 from design.shapers.several_modes import CONVOLVED, MULTI_UMZV, MULTI_ZV

@@ -3,14 +3,9 @@
 import numpy as np
 
 from design.formulations.formulation import ClosedForm, Formulation
-from design.formulations.unity_magnitude import (
-    LAST_PULSE_VANISHES,
-    ZERO_VIBRATION,
-    ZERO_VIBRATION_DERIVATIVE,
-    alternating,
-    damped_periods,
-    unity_magnitude_problem,
-)
+from design.formulations.gaps import LAST_PULSE_VANISHES, damped_periods
+from design.formulations.unity_magnitude import ZERO_VIBRATION, ZERO_VIBRATION_DERIVATIVE
+from design.formulations.unity_magnitude_problem import alternating, unity_magnitude_problem
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
 from design.shapers.kind import EVERY_ACTUATOR, CompiledRows, DampingBound, DesignCase, KindOf

@@ -97,7 +97,12 @@ def work_of(model: Model, iterations: int) -> float:
     float
         Work by the iterations and by the size of the family's equations [units].
     """
-    return iterations * (ITERATION_WORK + INSTRUCTION_WORK * instructions_of(model))
+    return iterations * _iteration_work(model)
+
+
+@functools.cache
+def _iteration_work(model: Model) -> float:
+    return ITERATION_WORK + INSTRUCTION_WORK * instructions_of(model)
 
 
 def solve(problem: GapProblem, start: FloatArray) -> Outcome:

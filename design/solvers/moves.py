@@ -7,12 +7,12 @@ import numpy as np
 
 from design.errors import InfeasibleDesignError, TimeLimitError
 from design.formulations.equations import GapProblem
-from design.formulations.unity_magnitude import PERIOD_RAD
+from design.formulations.gaps import PERIOD_RAD
 from design.formulations.whole_move import WholeMove, pulse_trains
 from design.solvers import ipopt
+from design.solvers.branches import spread_starts
 from design.solvers.budget import Budget
 from design.solvers.outcome import Status
-from design.solvers.search import spread_starts
 from design.types import FloatArray
 
 COINCIDE_RAD = 1e-4

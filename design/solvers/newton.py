@@ -85,54 +85,6 @@ class _Equations:
 
 
 @functools.cache
-def _rootfinder(model: Model) -> Buffered:
-    import casadi as ca  # noqa: PLC0415
-
-    parts = model.expressions()
-    finder = ca.rootfinder(
-        "root",
-        "newton",
-        {"x": parts.unknowns, "p": parts.parameters, "g": parts.equations},
-        {
-            "abstol": TOLERANCE / 10,
-            "max_iter": 12,
-            "error_on_fail": False,
-            "line_search": False,
-            "show_eval_warnings": False,
-        },
-    )
-    return Buffered(finder, ("x0", "p"), ("x",))
-
-
-def root(model: Model, start: FloatArray, parameters: FloatArray) -> FloatArray:
-    """Return where Newton's method ends from one start: a root or not.
-
-    This takes a tenth of the time of `roots`, for a start that is near: full steps only, a dozen at
-    most.
-
-    Parameters
-    ----------
-    model
-        The problem family.
-    start
-        Unknowns to start from, shape (n,): gaps [rad], then ratios [-], if any.
-    parameters
-        Parameters of the problem, shape (p,).
-
-    Returns
-    -------
-    FloatArray
-        Unknowns at the end, shape (n,).
-    """
-    with _one_at_a_time:
-        finder = _rootfinder(model)
-        finder.inputs["x0"][:] = start
-        finder.inputs["p"][:] = parameters
-        finder.run()
-        return finder.outputs["x"].copy()
-
-
-@functools.cache
 def _equations(model: Model) -> _Equations:
     return _Equations(model)
 

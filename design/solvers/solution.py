@@ -57,26 +57,3 @@ class Solution:
     impulses: Impulses
     solver: SolverReport
     ratios: FloatArray = field(default_factory=lambda: np.zeros(0))
-
-
-def of_gaps(
-    gaps_rad: FloatArray, natural_frequency_rad_s: float, amplitudes: FloatArray
-) -> Impulses:
-    """Return the impulses of dimensionless gaps.
-
-    Parameters
-    ----------
-    gaps_rad
-        Gaps between the impulses times the natural frequency, shape (n - 1,) [rad].
-    natural_frequency_rad_s
-        Turns them into times [rad/s].
-    amplitudes
-        Amplitudes of the impulses, shape (n,) [-].
-
-    Returns
-    -------
-    Impulses
-        The first at time 0.
-    """
-    phases = np.concatenate(([0.0], np.cumsum(gaps_rad)))
-    return Impulses(times_s=phases / natural_frequency_rad_s, amplitudes=amplitudes)

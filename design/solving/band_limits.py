@@ -5,7 +5,7 @@ import math
 from design.analysis.exclusion import excludes
 from design.errors import InfeasibleDesignError
 from design.formulations.bands import BandProblem, Obstacle
-from design.formulations.unity_magnitude import PERIOD_RAD
+from design.formulations.gaps import PERIOD_RAD
 from design.solvers.budget import Budget
 from design.solvers.convex_band.duration import EASIER, first_duration_rad
 from design.solvers.convex_band.search import obstacle_at, obstacle_work

@@ -79,7 +79,7 @@ def _convolution(formulation: Convolution, budget: Budget) -> Iterator[Solution]
 
 SOLVERS: dict[type[Formulation], Callable[[Any, Budget], Iterator[Solution]]] = {
     ClosedForm: _solve_closed_form,
-    GapProblem: search.solve,
+    GapProblem: search.candidates,
     BandSearch: unity_band.solve,
     BandProblem: optima.solve_over_band,
     JointProblem: optima.solve_jointly,

@@ -13,25 +13,14 @@ from decimal import Decimal
 
 import numpy as np
 
-from design.formulations.unity_magnitude import (
-    MAX_ALPHA,
-    MIN_GAP_RAD,
-    PERIOD_RAD,
-    ZV_POLYNOMIALS,
-    ZVD_POLYNOMIALS,
-)
+from design.formulations.gaps import MIN_GAP_RAD, PERIOD_RAD
+from design.formulations.unity_magnitude_problem import ZV_POLYNOMIALS, ZVD_POLYNOMIALS
+from design.formulations.vector_diagram import MAX_ALPHA
 from design.model.lags import SETTLED_SHARE
-from design.solvers.search import HORIZONS_PERIODS, unit_starts
+from design.solvers.branches import HORIZONS_PERIODS, unit_starts
 from design.tables.compiled import compiled
 from design.tables.elementary import angle
-from design.tables.equations import (
-    LANES,
-    LENGTH,
-    RATIO,
-    Switched,
-    enter,
-    free_motion,
-)
+from design.tables.equations import LANES, LENGTH, RATIO, Switched, enter, free_motion
 from design.tables.starts import (
     BOUND_MARGIN_RAD,
     FOUND,
@@ -87,7 +76,7 @@ def _not_before(angle: float, earliest: float) -> float:
 
 @compiled
 def _close_triangles(rows: FloatArray, gaps: FloatArray, ends: Int8Array) -> None:
-    """Write the gaps of `design.formulations.unity_magnitude.undamped_times_rad`."""
+    """Write the gaps of `design.formulations.vector_diagram.undamped_times_rad`."""
     block = np.ones(LENGTH)
     for m in range(rows.shape[0]):
         row = rows[m]
@@ -149,7 +138,7 @@ def closed_triangles(rows: FloatArray) -> tuple[FloatArray, Int8Array]:
     -------
     FloatArray
         Gaps, shape (m, 2) [rad].
-    IntArray
+    Int8Array
         How each row ended, shape (m,).
     """
     gaps, ends = np.empty((len(rows), 2)), np.empty(len(rows), dtype=np.int8)

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from design.formulations.unity_magnitude import MIN_GAP_RAD, PERIOD_RAD
+from design.formulations.gaps import MIN_GAP_RAD, PERIOD_RAD
 from design.solvers.newton import MAX_STEP_RAD, TOLERANCE
 from design.tables.compiled import compiled
 from design.tables.elementary import near_angle

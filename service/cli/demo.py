@@ -10,12 +10,13 @@ import urllib.error
 import urllib.request
 from pathlib import Path
 
-from schemas.designs import DesignRequest, DesignResponse
+from schemas.design_request import DesignRequest
+from schemas.designs import DesignResponse
 from schemas.problems import ProblemDocument
 from service.catalogue import THESIS_CRANE
 from service.cli.rendering import as_table
 from service.files import write_whole
-from service.operations.design import design_picture
+from service.operations.design_picture import design_picture
 
 SLOW_START_S = 5.0
 """When a start is called slow [s]."""

@@ -182,7 +182,8 @@ def _answer(options: argparse.Namespace) -> int:
         _require_picture(plot, read)
 
     # --help must not wait for it
-    from service.dispatch import design_file, respond  # noqa: PLC0415
+    from service.cli.single_file import design_file  # noqa: PLC0415
+    from service.dispatch import respond  # noqa: PLC0415
     from service.problems import Problem  # noqa: PLC0415
 
     operation = COMMANDS[options.command]
@@ -236,11 +237,7 @@ def _require_picture(path: Path, read: os.stat_result) -> None:
 
 def _require_file(path: Path, read: os.stat_result, what: str) -> None:
     """Refuse an output that could not be written, or would overwrite what was read."""
-    from service.files import (  # noqa: PLC0415
-        NotReplaceableError,
-        require_not_input,
-        require_replaceable,
-    )
+    from service.files import NotReplaceableError, require_not_input, require_replaceable  # noqa: PLC0415
 
     try:
         require_not_input(path, read, what)

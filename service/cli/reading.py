@@ -13,7 +13,8 @@ from typing import Any, NoReturn
 from schemas.pointers import path_of
 from schemas.problems import FieldFault
 from service.problems import NOT_JSON, Problem, invalid_fields, problem_of_repetition
-from service.strict_json import RepeatedNameError, loads
+from service.repeated_names import RepeatedNameError
+from service.strict_json import loads
 
 LISTED = re.compile(r"/designs/(\d+)(/.*)?\Z")
 

@@ -5,12 +5,14 @@ import io
 from collections.abc import Iterable, Sequence
 
 from schemas.catalogue import Catalogue
-from schemas.designs import CertificateOut, DesignResponse, SolverOut
+from schemas.certificates import CertificateOut
+from schemas.designs import DesignResponse, SolverOut
 from schemas.fits import FitOut
 from schemas.maneuvers import ManeuverResponse, ProgramOut
 from schemas.maps import MapResponse
 from schemas.recommendations import CandidateOut, RecommendationResponse
-from schemas.sensitivity import InsensitivityOut, SensitivityOut, SensitivityResponse
+from schemas.sensitivity import SensitivityResponse
+from schemas.sensitivity_curves import InsensitivityOut, SensitivityOut
 from schemas.simulations import SimulationResponse
 from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut

@@ -9,11 +9,10 @@ from fastapi import FastAPI
 from schemas.tables import TableRequest
 from service.catalogue import shaper_catalogue
 from service.dispatch import OPERATIONS
+from service.http import batch_routes, routes, status_routes, table_routes
 from service.http.handlers import add_handlers
 from service.http.middleware import RequestMiddleware
 from service.http.openapi import document_bodies, serve_docs
-from service.http.routes import router
-from service.http.table_routes import router as table_router
 from service.jobs.protocol import Jobs
 from service.settings import Settings
 from service.version import version
@@ -83,8 +82,8 @@ def create_app(
     app.state.stopping = lambda: False  # the server tells: streams must not hold it up
     if jobs is not None:
         jobs.stopping = lambda: app.state.stopping()
-    app.include_router(router)
-    app.include_router(table_router)
+    for part in (routes, batch_routes, status_routes, table_routes):
+        app.include_router(part.router)
     add_handlers(app)
     app.add_middleware(RequestMiddleware)
     serve_docs(app)

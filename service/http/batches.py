@@ -5,9 +5,9 @@ from collections import deque
 
 from service.dispatch import Answer, answer_lines
 from service.problems import TIME_LIMIT, Problem, ProblemError
-from service.workers.costs import shape_of
 from service.workers.protocol import Pool
 from service.workers.runs import SplitError
+from service.workers.shapes import shape_of
 
 PART_S = 0.05
 """What a part of a batch is expected to take, so that batches share workers [s]."""

@@ -6,7 +6,7 @@ from fastapi import FastAPI, Request
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
-from service.http.bodies import problem_response
+from service.http.answers import problem_response
 from service.problems import METHOD_NOT_ALLOWED, NOT_FOUND, Problem, ProblemError, ProblemKind
 
 

@@ -8,7 +8,7 @@ import time
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.http.bodies import client_of
+from service.http.clients import client_of
 from service.operations.table import TABLE
 from service.problems import INTERNAL, Problem
 from service.workers.protocol import Pool

@@ -12,8 +12,9 @@ from design.export.formats import FORMATS
 from design.export.registry import EXPORTS
 from schemas.problems import FieldFault
 from schemas.tables import TableJob, TableJobs, TableRequest
-from service.http.bodies import client_of, read_body, while_connected
+from service.http.bodies import read_body
 from service.http.byte_ranges import file_response
+from service.http.clients import client_of, while_connected
 from service.http.openapi import TABLE_TEXTS, body_of, problems
 from service.jobs.adding import KeyReusedError
 from service.jobs.plan import Plan, plan_table, wire_job
@@ -31,8 +32,8 @@ from service.problems import (
 )
 from service.settings import Settings
 from service.version import version
-from service.workers.costs import shape_of
 from service.workers.protocol import Pool
+from service.workers.shapes import shape_of
 
 JSON = ("application/json",)
 MAX_LISTED_JOBS = 100

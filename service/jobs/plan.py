@@ -19,7 +19,8 @@ from service.problems import (
     problem_of_repetition,
     problem_of_validation,
 )
-from service.strict_json import RepeatedNameError, require_names_once
+from service.repeated_names import RepeatedNameError
+from service.strict_json import require_names_once
 from service.version import version
 
 STATUS_BYTES = 1

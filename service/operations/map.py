@@ -2,15 +2,16 @@
 
 from typing import Literal
 
-from design.analysis.judge import sum_warnings
+from design.analysis.warnings import sum_warnings
 from design.fields import Axis
 from design.maps.field_map import field_map
 from design.maps.map_case import Map, MapCase
 from design.model.impulses import Impulses
 from schemas.base import name_field
 from schemas.maps import MapRequest, MapResponse
+from service.operations.found_shaper import found_shaper
 from service.operations.operation import Operation
-from service.operations.subject import design_shaper, subject_of
+from service.operations.subject import subject_of
 
 
 def map_over_fields(request: MapRequest) -> MapResponse:
@@ -84,7 +85,7 @@ def _make_map(request: MapRequest) -> tuple[MapCase, Axis, Axis | None, Map]:
     if shaper is not None and shaper.sample_time_s is not None and request.holds_one_shaper:
         with name_field("shaper"):
             options = shaper.options()
-        held = design_shaper(plant, actuator, shaper, options).impulses
+        held = found_shaper(plant, actuator, shaper, options).impulses
     case = request.to_design(plant, actuator, held)
     return case, x, y, field_map(case, x, y)
 

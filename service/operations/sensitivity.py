@@ -1,14 +1,13 @@
 """The sensitivity curve of any impulses."""
 
-from design.analysis.judge import sum_warnings
 from design.analysis.residual import residual_vibration
-from design.analysis.sensitivity import (
-    sensitivity,
-    worst_of,
-)
+from design.analysis.sensitivity import sensitivity
+from design.analysis.warnings import sum_warnings
 from design.analysis.workable import require_workable
+from design.analysis.worst_mode import worst_of
 from schemas.base import name_field
-from schemas.sensitivity import SensitivityOut, SensitivityRequest, SensitivityResponse
+from schemas.sensitivity import SensitivityRequest, SensitivityResponse
+from schemas.sensitivity_curves import SensitivityOut
 from schemas.warnings import WarningOut
 from service.operations.operation import Operation
 from service.operations.subject import of_modes, subject_of

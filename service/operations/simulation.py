@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from design.analysis.judge import DesignWarning, sum_warnings
+from design.analysis.warnings import DesignWarning, sum_warnings
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
@@ -15,8 +15,9 @@ from design.types import MIN_VALUE
 from schemas.base import name_field
 from schemas.shapers import ShaperIn
 from schemas.simulations import ImpulsesCommand, SimulationRequest, SimulationResponse
+from service.operations.found_shaper import on_samples
 from service.operations.operation import Operation
-from service.operations.subject import on_samples, subject_of
+from service.operations.subject import subject_of
 
 AFTERMATH_PERIODS = 3.0
 """How long a simulation goes on after the last step if no end is given [-]."""

@@ -9,7 +9,8 @@ import numpy as np
 
 from design.analysis.certificate import Claim, certify
 from design.analysis.insensitivity import insensitivity
-from design.analysis.residual import residual_curve, residual_vibration
+from design.analysis.residual import residual_vibration
+from design.analysis.sensitivity import residual_curve
 from design.analysis.vectors import residual_vectors
 from design.claims import Promise
 from design.errors import DesignError, InfeasibleDesignError, InvalidInputError

@@ -16,7 +16,7 @@ STATIONS = [
     ("service/dispatch.py", "respond"),
     ("service/operations/design.py", "design_shaper"),
     ("design/pipeline.py", "check"),
-    ("design/shapers/numzv.py", "numzvd"),
+    ("design/shapers/numzvd.py", "numzvd"),
     ("design/solving/solve.py", "solve"),
     ("design/solvers/search.py", "candidates"),
     ("design/solvers/ipopt.py", "solve"),

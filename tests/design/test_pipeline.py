@@ -10,7 +10,8 @@ import pytest
 
 from design.analysis.residual import residual_vibration
 from design.formulations.formulation import ClosedForm, Formulation
-from design.formulations.unity_magnitude import ZERO_VIBRATION, unity_magnitude_problem
+from design.formulations.unity_magnitude import ZERO_VIBRATION
+from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator

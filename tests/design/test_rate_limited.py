@@ -10,7 +10,8 @@ import pytest
 from design.analysis.certificate import certify
 from design.analysis.residual import residual_vibration
 from design.analysis.residuals_of_many import vectors_of_many
-from design.analysis.sensitivity import SensitivityRange, sensitivity
+from design.analysis.sensitivity import sensitivity
+from design.analysis.sensitivity_range import SensitivityRange
 from design.analysis.vectors import residual_vectors
 from design.claims import zeros
 from design.errors import InfeasibleDesignError
@@ -27,7 +28,8 @@ from design.model.reference_ramps import reference
 from design.moves.maneuvers import maneuver
 from design.pipeline import design
 from design.response.closed_form import history, travel
-from design.response.simulation import ringing_after, simulated_history
+from design.response.simulated_history import simulated_history
+from design.response.simulation import ringing_after
 from design.shapers.registry import SHAPERS
 from tests.refusals import refused
 from tests.second_route import integrate

@@ -5,7 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from design.analysis.sensitivity import DampingRange, SensitivityRange, sensitivity, worst_of
+from design.analysis.sensitivity import sensitivity
+from design.analysis.sensitivity_range import DampingRange, SensitivityRange
+from design.analysis.worst_mode import worst_of
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from design.analysis.certificate import certify
-from design.analysis.residual import residual_curve, residual_vibration
-from design.analysis.sensitivity import SensitivityRange, sensitivity
+from design.analysis.residual import residual_vibration
+from design.analysis.sensitivity import residual_curve, sensitivity
+from design.analysis.sensitivity_range import SensitivityRange
 from design.analysis.vectors import residual_vectors
 from design.claims import zeros
 from design.model.actuators.first_order import FirstOrder
@@ -23,7 +24,8 @@ from design.model.lags import Lag
 from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.response.closed_form import history
-from design.response.simulation import ringing_after, simulated_history
+from design.response.simulated_history import simulated_history
+from design.response.simulation import ringing_after
 from design.shapers.registry import SHAPERS
 from tests.second_route import integrate, residual_by_integration
 from tests.shaper_table import CRANE, DAMPED, THESIS

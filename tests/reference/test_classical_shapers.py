@@ -12,7 +12,8 @@ import pytest
 
 from design.analysis.certificate import certify
 from design.analysis.insensitivity import insensitivity
-from design.analysis.residual import residual_curve, residual_vibration
+from design.analysis.residual import residual_vibration
+from design.analysis.sensitivity import residual_curve
 from design.claims import Promise
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal

@@ -116,7 +116,7 @@ def test_the_crane_swings_at_3_50_rad_per_s() -> None:
 
 
 def test_alpha_and_beta_are_those_of_the_package() -> None:
-    from design.formulations.unity_magnitude import decel_over_accel
+    from design.formulations.lag_parameters import decel_over_accel
 
     alpha, beta = alpha_and_beta(W)
     ratio = decel_over_accel(CRANE.mode, THESIS)

@@ -17,7 +17,8 @@ from service.problems import (
     pointer,
     problem_of_design,
 )
-from service.strict_json import RepeatedNameError, loads, require_names_once
+from service.repeated_names import RepeatedNameError
+from service.strict_json import loads, require_names_once
 
 
 def leaves(cls: type[DesignError]) -> set[type[DesignError]]:

@@ -8,7 +8,8 @@ import pytest
 
 from design.pictures.trace_sheet import MAX_ROWS, trace_sheet
 from design.trace import TraceStep
-from schemas.designs import DesignRequest, DesignResponse
+from schemas.design_request import DesignRequest
+from schemas.designs import DesignResponse
 from service.catalogue import shaper_catalogue
 from service.dispatch import respond
 from service.problems import Problem

@@ -94,7 +94,7 @@ def obstacle_to(dual: DualFunction, duration: float, fineness: float) -> GridObs
 
     Returns
     -------
-    Obstacle or None
+    GridObstacle or None
         None where a command on the grid has no vibration, or HiGHS finds no optimum.
     """
     cells = _cells(dual, duration, fineness)

@@ -178,17 +178,14 @@ def test_a_right_shaper_of_five_periods_is_verified() -> None:
 
 
 def long_solution(mode: Mode, actuator: FirstOrder) -> FloatArray:
-    from design.formulations.unity_magnitude import (
-        ZERO_VIBRATION_DERIVATIVE,
-        unity_magnitude_problem,
-    )
+    from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE
+    from design.formulations.unity_magnitude_problem import unity_magnitude_problem
     from design.solvers.search import candidates
 
     problem = unity_magnitude_problem(
         ZERO_VIBRATION_DERIVATIVE, mode, actuator, settle=True, max_duration_periods=6.0
     )
-    gaps = next(candidates(problem)).gaps_rad
-    return np.concatenate(([0.0], np.cumsum(gaps))) / mode.natural_frequency_rad_s
+    return next(candidates(problem)).impulses.times_s
 
 
 @pytest.mark.parametrize("z", [0.0, 0.1, 0.4])

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from design.analysis.certificate import TOLERANCE_MARGIN
-from design.analysis.judge import judge, sum_warnings
+from design.analysis.judge import judge
+from design.analysis.warnings import sum_warnings
 from design.claims import zeros
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from design.analysis.residual import residual_curve, residual_vibration
+from design.analysis.residual import residual_vibration
+from design.analysis.sensitivity import residual_curve
 from design.analysis.vectors import evenly_spaced_vectors, residual_vectors
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal

@@ -5,14 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from design.analysis.insensitivity import (
-    RATIO_LIMITS,
-    Insensitivity,
-    common_interval,
-    insensitivity,
-)
-from design.analysis.residual import residual_curve, residual_vibration
-from design.analysis.sensitivity import SensitivityRange, sensitivity
+from design.analysis.insensitivity import RATIO_LIMITS, Insensitivity, insensitivity
+from design.analysis.residual import residual_vibration
+from design.analysis.sensitivity import residual_curve, sensitivity
+from design.analysis.sensitivity_range import SensitivityRange
+from design.analysis.worst_mode import common_interval
 from design.errors import InvalidInputError
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal

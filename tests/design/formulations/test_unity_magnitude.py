@@ -8,16 +8,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from design.formulations.gaps import settling_gaps_rad
+from design.formulations.lag_parameters import decel_over_accel
 from design.formulations.unity_magnitude import (
     ZERO_VIBRATION,
     ZERO_VIBRATION_DERIVATIVE,
     UnityMagnitude,
-    alternating,
-    decel_over_accel,
-    settling_gaps_rad,
-    undamped_times_rad,
-    unity_magnitude_problem,
 )
+from design.formulations.unity_magnitude_problem import alternating, unity_magnitude_problem
+from design.formulations.vector_diagram import undamped_times_rad
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.second_order import SecondOrder

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from design.analysis.sensitivity import SensitivityRange, sensitivity
+from design.analysis.sensitivity import sensitivity
+from design.analysis.sensitivity_range import SensitivityRange
 from design.analysis.shortest import excluded_duration_rad
 from design.errors import InfeasibleDesignError
 from design.model.actuators.ideal import Ideal

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from design.formulations.equations import Expressions, GapProblem, Model
-from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE, unity_magnitude_problem
+from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE
+from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.model.actuators.ideal import Ideal
 from design.solvers import ipopt
 from design.solvers.buffered import Buffered

@@ -12,15 +12,16 @@ from design.formulations.unity_magnitude import (
     ZERO_VIBRATION,
     ZERO_VIBRATION_DERIVATIVE,
     UnityMagnitude,
-    unity_magnitude_problem,
 )
+from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.plants.mode import Mode
 from design.solvers import ipopt
+from design.solvers.branches import BRANCH_STARTS, spread_starts
 from design.solvers.outcome import Outcome, Status
-from design.solvers.search import BRANCH_STARTS, candidates, spread_starts
+from design.solvers.search import candidates
 from design.types import FloatArray
 from tests.refusals import refused
 from tests.second_route import gain_and_slope
@@ -100,7 +101,7 @@ def test_random_starts_find_nothing_faster(case: str, model: UnityMagnitude) -> 
     first = next(candidates(problem))
     best = fastest_of_random_starts(problem, MODE, actuator)
     assert math.isfinite(best)
-    assert first.gaps_rad.sum() <= best + 1e-6  # SciPy ends at 1e-8 or so
+    assert first.impulses.duration_s <= best + 1e-6  # SciPy ends at 1e-8 or so
 
 
 def test_settled_steps_of_a_damped_plant_take_the_fastest_branch_too() -> None:
@@ -108,26 +109,26 @@ def test_settled_steps_of_a_damped_plant_take_the_fastest_branch_too() -> None:
     actuator = second_order(2.06, 0.84, 2.47, 1.18)
     problem = formulate(actuator, ZERO_VIBRATION, settle=True)
     best = fastest_of_random_starts(problem, MODE, actuator)
-    assert next(candidates(problem)).gaps_rad.sum() <= best + 1e-6  # SciPy ends at 1e-8 or so
+    assert next(candidates(problem)).impulses.duration_s <= best + 1e-6  # SciPy ends at 1e-8 or so
 
 
 def test_the_usual_seed_needs_one_start() -> None:
     first = next(candidates(formulate(THESIS, mode=Mode(natural_frequency_rad_s=3.5))))
-    assert (first.seed, first.starts) == ("umzvd_polynomials", 1)
+    assert (first.solver.seed, first.solver.starts) == ("umzvd_polynomials", 1)
 
 
 def test_where_seeds_fail_the_branches_are_searched() -> None:
     first = next(candidates(formulate(OFF_THE_USUAL_BRANCH)))
-    assert first.seed == "branch_search"
-    assert first.starts == BRANCH_STARTS + 2
-    assert first.gaps_rad.sum() > 0.85 * 2 * math.pi  # beyond the usual branch
+    assert first.solver.seed == "branch_search"
+    assert first.solver.starts == BRANCH_STARTS + 2
+    assert first.impulses.duration_s > 0.85 * 2 * math.pi  # beyond the usual branch
 
 
 def test_candidates_come_fastest_first_once_branches_are_searched() -> None:
     durations = []
     with suppress(InfeasibleDesignError):  # the end of every search
         for candidate in candidates(formulate(OFF_THE_USUAL_BRANCH)):
-            durations.append(float(candidate.gaps_rad.sum()))
+            durations.append(candidate.impulses.duration_s)
     assert len(durations) > 1
     # The seeds themselves, tried again last, may lead to roots found before.
     distinct = durations[: durations.index(max(durations)) + 1]
@@ -220,8 +221,8 @@ def test_a_longer_horizon_never_loses_a_solution(periods: float) -> None:
         )
         for horizon in (3.0, periods)
     )
-    assert short.seed == "branch_search"
-    assert long.gaps_rad == pytest.approx(short.gaps_rad, abs=1e-9)
+    assert short.solver.seed == "branch_search"
+    assert long.impulses.times_s == pytest.approx(short.impulses.times_s, abs=1e-9)
 
 
 @pytest.mark.parametrize("size", [1e12, 1e6])

@@ -22,8 +22,8 @@ from design.model.plants.registry import Plant
 from design.pipeline import Design, design
 from design.shapers.options import PeakOptions, SettleOptions
 from design.shapers.registry import SHAPERS
+from design.solvers.branches import spread_starts
 from design.solvers.newton import roots
-from design.solvers.search import spread_starts
 from design.tables import compute, kernel, starts
 from design.tables.compiled import compiled
 from design.tables.compute import compute_rows, compute_with_counts

@@ -8,8 +8,8 @@ import pytest
 from design.analysis.workable import require_workable
 from design.errors import InvalidInputError
 from design.fields import Axis
+from design.formulations.gaps import settling_gaps_rad
 from design.formulations.lag_parameters import lag_parameters
-from design.formulations.unity_magnitude import settling_gaps_rad
 from design.model.actuators.model import Model
 from design.model.plants.pendulum import Pendulum
 from design.shapers.options import SettleOptions

@@ -11,8 +11,8 @@ import pytest
 
 from design.export.registry import EXPORTS
 from design.tables.compute import compute_rows
-from schemas.designs import DesignRequest
-from service.dispatch import design_file
+from schemas.design_request import DesignRequest
+from service.cli.single_file import design_file
 from service.jobs.plan import Plan, head_of, plan_table, specification_of
 from service.operations.design import design_shaper
 from service.problems import Problem

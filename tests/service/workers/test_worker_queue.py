@@ -5,16 +5,10 @@ from collections import Counter
 
 import pytest
 
-from service.workers.costs import (
-    FIRST_GUESS_S,
-    MAX_SHAPE_BYTES,
-    MAX_SHAPES,
-    SLICE_S,
-    Costs,
-    shape_of,
-)
+from service.workers.costs import FIRST_GUESS_S, MAX_SHAPES, SLICE_S, Costs
 from service.workers.patience import BURST_S, INTERVAL_S, STANDING_S, Patience
 from service.workers.queue import FairQueue, Flow, Ticket
+from service.workers.shapes import MAX_SHAPE_BYTES, shape_of
 
 
 def add(queue: FairQueue, flow: Flow, cost_s: float = 0.01) -> Ticket:

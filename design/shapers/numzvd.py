@@ -1,0 +1,34 @@
+"""NUMZVD: five impulses of unity magnitude, whose residual is flat over the frequency."""
+
+from design.formulations.formulation import Formulation
+from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE
+from design.formulations.unity_magnitude_problem import unity_magnitude_problem
+from design.shapers.kind import EVERY_ACTUATOR, CompiledRows, DesignCase, KindOf
+from design.shapers.numzv import SOURCE
+from design.shapers.options import SettleOptions
+
+
+def numzvd(case: DesignCase[SettleOptions]) -> Formulation:
+    """Formulate the fastest five-impulse shaper flat in frequency.
+
+    V = 0 and dV/dw = 0, the actuator's own slope included, which the thesis leaves out.
+    """
+    return unity_magnitude_problem(
+        ZERO_VIBRATION_DERIVATIVE,
+        case.mode,
+        case.actuator,
+        settle=case.options.settle,
+        max_duration_periods=case.options.max_duration_periods,
+    )
+
+
+NUMZVD = KindOf(
+    name="numzvd",
+    summary="Minimum-time unity magnitude, zero vibration and slope, asymmetric actuator.",
+    source=f"{SOURCE}, eqs. 3.44-3.46, slope exact",
+    claims=("residual", "slope"),
+    options=SettleOptions,
+    actuators=EVERY_ACTUATOR,
+    formulation=numzvd,
+    compiled_rows=CompiledRows(),
+)

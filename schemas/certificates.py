@@ -1,0 +1,73 @@
+"""Wire form of certificates: what a shaper claims, recomputed."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field
+
+from design.analysis.certificate import Certificate, Claim
+from schemas.base import Wire, leave_out_none
+
+
+class ClaimOut(Wire):
+    """One promise of the shaper, recomputed."""
+
+    quantity: str
+    value: float
+    limit: float
+    mode: Annotated[
+        int | None,
+        leave_out_none("Number of the plant's mode, from 0; left out for the first."),
+    ]
+    band: Annotated[
+        tuple[float, float] | None,
+        leave_out_none("For band: its ends, ratios of the mode's frequency; left out else."),
+    ]
+
+    @classmethod
+    def from_design(cls, claim: Claim) -> Self:
+        """Wrap the design record."""
+        return cls.model_construct(
+            quantity=claim.quantity,
+            value=claim.value,
+            limit=claim.limit,
+            mode=claim.mode or None,
+            band=claim.band,
+        )
+
+
+class CertificateOut(Wire):
+    """What the shaper claims, recomputed by a route without its solver."""
+
+    verified: bool
+    method: str
+    actuator: Annotated[
+        Literal["given", "ideal"],
+        Field(
+            description="What the claims are for: the actuator given, or one that follows its "
+            "command at once."
+        ),
+    ]
+    claims: list[ClaimOut]
+
+    @classmethod
+    def from_design(cls, certificate: Certificate, *, given: bool) -> Self:
+        """Wrap the design record.
+
+        Parameters
+        ----------
+        certificate
+            The claims, recomputed.
+        given
+            Whether they are so for the actuator given; else for an ideal one.
+
+        Returns
+        -------
+        Self
+            All claims in their order.
+        """
+        return cls.model_construct(
+            verified=certificate.verified,
+            method=certificate.method,
+            actuator="given" if given else "ideal",
+            claims=[ClaimOut.from_design(claim) for claim in certificate.claims],
+        )

@@ -1,0 +1,36 @@
+"""Wire form of a request for a design."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from schemas.actuators import ActuatorIn
+from schemas.base import Wire
+from schemas.fits import FitIn
+from schemas.plants import PlantIn
+from schemas.sensitivity_range import SensitivityIn
+from schemas.shapers import ShaperIn
+
+
+def _is_false(value: object) -> bool:
+    return value is False
+
+
+class DesignRequest(Wire):
+    """Body of `POST /v1/designs`."""
+
+    plant: PlantIn
+    actuator: ActuatorIn
+    shaper: ShaperIn
+    sensitivity: Annotated[
+        SensitivityIn | None, Field(description="Range of the curve; null for no curve.")
+    ] = SensitivityIn()
+    fit: Annotated[FitIn | None, Field(description="Curve coefficients with the design.")] = None
+    trace: Annotated[
+        bool,
+        Field(
+            description="Report each step of the search, and what was rejected and why; of a "
+            "refusal too.",
+            exclude_if=_is_false,
+        ),
+    ] = False

@@ -1,0 +1,84 @@
+"""Wire form of what it cost to bring a shaper to a sample grid."""
+
+from typing import Annotated, Self
+
+from pydantic import Field
+
+from design.model.impulses import Impulses
+from design.sampling.sampled import Sampled
+from schemas.base import Wire
+
+
+class TriedOut(Wire):
+    """The best command of unity magnitude with one number of impulses."""
+
+    impulses: int
+    duration_s: float
+    residual: float
+    compared: Annotated[
+        float,
+        Field(description="Residual, and where zero slope is claimed 0.05 |dV/d ln w| more [-]."),
+    ]
+
+
+class SampledOut(Wire):
+    """What it cost to bring the shaper to a sample grid."""
+
+    sample_time_s: float
+    method: Annotated[
+        str,
+        Field(description="split, exact_positive, unity_on_grid or more_impulses_on_grid."),
+    ]
+    samples: Annotated[list[int], Field(description="Sample number of each impulse.")]
+    continuous_times_s: Annotated[list[float], Field(description="Before [s].")]
+    continuous_residual: Annotated[float, Field(description="Left before, likewise [-].")]
+    split_residual: Annotated[
+        float, Field(description="Left by the linear split, which is not of unity magnitude [-].")
+    ]
+    nearest_residual: Annotated[
+        float | None, Field(description="Left by nearest samples; null where two coincide [-].")
+    ]
+    carried_residual: Annotated[
+        float | None,
+        Field(description="Left with rounding errors carried on; null likewise [-]."),
+    ]
+    tried: Annotated[
+        list[TriedOut],
+        Field(description="For amplitudes of both signs, the best of each number of impulses."),
+    ]
+
+    @classmethod
+    def from_design(cls, sampled: Sampled, continuous: Impulses) -> Self:
+        """Wrap the design records.
+
+        Parameters
+        ----------
+        sampled
+            The shaper on samples.
+        continuous
+            The same between them.
+
+        Returns
+        -------
+        Self
+            Both, with what each leaves.
+        """
+        return cls.model_construct(
+            sample_time_s=sampled.sample_time_s,
+            method=sampled.method,
+            samples=list(sampled.samples),
+            continuous_times_s=continuous.times_s.tolist(),
+            continuous_residual=sampled.continuous_residual,
+            split_residual=sampled.split_residual,
+            nearest_residual=sampled.nearest_residual,
+            carried_residual=sampled.carried_residual,
+            tried=[
+                TriedOut.model_construct(
+                    impulses=one.impulses,
+                    duration_s=one.duration_s,
+                    residual=one.residual,
+                    compared=one.compared,
+                )
+                for one in sampled.tried
+            ],
+        )

@@ -1,0 +1,94 @@
+"""What requests say of a shaper: its kind, its parameters, its samples."""
+
+import dataclasses
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field
+
+from design.errors import InvalidInputError
+from design.sampling.sampled_design import SAMPLE_TOLERANCE
+from design.shapers.kind import ShaperKind
+from design.shapers.registry import SHAPERS
+from schemas.base import Positive, Wire
+
+
+class ShaperRequest(Wire):
+    """A kind of shaper with its parameters."""
+
+    if TYPE_CHECKING:
+        kind: str
+
+    sample_time_s: Annotated[
+        Positive | None,
+        Field(description="Brings the impulses to a controller's samples [s]."),
+    ] = None
+    sample_tolerance: Annotated[
+        float | None,
+        Field(
+            ge=0,
+            le=1,
+            description="With sample_time_s: two, four, six impulses are added to a shaper of "
+            "unity magnitude that leaves more (slope counted where it claims that), "
+            f"{SAMPLE_TOLERANCE} if not given; none with settle, whose gaps they would break [-].",
+        ),
+    ] = None
+
+    def shaper_kind(self) -> ShaperKind:
+        """Return the registry's entry."""
+        return SHAPERS[self.kind]
+
+    def options(self) -> Any:  # noqa: ANN401 - each kind has a record of its own
+        """Build the record of the kind's parameters.
+
+        Returns
+        -------
+        Any
+            The kind's own options.
+
+        Raises
+        ------
+        InvalidInputError
+            If a parameter breaks its rule, or a sample tolerance is given without a sample time.
+        """
+        if self.sample_tolerance is not None and self.sample_time_s is None:
+            raise InvalidInputError(
+                "sample_tolerance",
+                self.sample_tolerance,
+                "left out without sample_time_s",
+                code="tolerance_without_samples",
+            )
+        names = [field.name for field in dataclasses.fields(self.shaper_kind().options)]
+        return self.shaper_kind().options(**{name: getattr(self, name) for name in names})
+
+    def grid_tolerance(self) -> float | None:
+        """Return what a shaper may leave on samples before impulses are added.
+
+        None adds none.
+        """
+        if getattr(self, "settle", False):
+            return None
+        return SAMPLE_TOLERANCE if self.sample_tolerance is None else self.sample_tolerance
+
+    def continuous_options(self, reason: str) -> Any:  # noqa: ANN401
+        """Build the record of parameters where no sample grid is served.
+
+        Parameters
+        ----------
+        reason
+            Why not, to be read after "left out: ".
+
+        Returns
+        -------
+        Any
+            The kind's own options.
+
+        Raises
+        ------
+        InvalidInputError
+            If a sample time is given, or a parameter breaks its rule.
+        """
+        if self.sample_time_s is not None:
+            raise InvalidInputError(
+                "sample_time_s", self.sample_time_s, f"left out: {reason}", code="kind_not_sampled"
+            )
+        return self.options()

@@ -1,0 +1,54 @@
+"""HTTP route of batches: JSON Lines in and out."""
+
+from fastapi import APIRouter, Request
+from starlette.responses import Response
+
+from schemas.design_request import DesignRequest
+from service.http.answers import answer_line
+from service.http.batches import Batch
+from service.http.bodies import read_body
+from service.http.clients import client_of, while_connected
+from service.http.openapi import body_of
+from service.http.routes import PROBLEMS
+from service.problems import NOT_JSON, TOO_LARGE, Problem, ProblemError
+from service.settings import Settings
+from service.workers.protocol import Pool
+
+JSON_LINES = (
+    "application/jsonl",
+    "application/x-ndjson",
+    "application/x-jsonlines",
+    "application/json",
+)
+
+router = APIRouter()
+
+
+@router.post(
+    "/v1/designs/batch",
+    response_class=Response,
+    responses={
+        **PROBLEMS,
+        200: {
+            "description": "An answer or a problem a line, in order",
+            "content": {"application/jsonl": {}},
+        },
+    },
+    openapi_extra={"requestBody": body_of(DesignRequest, JSON_LINES[0])},
+    summary="Design up to 1,000 shapers, JSON Lines in and out",
+)
+async def designs_batch(request: Request) -> Response:
+    """Answer each line as `POST /v1/designs` would."""
+    settings: Settings = request.app.state.settings
+    pool: Pool = request.app.state.pool
+    body = await read_body(request, limit_bytes=settings.max_batch_bytes, media_types=JSON_LINES)
+    lines = body.rstrip(b"\r\n").split(b"\n")
+    if lines == [b""]:
+        raise ProblemError(Problem(NOT_JSON, "the batch is empty"))
+    if len(lines) > settings.max_batch_lines:
+        detail = f"a batch must be at most {settings.max_batch_lines} lines, got {len(lines)}"
+        raise ProblemError(Problem(TOO_LARGE, detail))
+    batch = Batch(pool, lines, client=client_of(request), limit_s=settings.batch_limit_s)
+    answers = await while_connected(request, batch.answers())
+    told = [answer_line(done, request.state.request_id) for done in answers]
+    return Response(b"\n".join(told) + b"\n", media_type=JSON_LINES[0])

@@ -1,0 +1,49 @@
+"""One design as a picture."""
+
+from typing import Literal
+
+from design.analysis.sensitivity import sensitivity
+from design.analysis.sensitivity_range import SensitivityRange
+from design.analysis.worst_mode import worst_of
+from schemas.design_request import DesignRequest
+from service.operations.requested_design import requested_design
+
+
+def design_picture(request: DesignRequest, image_format: Literal["png", "svg"]) -> bytes:
+    """Draw one design, or the search for it where its trace is asked for.
+
+    Parameters
+    ----------
+    request
+        The plant, the actuator and the shaper.
+    image_format
+        Format of the picture.
+
+    Returns
+    -------
+    bytes
+        The picture.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule.
+    InfeasibleDesignError
+        If no such shaper was found.
+    SolverFailedError
+        If none of the solutions found was verified.
+    TimeLimitError
+        If a solver ran past its time.
+    """
+    from design.pictures.design_sheet import design_sheet, figure_bytes  # noqa: PLC0415 - matplotlib takes a second
+    from design.pictures.trace_sheet import trace_sheet  # noqa: PLC0415
+
+    done = requested_design(request)
+    if request.trace:
+        return figure_bytes(trace_sheet(request.shaper.kind, done.trace), image_format)
+    modes, actuator, curves = done.plant.modes, request.actuator.to_design(), done.curves
+    if not curves:
+        usual = SensitivityRange()
+        curves = [sensitivity(done.design.impulses, mode, actuator, usual) for mode in modes]
+    sheet = design_sheet(request.shaper.kind, modes, actuator, done.design, worst_of(curves))
+    return figure_bytes(sheet, image_format)

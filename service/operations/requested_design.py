@@ -1,0 +1,97 @@
+"""A design with all that its request asks of it: its curves, its samples, its trace."""
+
+from dataclasses import dataclass
+
+from design.analysis.sensitivity import Sensitivity, sensitivity
+from design.curve_fit.fit_range import plants_at_ends
+from design.errors import DesignError, InvalidInputError
+from design.model.plants.modes import Modes
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
+from design.pipeline import Design, design
+from design.solvers.budget import Budget
+from design.trace import TraceStep
+from schemas.base import name_field
+from schemas.design_request import DesignRequest
+from schemas.sampled import SampledOut
+from service.operations.found_shaper import on_samples
+from service.operations.subject import NO_FIT_ON_SAMPLES, subject_of
+
+
+@dataclass(frozen=True, slots=True)
+class RequestedDesign:
+    """A design with all that was asked of it.
+
+    Attributes
+    ----------
+    plant
+        What moves.
+    design
+        The shaper that is sent: on samples where they were asked for.
+    curves
+        Its sensitivity curve in each mode; empty where none was asked for.
+    sampled
+        How it came to the samples; None where none were asked for.
+    trace
+        Steps of the search; empty where they were not asked for.
+    """
+
+    plant: Plant
+    design: Design
+    curves: list[Sensitivity]
+    sampled: SampledOut | None
+    trace: list[TraceStep]
+
+
+def requested_design(request: DesignRequest) -> RequestedDesign:
+    """Design what a request asks for, its curves too.
+
+    Returns
+    -------
+    RequestedDesign
+        The design and what was asked of it.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule.
+    DesignError
+        If no such shaper was found; has the steps of the search, where they were asked for.
+    """
+    plant, actuator = subject_of(request)
+    with name_field("shaper"):
+        options = request.shaper.options()
+    curve_range = None
+    # Every fault of the request is found before the first computation.
+    if request.sensitivity is not None:
+        with name_field("sensitivity"):
+            curve_range = request.sensitivity.to_design()
+    if request.fit is not None:
+        with name_field("shaper"):
+            request.shaper.continuous_options(NO_FIT_ON_SAMPLES)
+        with name_field("fit"):
+            plants_at_ends(plant, request.fit.to_design(request.plant.kind))
+    kind = request.shaper.shaper_kind()
+    sample_time_s = request.shaper.sample_time_s
+    if sample_time_s is not None and isinstance(plant, Modes | Scheduled):
+        raise InvalidInputError(
+            "shaper.sample_time_s",
+            sample_time_s,
+            "left out for a plant of several modes or of a range",
+            code="samples_of_one_mode",
+        )
+    trace: list[TraceStep] = []
+    budget = Budget(trace=trace if request.trace else None)
+    try:
+        found, told = design(plant, actuator, kind, options, budget), None
+    except DesignError as error:
+        error.trace = tuple(trace)
+        raise
+    if sample_time_s is not None:
+        continuous = found.impulses
+        found, sampled = on_samples(found, plant, actuator, request.shaper, sample_time_s)
+        told = SampledOut.from_design(sampled, continuous)
+    curves = []
+    if curve_range is not None:
+        curves = [sensitivity(found.impulses, mode, actuator, curve_range) for mode in plant.modes]
+    return RequestedDesign(plant, found, curves, told, trace)
