@@ -26,14 +26,20 @@ TimeConstant = Annotated[
 ModelIn = Annotated[
     Model,
     Field(
-        description="superposed: each step excites a response of its own; switched: one state, "
-        "moved by the set of the latest change of |command|."
+        description="superposed: each step excites a separate response; switched: one velocity "
+        "state, governed by the set of the latest change in the command's "
+        "magnitude."
     ),
 ]
 
 
 DeadTime = Annotated[
-    float, Field(ge=0, le=MAX_VALUE, description="Delay of all that the actuator does [s].")
+    float,
+    Field(
+        ge=0,
+        le=MAX_VALUE,
+        description="Delay between the command and all that the actuator does [s].",
+    ),
 ]
 
 
@@ -133,15 +139,15 @@ class RateLimitedIn(Wire):
 
     kind: Literal["rate_limited"]
     accel_limit_m_s2: Annotated[
-        Positive, Field(description="Of a command whose magnitude grows [m/s^2].")
+        Positive, Field(description="Limit while the magnitude of the command grows [m/s^2].")
     ]
     decel_limit_m_s2: Annotated[
-        Positive, Field(description="Of a command whose magnitude falls [m/s^2].")
+        Positive, Field(description="Limit while the magnitude of the command falls [m/s^2].")
     ]
-    speed_m_s: Annotated[Positive, Field(description="What a command of 1 stands for [m/s].")]
+    speed_m_s: Annotated[Positive, Field(description="Speed that a command of 1 stands for [m/s].")]
     then: Annotated[
         IdealIn | FirstOrderIn | SecondOrderIn,
-        Field(discriminator="kind", description="What follows the limited command."),
+        Field(discriminator="kind", description="Actuator that follows the rate-limited command."),
     ] = IdealIn(kind="ideal")
     dead_time_s: DeadTime = 0.0
 

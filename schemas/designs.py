@@ -35,11 +35,14 @@ class SolverOut(Wire):
     starts: int
     lower_bound_s: Annotated[
         float | None,
-        Field(description="No shaper of its class is as short; null where nothing is proven [s]."),
+        Field(
+            description="No shaper of its class is as short as this; null where nothing is "
+            "proven [s]."
+        ),
     ]
     gap: Annotated[
         float | None,
-        Field(description="(duration - lower bound) / duration; null likewise [-]."),
+        Field(description="(duration - lower bound) / duration; null where nothing is proven [-]."),
     ]
 
 
@@ -49,24 +52,30 @@ class DesignResponse(Wire):
     shaper: ShaperOut
     sampled: Annotated[
         SampledOut | None,
-        Field(description="With sample_time_s: the certificate then proves the residual told."),
+        Field(
+            description="With sample_time_s, the result of sampling: the certificate then "
+            "proves its residual."
+        ),
     ]
     residual: Annotated[
         float,
         Field(
-            description="Left with the plant and actuator given, share of an unshaped step; of "
-            "several modes the most [-]."
+            description="Residual vibration with the plant and actuator given, a share of an "
+            "unshaped step; of several modes the largest [-]."
         ),
     ]
     certificate: CertificateOut
     sensitivity: SensitivityOut | None
     modes: OfModes
-    scheduled: Annotated[RangeOut | None, leave_out_none("Of a scheduled plant; left out else.")]
+    scheduled: Annotated[
+        RangeOut | None,
+        leave_out_none("Figures over the range of a scheduled plant; otherwise left out."),
+    ]
     fit: FitOut | None
     solver: SolverOut
     trace: Annotated[
         list[TraceStepOut] | None,
-        leave_out_none("Steps of the search, where asked for; left out else."),
+        leave_out_none("Steps of the search, where asked for; otherwise left out."),
     ]
     warnings: Warnings
     version: str

@@ -29,7 +29,9 @@ FIELDS: dict[str, PlantField] = {
 class FitIn(Wire):
     """Over which field to fit, and how well."""
 
-    over: Annotated[str, Field(description=f"JSON pointer, one of {', '.join(FIELDS)}.")]
+    over: Annotated[
+        str, Field(description=f"JSON pointer of the field, one of {', '.join(FIELDS)}.")
+    ]
     from_: Annotated[float, Field(alias="from", ge=0, description="Start, in the field's unit.")]
     to: Annotated[float, Field(gt=0, description="End, in the field's unit.")]
     degree: Annotated[
@@ -37,10 +39,19 @@ class FitIn(Wire):
     ] = None
     max_residual: Annotated[
         float | None,
-        Field(gt=0, lt=1, description="In place of degree: what the times may leave [-]."),
+        Field(
+            gt=0,
+            lt=1,
+            description="In place of degree: the largest residual that the fitted "
+            "times may have [-].",
+        ),
     ] = None
     form: Annotated[
-        Form, Field(description="time_in_frequency is the thesis's, for comparison.")
+        Form,
+        Field(
+            description="Form of the curves; time_in_frequency is that of the thesis, "
+            "for comparison."
+        ),
     ] = "dimensionless"
 
     def to_design(self, plant_kind: str) -> FitRange:
@@ -108,7 +119,7 @@ class FitOut(Wire):
     variable: VariableOut
     value: str
     coefficients: Annotated[
-        list[list[float]], Field(description="A row for each impulse, ascending powers of x.")
+        list[list[float]], Field(description="A row for each impulse, in ascending powers of x.")
     ]
     degree: int
     worst_timing_error_s: float

@@ -69,7 +69,8 @@ class MoveIn(Wire):
     """The move that the shaper starts and stops."""
 
     pulse_s: Annotated[
-        Positive, Field(description="From the first step of the start to that of the stop [s].")
+        Positive,
+        Field(description="Time from the first step of the start to that of the stop [s]."),
     ]
     stop: Annotated[
         Literal["solved", "mirrored"],
@@ -84,7 +85,8 @@ class MapRequest(Wire):
     actuator: ActuatorIn
     shaper: ShaperIn | None = None
     impulses: Annotated[
-        ImpulsesWire | None, Field(description="In place of shaper: a command that is held.")
+        ImpulsesWire | None,
+        Field(description="In place of shaper: a command that is held in every cell."),
     ] = None
     move: MoveIn | None = None
     quantity: Annotated[
@@ -95,17 +97,28 @@ class MapRequest(Wire):
             "every cell. alpha, beta_rad: magnitude and lag of G_decel/G_accel, without a shaper."
         ),
     ] = "residual"
-    speed_m_s: Annotated[Positive | None, Field(description="For deflection_m [m/s].")] = None
+    speed_m_s: Annotated[
+        Positive | None, Field(description="Full speed, for deflection_m [m/s].")
+    ] = None
     design: Annotated[
         Literal["once", "each"],
-        Field(description="once: for plant and actuator as given; each: anew in every cell."),
+        Field(
+            description="once: designed for plant and actuator as given; each: designed anew "
+            "in every cell."
+        ),
     ] = "once"
     designed_for: Annotated[
         Model | None,
-        Field(description="Model of the actuator in the design, if not that which judges it."),
+        Field(
+            description="Model of the actuator that the shaper is designed for, if not that "
+            "of the actuator given."
+        ),
     ] = None
     x: AxisIn
-    y: Annotated[AxisIn | None, Field(description="Left out: a curve over x.")] = None
+    y: Annotated[
+        AxisIn | None,
+        Field(description="Second axis; where it is left out, the map is a curve over x."),
+    ] = None
 
     @property
     def holds_one_shaper(self) -> bool:
@@ -196,7 +209,7 @@ class MapResponse(Wire):
         list[Row] | Row | None, Field(description="Share of an unshaped step [-].")
     ] = None
     deflection_m: Annotated[
-        list[Row] | Row | None, Field(description="Its amplitude at the payload [m].")
+        list[Row] | Row | None, Field(description="Amplitude of the residual at the payload [m].")
     ] = None
     duration_s: list[Row] | Row | None = None
     alpha: list[Row] | Row | None = None

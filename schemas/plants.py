@@ -41,7 +41,7 @@ class ModesIn(Wire):
     kind: Literal["modes"]
     modes: Annotated[
         list[BareMode],
-        Field(min_length=1, max_length=MAX_MODES, description="No two of them alike."),
+        Field(min_length=1, max_length=MAX_MODES, description="Modes, no two alike."),
     ]
 
     def to_design(self) -> Mode | Modes:
@@ -57,9 +57,11 @@ class PendulumIn(Wire):
     """A load on a cable, at small angles."""
 
     kind: Literal["pendulum"]
-    cable_length_m: Annotated[Positive, Field(description="From suspension to centre of load [m].")]
+    cable_length_m: Annotated[
+        Positive, Field(description="Length from the suspension to the centre of the load [m].")
+    ]
     damping_ratio: PlantDamping = 0.0
-    gravity_m_s2: Annotated[Positive, Field(description="Free fall [m/s^2].")] = (
+    gravity_m_s2: Annotated[Positive, Field(description="Acceleration of free fall [m/s^2].")] = (
         STANDARD_GRAVITY_M_S2
     )
 
@@ -94,7 +96,12 @@ class ScheduledIn(Wire):
 
     kind: Literal["scheduled"]
     plant: Annotated[ModeIn | PendulumIn | SpringMassIn, Field(discriminator="kind")]
-    over: Annotated[str, Field(max_length=40, description="The field, as cable_length_m.")]
+    over: Annotated[
+        str,
+        Field(
+            max_length=40, description="Field that is anywhere in a range, such as cable_length_m."
+        ),
+    ]
     from_: Annotated[Positive, Field(alias="from", description="Start, in the field's unit.")]
     to: Annotated[Positive, Field(description="End, in the field's unit.")]
 

@@ -16,9 +16,11 @@ class InsensitivityOut(Wire):
     lower_ratio: Annotated[
         float | None, Field(description="Lower edge; null where the search found none [-].")
     ]
-    upper_ratio: Annotated[float | None, Field(description="Upper edge; null likewise [-].")]
+    upper_ratio: Annotated[
+        float | None, Field(description="Upper edge; null where the search found none [-].")
+    ]
     width: Annotated[
-        float | None, Field(description="Upper less lower edge; null without either [-].")
+        float | None, Field(description="Upper edge less lower edge; null where either is [-].")
     ]
     searched_from_ratio: Annotated[
         float,
@@ -27,7 +29,7 @@ class InsensitivityOut(Wire):
             "where the search for it ended [-]."
         ),
     ]
-    searched_to_ratio: Annotated[float, Field(description="Upper end, likewise [-].")]
+    searched_to_ratio: Annotated[float, Field(description="Upper end of the same [-].")]
 
     @classmethod
     def from_design(cls, insensitivity: Insensitivity) -> Self:
@@ -56,7 +58,10 @@ class SensitivityOut(Wire):
     frequency_ratio: list[float]
     residual: list[float]
     insensitivity: InsensitivityOut | None
-    damping: Annotated[DampingOut | None, leave_out_none("Where a range of damping is asked for.")]
+    damping: Annotated[
+        DampingOut | None,
+        leave_out_none("Curve over the damping ratio, where a range is asked for."),
+    ]
 
     @classmethod
     def from_design(cls, sensitivity: Sensitivity) -> Self:

@@ -135,7 +135,8 @@ class SimulationRequest(Wire):
     actuator: ActuatorIn
     command: CommandIn
     shaper: Annotated[
-        ShaperIn | None, Field(description="Shapes the command; designed for plant and actuator.")
+        ShaperIn | None,
+        Field(description="Shaper of the command, designed for plant and actuator."),
     ] = None
     speed_m_s: Annotated[Positive, Field(description="Full speed [m/s].")] = 1.0
     until_s: Annotated[
@@ -143,7 +144,7 @@ class SimulationRequest(Wire):
         Field(description="Last time [s]; three periods after the last step if not given."),
     ] = None
     points: Annotated[
-        int, Field(ge=2, le=MAX_HISTORY_POINTS, description="Times, evenly spaced.")
+        int, Field(ge=2, le=MAX_HISTORY_POINTS, description="Number of times, evenly spaced.")
     ] = 1001
 
 
@@ -177,8 +178,8 @@ class SimulationResponse(Wire):
     residual: Annotated[
         float | None,
         Field(
-            description="After the last step, a share of one unshaped step; null where the "
-            "actuator rings with the plant [-]."
+            description="Residual vibration after the last step, a share of one unshaped step; "
+            "null where the actuator resonates with the plant [-]."
         ),
     ]
     remaining: Annotated[

@@ -122,19 +122,21 @@ class TableRequest(Wire):
             min_length=1,
             max_length=100,
             pattern="^[^\\x00-\\x1f\\x7f]*$",
-            description="Stands in every file; names in programs are made from it, or from the "
+            description="Title in every file. Names in programs are made from it, or from the "
             "name of the file where it is not given.",
         ),
     ] = DEFAULT_TITLE
     design: TableDesign
-    axes: Annotated[list[TableAxis] | None, Field(description="They multiply.")] = None
+    axes: Annotated[
+        list[TableAxis] | None, Field(description="Axes of a grid: their points multiply.")
+    ] = None
     designs: Annotated[
         list[dict[str, Any]] | None,
         Field(description="In place of axes: objects that are each merged over design."),
     ] = None
     designs_file: Annotated[
         str | None,
-        Field(description="The same from a file, JSON Lines or CSV; on the command line only."),
+        Field(description="Designs from a file, JSON Lines or CSV; on the command line only."),
     ] = None
     columns: Annotated[
         list[str],
@@ -290,7 +292,7 @@ class TableSize(Wire):
 
     rows: int
     chunks: int
-    estimated_bytes: Annotated[int, Field(description="Of its numbers, uncompressed.")]
+    estimated_bytes: Annotated[int, Field(description="Size of its numbers, uncompressed [bytes].")]
 
 
 class TableJob(Wire):
@@ -298,7 +300,7 @@ class TableJob(Wire):
 
     id: str
     state: Literal["waiting", "running", "done", "failed", "cancelled"]
-    reason: Annotated[str | None, Field(description="Why it failed.")]
+    reason: Annotated[str | None, Field(description="Reason of a failure.")]
     created: Annotated[float, Field(description="Seconds since 1970.")]
     size: TableSize
     rows_done: int
