@@ -28,7 +28,7 @@ class Design:
     impulses
         The shaper.
     residuals
-        What it leaves in each mode with the actuator given, whatever it was designed for [-].
+        Its residual in each mode with the actuator given, whatever it was designed for [-].
     certificate
         Its claims, recomputed: for the actuator given if they hold there.
     for_ideal
@@ -38,7 +38,7 @@ class Design:
     warnings
         What to know besides.
     worst_in_range
-        Of a scheduled plant, the most that it leaves at any frequency of the range, with the
+        Of a scheduled plant, its largest residual at any frequency of the range, with the
         actuator given; None of others [-].
     """
 
@@ -52,7 +52,7 @@ class Design:
 
     @property
     def residual(self) -> float:
-        """The most that it leaves in any mode with the actuator given [-]."""
+        """Its largest residual in any mode with the actuator given [-]."""
         return max(self.residuals)
 
 

@@ -114,7 +114,7 @@ class VariableOut(Wire):
 
 
 class FitOut(Wire):
-    """Curve coefficients, and what they cost."""
+    """Curve coefficients, with their residual."""
 
     variable: VariableOut
     value: str

@@ -34,7 +34,11 @@ class AxisIn(Wire):
     """One field and its values: ``from``, ``to`` and ``points``, or ``values``."""
 
     field: Annotated[
-        str, Field(pattern="^/(plant|actuator|move)/", description="JSON pointer of a number.")
+        str,
+        Field(
+            pattern="^/(plant|actuator|move)/",
+            description="JSON pointer of the number that the axis varies.",
+        ),
     ]
     from_: Annotated[float | None, Field(alias="from")] = None
     to: float | None = None

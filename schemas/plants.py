@@ -15,7 +15,7 @@ from schemas.base import PlantDamping, Positive, Wire, name_field
 
 
 class BareMode(Wire):
-    """One vibration mode in a list of them."""
+    """One vibration mode in a list of modes."""
 
     natural_frequency_rad_s: Annotated[
         Positive, Field(description="Undamped natural frequency [rad/s].")
@@ -79,7 +79,7 @@ class SpringMassIn(Wire):
 
     kind: Literal["spring_mass"]
     mass_kg: Annotated[Positive, Field(description="Mass of the load [kg].")]
-    stiffness_n_m: Annotated[Positive, Field(description="Stiffness of what holds it [N/m].")]
+    stiffness_n_m: Annotated[Positive, Field(description="Stiffness of the spring [N/m].")]
     damping_ratio: PlantDamping = 0.0
 
     def to_design(self) -> SpringMass:
@@ -92,7 +92,7 @@ class SpringMassIn(Wire):
 
 
 class ScheduledIn(Wire):
-    """A plant with a field anywhere in a range; the plant's own value of it is not used."""
+    """A plant with one field anywhere in a range; its value in `plant` is not used."""
 
     kind: Literal["scheduled"]
     plant: Annotated[ModeIn | PendulumIn | SpringMassIn, Field(discriminator="kind")]

@@ -34,7 +34,7 @@ class DampingRangeIn(Wire):
 
 
 class RecommendationRequest(Wire):
-    """Body of `POST /v1/recommendations`; the design record reports bounds, with reasons."""
+    """Body of `POST /v1/recommendations`; the design record checks bounds, and says why."""
 
     plant: PlantIn
     actuator: ActuatorIn
@@ -294,7 +294,7 @@ class RefusedOut(Wire):
 
 
 class BandOut(Wire):
-    """Where the tolerance is asked: ratios of the plant's frequency."""
+    """Band of the tolerance asked, as ratios of the plant's frequency."""
 
     lower_ratio: float
     upper_ratio: float

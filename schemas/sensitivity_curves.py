@@ -45,7 +45,7 @@ class InsensitivityOut(Wire):
 
 
 class DampingOut(Wire):
-    """What is left over the plant's damping ratio, its natural frequency as given."""
+    """Residual over the damping ratio of the plant, at its natural frequency."""
 
     damping_ratio: list[float]
     residual: list[float]

@@ -30,7 +30,7 @@ class DampingIn(Wire):
 
 
 class SensitivityIn(Wire):
-    """What part of the curve is wanted."""
+    """Range of the sensitivity curve that is wanted."""
 
     from_ratio: Annotated[Ratio, Field(description="First frequency ratio [-].")] = 0.5
     to_ratio: Annotated[Ratio, Field(description="Last frequency ratio [-].")] = 1.5

@@ -41,7 +41,7 @@ class PulseCommand(Wire):
     """Full speed for some time."""
 
     kind: Literal["pulse"]
-    pulse_s: Annotated[Positive, Field(description="From start to stop [s].")]
+    pulse_s: Annotated[Positive, Field(description="Time from start to stop [s].")]
 
     def to_design(self, speed_m_s: float) -> Impulses:  # noqa: ARG002
         """Build the design record."""

@@ -61,7 +61,11 @@ class TableAxis(Wire):
     """One field and its values: ``from``, ``to`` and ``points``, or ``values``."""
 
     field: Annotated[
-        str, Field(pattern="^/(plant|actuator|shaper)/", description="JSON pointer of a number.")
+        str,
+        Field(
+            pattern="^/(plant|actuator|shaper)/",
+            description="JSON pointer of the number that the axis varies.",
+        ),
     ]
     from_: Annotated[float | None, Field(alias="from")] = None
     to: float | None = None
@@ -141,7 +145,8 @@ class TableRequest(Wire):
     columns: Annotated[
         list[str],
         Field(
-            default_factory=lambda: list(DEFAULT_COLUMNS), description=f"Of {', '.join(COLUMNS)}."
+            default_factory=lambda: list(DEFAULT_COLUMNS),
+            description=f"One or more of {', '.join(COLUMNS)}.",
         ),
     ]
     chunk_rows: Annotated[int, Field(ge=1, le=MAX_CHUNK_ROWS)] = 10_000

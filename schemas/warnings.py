@@ -9,7 +9,7 @@ from schemas.base import Wire
 
 
 class WarningOut(Wire):
-    """Something to know of an answer that is right all the same."""
+    """Something to know about an answer that is nevertheless right."""
 
     code: Annotated[str, Field(description="A name that programs can rely on.")]
     detail: Annotated[str, Field(description="The warning in words, with its figure.")]

@@ -71,7 +71,7 @@ class JsonFormatter(logging.Formatter):
 
 
 class Log(logging.Handler):
-    """Writes lines in a thread of its own: a reader that does not read holds up nobody.
+    """Writes lines in a separate thread: a reader that does not read holds up nobody.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ class Log(logging.Handler):
                     self._tell_dropped()
                 if lines[-1] is None:
                     return
-                # To be woken for each line would cost who leaves it more than the line.
+                # To be woken for each line would cost the caller more than the line.
                 time.sleep(GATHERED_S)
         except BrokenPipeError:
             return  # there is nobody left to tell

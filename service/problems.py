@@ -86,7 +86,7 @@ KIND_OF: dict[type[DesignError], ProblemKind] = {
 """Every error of the mathematics and its problem; a test proves the table whole."""
 
 MAX_FAULTS = 20
-"""Faults of a request that are told."""
+"""Faults of a request that an answer lists."""
 
 CODE_OF_TYPE = {
     "union_tag_invalid": "unknown_kind",
@@ -117,7 +117,7 @@ CODE_OF_TYPE = {
 for one meaning. Any other, as ``missing`` and ``extra_forbidden``, is its own code."""
 
 MAX_TEXT_CHARACTERS = 300
-"""Characters of a pointer or a rule that are told."""
+"""Characters of a pointer or a rule that an answer repeats."""
 
 MAX_ECHO_CHARACTERS = 80
 """Characters of a refused value that a message repeats."""
@@ -125,7 +125,7 @@ MAX_ECHO_CHARACTERS = 80
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One error, ready to be told.
+    """One error, ready to be reported.
 
     Attributes
     ----------

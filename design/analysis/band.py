@@ -36,7 +36,7 @@ def largest_in_band(
     Peaks are found between grid points. Of both ranges only the rim is looked at: the velocity
     does not depend on the plant, so that V is an analytic function of the pole s, whose size is
     largest on the rim of any region without a pole of V. In units of the unshaped step V has
-    poles where the decelerating set has; one within the region is told as an infinite residual.
+    poles where the decelerating set has; one within the region is reported as an infinite residual.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ from design.response.simulation import ringing_after
 from design.types import ComplexArray, FloatArray
 
 TOLERANCE_MARGIN = 1e-9
-"""Share by which a tolerance may be passed: an EI shaper lies on its own but for rounding [-]."""
+"""Share by which a tolerance may be passed: an EI shaper lies on it except for rounding [-]."""
 
 STEP_PHASE_RAD = 2e-5
 """Turn of the last impulse's phase over a step of the slope's central difference [rad].
@@ -70,7 +70,7 @@ class Claim:
     mode
         Number of the plant's mode that it is about, from 0.
     band
-        Ends of the band, ratios of the mode's frequency [-]; None but for ``band``.
+        Ends of the band, ratios of the mode's frequency [-]; None except for ``band``.
     """
 
     quantity: Quantity

@@ -22,7 +22,7 @@ MAX_TURN_RAD = 1e6
 """Longest command, as a turn of the plant's phase [rad]."""
 
 RATIO_LIMITS = (1e-3, 100.0)
-"""How far an edge is looked for; none is told of an interval that reaches further [-]."""
+"""How far an edge is looked for; an interval that reaches further has none [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -50,7 +50,7 @@ class SensitivityRange:
     points
         Number of points, 2 to 20,001.
     tolerance
-        Residual at which the insensitivity is told, 0 to 1, both excluded [-].
+        Residual at which the insensitivity is reported, 0 to 1, both excluded [-].
     damping
         Range of a curve over the damping ratio; None for no such curve.
     """

@@ -62,7 +62,7 @@ def require_workable(mode: Mode, actuator: Actuator) -> None:
             raise InvalidInputError(
                 f"actuator.{name}",
                 f"1/G = {distance:.1e} there",
-                "without a pole at the plant's own, where it rings with it",
+                "without a pole at the plant's pole, where the two resonate",
                 code="actuator_resonant",
             )
     for name, ramp_s in zip(LIMIT_FIELDS, unit_ramps_s(actuator), strict=True):
@@ -79,6 +79,7 @@ def require_workable(mode: Mode, actuator: Actuator) -> None:
             raise InvalidInputError(
                 f"actuator.{name}",
                 f"a ramp of {turn:.9g} rad of the plant's swing",
-                "such that a ramp does not last whole periods: alone it leaves no vibration",
+                "such that a ramp does not last whole periods: by itself such a ramp has no "
+                "residual",
                 code="ramp_of_whole_periods",
             )

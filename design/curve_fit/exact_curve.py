@@ -142,7 +142,7 @@ class ExactCurve:
         worst_residual = float(residuals.max())
         if not math.isfinite(worst_residual):
             raise SolverFailedError(
-                f"the fitted times of degree {degree} leave the range of numbers",
+                f"the fitted times of degree {degree} exceed the range of numbers",
                 code="fit_overflows",
             )
         return Fit(
@@ -170,7 +170,7 @@ class ExactCurve:
         """Return the times at every checked point, shape (points, n) [s].
 
         By closed form where there is one; else by Newton's method from a fit, which is not the one
-        to be judged; by the pipeline where that leaves the bounds.
+        to be judged; by the pipeline where that is out of bounds.
         """
         nodes = self.axis.nodes(STARTING_DEGREE).tolist()
         frequencies = [self.axis.plant_at(x).mode.natural_frequency_rad_s for x in nodes]

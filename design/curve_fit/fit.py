@@ -40,12 +40,12 @@ def fit(
     -------
     Fit
         By interpolation at Chebyshev nodes in a dimensionless variable, or by the thesis's least
-        squares; judged on a grid of its own by the residual that the fitted times leave.
+        squares; judged on a separate grid by the residual of the fitted times.
 
     Raises
     ------
     InvalidInputError
-        If the plant has no such field, or the range leaves its bounds.
+        If the plant has no such field, or the range exceeds its bounds.
     InfeasibleDesignError
         If some point of the range has no such shaper, or no degree up to 20 is good enough.
     """
@@ -62,8 +62,8 @@ def fit(
         if curve.budget.spent:
             break
     raise InfeasibleDesignError(
-        f"no degree up to {degree} leaves a residual of at most max_residual = {limit:g}; "
-        f"the best, degree {best[1]}, leaves {best[0]:.3g}"
-        f"{f'; {curve.budget.in_words}' if curve.budget.spent else ''}",
+        f"no degree up to {degree} has a residual of at most max_residual = {limit:g}; that of "
+        f"the best, degree {best[1]}, is "
+        f"{best[0]:.3g}{f'; {curve.budget.in_words}' if curve.budget.spent else ''}",
         code="no_degree_suffices",
     )

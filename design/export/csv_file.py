@@ -1,7 +1,7 @@
 """Comma-separated values, exact: each number is the shortest text that reads back as itself.
 
 The head stands in lines that start with ``#``, as ``pandas.read_csv(path, comment="#")`` and
-``numpy.genfromtxt`` skip them. A row without a design leaves its results empty.
+``numpy.genfromtxt`` skip them. The results of a row without a design are empty.
 """
 
 import csv

@@ -64,7 +64,7 @@ SAME = 1e-9
 """Impulses that differ by less are the same, as a share of their duration and of 1 [-]."""
 
 READ_AS_ZERO = 1e-3
-"""What a fit may leave where the design leaves nothing: its coefficients have five digits [-]."""
+"""Residual of a fit where that of the design is zero: its coefficients have five digits [-]."""
 
 TOLERANCE_DECIMALS = 6
 """Klipper reads digits and a point in brackets, no exponent."""
@@ -243,7 +243,7 @@ def _fit(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str, li
         )
         if all(claim.holds for claim in judged):
             return _line_read_by_most(row, name, told, claims), _remark_on_fit(judged)
-        # Klipper's fit leaves a little more than it is told to: told less, it leaves the tolerance.
+        # The residual of Klipper's fit is a little above its tolerance: a smaller one mends that.
         worst = max(claim.value / claim.limit for claim in judged)
         told = _round_down(min(told / worst, told - MIN_TOLERANCE))
         if name != "ei" or told < MIN_TOLERANCE:

@@ -1,13 +1,13 @@
-"""For which drives a delay line is exact when a live command changes, and what it leaves else.
+"""For which drives a delay line is exact when a live command changes, and its residual otherwise.
 
 A delay line convolves its command with the impulses of a row, one and the same for every change.
-What that leaves follows from the records of the design:
+That residual follows from the records of the design:
 
 - a drive that is one linear lag, or none, shapes a sum of steps as the sum of its answers: whatever
   the impulses leave after one step they leave after any command, at any time;
 - with lags apart for more and less speed, superposed, a positive shaper's steps up share one lag
   and its steps down the other: each adds up to nothing, and so do all. Steps up and down in one
-  shaper do not: at a release they change sets, so that a stop needs a shaper of its own;
+  shaper do not: at a release they change sets, so that a stop needs a separate shaper;
 - a switched drive, or one with limits, has one state for all steps: a change is exact only if the
   last sequence is over and the drive at rest at its speed, and a release as above.
 
@@ -42,7 +42,7 @@ LEVEL_MARGIN = 1e-9
 class Early(NamedTuple):
     """What pulses leave that end at any time, as shares of an unshaped step.
 
-    ``beyond``: share of the pulses whose shaped command leaves the range from 0 to 1.
+    ``beyond``: share of the pulses whose shaped command goes beyond 0 to 1.
     """
 
     median: float

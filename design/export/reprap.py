@@ -110,8 +110,8 @@ def write_reprap(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
             raise InvalidInputError(
                 f"times_s of {where}",
                 times,
-                f"such that RepRapFirmware, which counts {CLOCK_HZ} a second, leaves at most "
-                f"{100 * ROUNDED_AWAY:g} % more than {100 * left:.3g} %; it leaves "
+                f"such that the residual in RepRapFirmware, which counts {CLOCK_HZ} a second, is "
+                f"at most {100 * ROUNDED_AWAY:g} % more than {100 * left:.3g} %; it is "
                 f"{100 * played:.3g} %",
                 code="reprap_rounds_too_much",
             )

@@ -1,7 +1,7 @@
 """IEC 61131-3 Structured Text: the table, polynomials for its times, and a shaper, as blocks.
 
 Numbers are LREAL. There is no not-a-number to write: a row without a design holds zeros, its
-impulses let the command pass, and the output ``status`` tells.
+impulses let the command pass, and the output ``status`` says so.
 """
 
 from collections.abc import Iterable, Iterator

@@ -35,7 +35,7 @@ class ClosedForm:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class JointProblem:
-    """The fastest shaper that leaves no vibration in any of several modes.
+    """The fastest shaper without residual in any of several modes.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class Convolution:
     parts
         Formulations of them, in the order of the modes.
     zeros_of_parts
-        What a part without claims of its own keeps at zero.
+        What a part that claims nothing itself keeps at zero.
     designed_for
         The actuator of the claims.
     """

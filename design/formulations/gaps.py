@@ -14,7 +14,9 @@ PERIOD_RAD = 2 * math.pi
 MIN_GAP_RAD = 1e-6
 """Keeps the impulses in order; a thousandth of a degree of swing [rad]."""
 
-LAST_PULSE_VANISHES = f"its last pulse is shorter than impulses are kept apart, {MIN_GAP_RAD:g} rad"
+LAST_PULSE_VANISHES = (
+    f"its last pulse is shorter than {MIN_GAP_RAD:g} rad, the shortest gap of two impulses"
+)
 """What becomes of steps up and down in turn as damping grows: early swings decay by themselves."""
 
 

@@ -1,7 +1,7 @@
 """Extra-insensitive shapers: the equations of a curve of zeros and equal humps, solved.
 
 Residual over frequency ratio r, damping ratio fixed, has zeros, and between them humps that all
-peak at the tolerance. Zeros and peaks lie where they lie: their ratios are unknown as well, but for
+peak at the tolerance. Zeros and peaks lie where they lie: their ratios are unknown as well, except
 the middle one, which is at 1. Unknowns and equations are then as many::
 
     R(r) = sum A_i exp(r s (t_n - t_i)),    s = -z + j sqrt(1 - z^2)
@@ -96,9 +96,9 @@ def follow_from_undamped(seed: str, damping_ratio: float, tolerance: float) -> H
             if share < MIN_SHARE:
                 damping, height = on(first + reached * (last - first))
                 raise InfeasibleDesignError(
-                    f"of {seed} with humps of {tolerance:g} at a damping ratio of "
-                    f"{damping_ratio:g} none was found: followed from the undamped one, its zeros "
-                    f"or impulses meet at a damping ratio of {damping:.3g} with humps of "
+                    f"no {seed} with humps of {tolerance:g} was found at a damping ratio of "
+                    f"{damping_ratio:g}: followed from the undamped shaper, its zeros or "
+                    f"impulses meet at a damping ratio of {damping:.3g} with humps of "
                     f"{height:.3g}",
                     code="humps_meet",
                 )

@@ -136,7 +136,7 @@ class SymbolicSet:
 
 
 class Ramp:
-    """What limits make of a unit step, and error and rate that it leaves in the set's own lag."""
+    """What limits make of a unit step, and error and rate in the set's own lag after it."""
 
     def __init__(self, duration: Symbolic, error: Symbolic, rate: Symbolic) -> None:
         self.duration = duration

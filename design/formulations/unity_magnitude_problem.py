@@ -120,7 +120,7 @@ def _seeds(
     """Polynomials of the literature, shifted by the actuators' phase, then as published.
 
     A step through the deceleration set acts as if it came later by the phase of the ratio, so its
-    time in the seed moves by that. Where a gap is too short to settle, no seed tells which branch
+    time in the seed moves by that. Where a gap is too short to settle, no seed shows which branch
     is the fastest: all are searched.
     """
     label = "umzv_polynomials" if model.derivatives == 0 else "umzvd_polynomials"

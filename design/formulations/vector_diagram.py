@@ -121,7 +121,7 @@ def _triangle(alpha: float, amplitudes: FloatArray) -> tuple[float, float]:
             "plant's frequency)",
             code="diagram_open",
         )
-    # Closed but for rounding, a cosine may be beyond 1 by as much.
+    # Closed except for rounding, a cosine may be beyond 1 by as much.
     second = math.acos(min(1.0, (a * a + sides[1] ** 2 - c * c) / (2 * a * sides[1])))
     third = math.acos(max(-1.0, (sides[1] ** 2 - a * a - c * c) / (2 * a * c)))
     return second, third

@@ -86,14 +86,14 @@ def _require_consistent(case: MapCase) -> None:
                 raise InvalidInputError(
                     name,
                     "given",
-                    f"left out: {quantity} is of plant and actuator",
+                    f"left out: {quantity} is of plant and actuator alone",
                     code="quantity_of_plant_alone",
                 )
     if quantity in OF_DESIGNS and (recipe is None or not recipe.each):
         raise InvalidInputError(
             "design",
             "once",
-            f"each, for a map of {quantity}: what is held is alike in every cell",
+            f"each, for a map of {quantity}: a held command is the same in every cell",
             code="design_per_cell_only",
         )
     if quantity == "branch" and (
@@ -178,5 +178,5 @@ def _of_commands(case: MapCase, cells: list[list[Cell]], x: Axis, y: Axis | None
 
 
 def _unshaped_m(case: MapCase, cell: Cell) -> float:
-    """Return the amplitude that the unshaped step leaves at the payload [m]."""
+    """Return the residual amplitude of the unshaped step at the payload [m]."""
     return (case.speed_m_s or 0.0) * unshaped_deflection_s(cell["plant"].mode, cell["actuator"])

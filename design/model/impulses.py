@@ -34,8 +34,8 @@ class Impulses:
         Which steps increase the magnitude of the command, shape (n,), derived. They drive the
         actuator by its acceleration set, the others by its deceleration set. The sums are compared
         with a margin of rounding, so that a step from 0.3 to -0.3 does not fall on either side by
-        chance: it decreases. Those at one time do so together, and one of no height leaves the set
-        in force that was.
+        chance: it decreases. Those at one time do so together, and one of no height does not
+        change the set in force.
     """
 
     times_s: FloatArray

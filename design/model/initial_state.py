@@ -80,7 +80,7 @@ class FreeSwing:
     delay_s: float = 0.0
 
     def vector(self, mode: Mode) -> complex:
-        """Return what the swing adds to the vibration that a command leaves.
+        """Return what the swing adds to the residual vibration of a command.
 
         Parameters
         ----------

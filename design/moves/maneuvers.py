@@ -111,7 +111,7 @@ def maneuver(
     """Design a move from rest to rest and prove it as a whole.
 
     The first step of a stop decreases the command: the stop is the start of an actuator whose sets
-    have changed places. Superposed, start and stop may then be put one after the other; a switched
+    are swapped. Superposed, start and stop may then be put one after the other; a switched
     actuator may not be at rest between them, and the stop is solved for the state it finds.
 
     Parameters
@@ -248,9 +248,9 @@ def _robustness_warnings(parts: Parts, apart: Impulses, one: Impulses) -> Iterat
         gained = 1 - one.duration_s / apart.duration_s
         yield DesignWarning(
             code="less_robust",
-            detail=f"solved as one the move is {100 * gained:.3g} % faster, and an error of 1 % in "
-            f"the frequency leaves some {slopes[1]:.3g} % of a step, {slopes[1] / slopes[0]:.3g} "
-            "times as much as start and stop apart do",
+            detail=f"solved as one the move is {100 * gained:.3g} % faster. With an error of 1 % "
+            f"in the frequency its residual is some {slopes[1]:.3g} % of a step, "
+            f"{slopes[1] / slopes[0]:.3g} times that of start and stop apart",
         )
 
 
@@ -352,7 +352,7 @@ def _parts(
         raise InvalidInputError(
             "shaper.kind",
             kind.name,
-            "one of unity magnitude that leaves nothing: moves are solved on levels 0 and 1",
+            "one of unity magnitude without residual: moves are solved on levels 0 and 1",
             code="move_not_served",
         )
     settling = options if isinstance(options, SettleOptions) else SettleOptions()
@@ -378,7 +378,7 @@ def _parts(
 def _with_stop(
     parts: Parts, plant: Plant, kind: ShaperKind, options: ShaperOptions | None
 ) -> Parts:
-    """Return the parts with a stop that leaves nothing, begun at rest at full speed."""
+    """Return the parts with a stop without residual, begun at rest at full speed."""
     turned = swap_directions(parts.actuator)
     if parts.peak == 1:
         return replace(parts, stop=_negative(design(plant, turned, kind, options).impulses))

@@ -106,9 +106,10 @@ def program(
         warnings = (
             DesignWarning(
                 code="program_residual",
-                detail=f"played on samples of {sample_time_s:g} s, each velocity held, the program "
-                f"leaves {100 * judged.residual:.4g} % of an unshaped step; its command, whose "
-                f"steps fall between the samples, leaves {100 * between:.4g} %",
+                detail=f"played on samples of {sample_time_s:g} s, each velocity held, the "
+                f"residual of the program is {100 * judged.residual:.4g} % of an unshaped "
+                "step; that of its command, whose steps fall between the samples, is "
+                f"{100 * between:.4g} %",
             ),
         )
     return Program(

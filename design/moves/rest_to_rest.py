@@ -195,8 +195,8 @@ def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> Impulses:
         share = path.share if parts.apart else max(path.share, parts.cancelled)
         raise InfeasibleDesignError(
             f"the swing at the first step is {size:.4g} times that of one unshaped step, and no "
-            "command within the limits was found that cancels it; followed from none, "
-            f"{100 * share:.3g} % of it was cancelled at most: {error}",
+            "command within the limits was found that cancels it; followed from rest, at most "
+            f"{100 * share:.3g} % of it was cancelled: {error}",
             code="swing_not_cancelled",
         ) from error
 

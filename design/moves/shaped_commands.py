@@ -2,7 +2,7 @@
 
 The shaper is designed for a start from rest. Through a linear drive any command is shaped as well
 as the start. Where a step that brakes is answered by another set than one that accelerates, the
-stop leaves what the start does not.
+stop has a residual that the start has not.
 """
 
 from collections.abc import Iterator

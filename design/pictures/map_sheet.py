@@ -139,7 +139,7 @@ def panel_sheet(
         By title, values of shape (len(y), len(x)), in the quantity's own unit; not a number is
         left blank.
     quantity
-        What is told.
+        The quantity of the map.
 
     Returns
     -------

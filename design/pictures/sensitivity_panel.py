@@ -86,7 +86,7 @@ def draw_sensitivity(axes: Axes, sensitivity: Sensitivity, nominal_residual: flo
 
 
 def _describe_band(band: Insensitivity) -> str:
-    """Return the band in words; an edge that was not found is told as none."""
+    """Return the band in words; an edge that was not found is called none."""
     lowest, highest = band.searched_from_ratio, band.searched_to_ratio
     if band.width is not None:
         return f"insensitivity {lowest:.4f} to {highest:.4f}, width {band.width:.4f}"

@@ -58,7 +58,7 @@ MAX_CONVOLVED_IMPULSES = 130
 """Impulses of a convolved shaper that is asked, at most: three modes with five each [-]."""
 
 WITHIN = 1 + 1e-9
-"""Margin of a tolerance, as of the certificate: an EI shaper lies on its own but for rounding."""
+"""Margin of a tolerance, as of the certificate: an EI shaper lies on it except for rounding."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -72,7 +72,7 @@ class Designed:
     found
         The design, on samples where asked.
     worst_residual
-        The most that it leaves anywhere in the ranges asked, by simulation [-].
+        Its largest residual in the ranges asked, by simulation [-].
     lower_bound_s
         No shaper of its class that keeps the tolerance over the band is as short: proven; None
         where nothing is [s].
@@ -118,7 +118,7 @@ def try_choice(choice: Choice, question: Question, budget: Budget) -> Designed |
     Returns
     -------
     Designed or Refused
-        The shaper with what it leaves, or the reason of the refusal in words.
+        The shaper with its residual, or the reason of the refusal in words.
     """
     kind, asked = choice.kind, question.requirements
     if question.actuator.kind not in kind.actuators:
@@ -133,8 +133,8 @@ def try_choice(choice: Choice, question: Question, budget: Budget) -> Designed |
             return Refused(
                 choice=choice,
                 reason="is not searched: over this band an undamped positive shaper within "
-                f"{asked.tolerance:g} takes about {periods:.2g} periods, and to find the fastest "
-                "of so many impulses takes too long",
+                f"{asked.tolerance:g} takes about {periods:.2g} periods, and the search "
+                "for the fastest of that many impulses takes too long",
                 searched=False,
             )
     try:
@@ -143,15 +143,15 @@ def try_choice(choice: Choice, question: Question, budget: Budget) -> Designed |
             return Refused(
                 choice=choice,
                 reason=f"is not designed: convolved for {len(question.nominal)} modes it has "
-                f"{impulses} impulses, and to prove what more than {MAX_CONVOLVED_IMPULSES} leave "
-                "over a band takes too long",
+                f"{impulses} impulses, and to prove the residual of more than "
+                f"{MAX_CONVOLVED_IMPULSES} over a band takes too long",
                 searched=False,
             )
         if budget.spent:
             return Refused(
                 choice=choice,
-                reason=f"is not searched: of the recommendation {budget.in_words} by shapers that "
-                "take less",
+                reason="is not searched: shapers that take less were tried before it, and of "
+                f"the recommendation {budget.in_words}",
                 searched=False,
             )
         own = budget.part(MAX_WORK_PER_SHAPER)
@@ -290,7 +290,7 @@ def _periods(half_width: float, tolerance: float) -> float:
 
 
 def design_choice(choice: Choice, question: Question, budget: Budget) -> Designed:
-    """Design one shaper and measure what it leaves.
+    """Design one shaper and measure its residual.
 
     Parameters
     ----------

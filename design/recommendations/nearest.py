@@ -45,7 +45,7 @@ def unmet(
 ) -> InfeasibleDesignError:
     """Return the error that no shaper meets the requirements.
 
-    For each limit it tells what can be met if that one alone is given up. Where a longest duration
+    For each limit it reports what can be met if that one alone is dropped. Where a longest duration
     is asked, kinds that are designed for a band are designed anew for larger tolerances, to find
     the least that can be left in that time.
 
@@ -80,7 +80,10 @@ def unmet(
     if not faults:
         nearest = min(ranked, key=lambda one: (len(one.missed), one.duration_s))
         missed = [verdict.reason for verdict in nearest.verdicts if not verdict.met]
-        told = [f"nor if one limit is given up; {nearest.name} misses least: {', '.join(missed)}"]
+        told = [
+            f"dropping any single limit does not help; {nearest.name} comes closest: "
+            f"{', '.join(missed)}"
+        ]
         faults = [
             (verdict.requirement, verdict.reason) for verdict in nearest.verdicts if not verdict.met
         ]
@@ -89,7 +92,7 @@ def unmet(
     told += [f"{one.choice.name} {one.reason}" for one in refused if not one.searched]
     limits = _describe_limits(question)
     return InfeasibleDesignError(
-        f"no shaper of {len(ranked)} designed meets all of {limits}: {'; '.join(told)}",
+        f"none of {len(ranked)} designed shapers meets all of {limits}: {'; '.join(told)}",
         code="none_meets_all",
         faults=tuple(faults),
     )
@@ -125,7 +128,7 @@ def _limits(question: Question) -> Iterator[_Limit]:
         fields=("tolerance",),
         size=lambda one: one.designed.worst_residual,
         describe=lambda one: (
-            f"within the other limits the least found to be left is "
+            "within the other limits the smallest residual found is "
             f"{percent(one.designed.worst_residual)}, by {one.name}, {one.duration_s:.4g} s"
         ),
     )
@@ -143,7 +146,7 @@ def _limits(question: Question) -> Iterator[_Limit]:
             fields=("sign",),
             size=lambda one: one.duration_s,
             describe=lambda one: (
-                f"of other signs than {asked.sign} {one.name} serves, {one.duration_s:.4g} s"
+                f"with another sign than {asked.sign}, {one.name} serves, {one.duration_s:.4g} s"
             ),
         )
     yield _Limit(
@@ -152,7 +155,7 @@ def _limits(question: Question) -> Iterator[_Limit]:
             asked.lowest_command - one.lowest_command, one.highest_command - asked.highest_command
         ),
         describe=lambda one: (
-            f"with a command from {one.lowest_command:.4g} to {one.highest_command:.4g} "
+            f"with a command from {one.lowest_command:.4g} to {one.highest_command:.4g}, "
             f"{one.name} serves, {one.duration_s:.4g} s"
         ),
     )

@@ -163,7 +163,7 @@ def _reasons(
     many = f"the fastest of {len(meeting)} shapers" if len(meeting) > 1 else "the only shaper"
     yield (
         f"{best.name} is {many} designed here that {'meet' if len(meeting) > 1 else 'meets'} all "
-        f"that is asked: it takes {best.duration_s:.4g} s and leaves at most "
+        f"that is asked: it takes {best.duration_s:.4g} s, and its residual is at most "
         f"{percent(best.designed.worst_residual)} {ranges(question)}"
     )
     if len(meeting) > 1:
@@ -171,18 +171,18 @@ def _reasons(
     calm = [one for one in meeting if one.high_mode_gain <= NO_GAIN]
     if best.high_mode_gain > NO_GAIN and calm:
         yield (
-            f"it leaves up to {best.high_mode_gain:.3g} times as much in a mode at "
-            f"{HIGH_MODES[0]:g} to {HIGH_MODES[1]:g} times the frequency as an unshaped step does; "
-            f"where such modes matter, {calm[0].name}, {calm[0].duration_s:.4g} s, leaves no more "
-            "than that step"
+            f"in a mode at {HIGH_MODES[0]:g} to {HIGH_MODES[1]:g} times the frequency the "
+            f"residual of {best.name} is up to {best.high_mode_gain:.3g} times that of an "
+            f"unshaped step; where such modes matter, that of {calm[0].name}, "
+            f"{calm[0].duration_s:.4g} s, is at most that of the step"
         )
     faster = [one for one in ranked if one.missed and one.duration_s < best.duration_s]
     if faster:
         nearest = min(faster, key=lambda one: (len(one.missed), one.designed.worst_residual))
         missed = [verdict.reason for verdict in nearest.verdicts if not verdict.met]
         yield (
-            f"of {len(faster)} that are faster none serves; {nearest.name}, "
-            f"{nearest.duration_s:.4g} s, comes nearest, but {' and '.join(missed)}"
+            f"none of the {len(faster)} faster ones serves; {nearest.name}, "
+            f"{nearest.duration_s:.4g} s, comes closest, but {' and '.join(missed)}"
         )
     yield from shortest_possible(question, ranked)
 

@@ -77,7 +77,7 @@ class Requirements:
             raise InvalidInputError(
                 "tolerance",
                 self.tolerance,
-                f"at least {MIN_TOLERANCE:g} and below 1, which no shaper leaves",
+                f"at least {MIN_TOLERANCE:g} and below 1, the residual without a shaper",
                 code="out_of_range",
             )
         if self.damping is not None:
@@ -249,7 +249,7 @@ def _require_a_unit(
     band: tuple[float, float],
     damping: tuple[float, float] | None,
 ) -> None:
-    """Refuse a band with a frequency at which the unshaped step leaves nothing to measure in."""
+    """Refuse a band with a frequency at which the unshaped step has no residual."""
     ramp_s, _ = unit_ramps_s(actuator)
     least = mode.damping_ratio if damping is None else damping[0]
     periods = mode.natural_frequency_rad_s * ramp_s / (2 * math.pi)
@@ -257,8 +257,8 @@ def _require_a_unit(
         raise InvalidInputError(
             "actuator.accel_limit_m_s2",
             f"a ramp of {band[0] * periods:.4g} to {band[1] * periods:.4g} periods over the band",
-            "such that at no frequency of the band it lasts whole periods: undamped, a ramp alone "
-            "leaves no vibration there",
+            "such that at no frequency of the band it lasts whole periods: undamped, a ramp by "
+            "itself has no residual there",
             code="ramp_of_whole_periods_in_band",
         )
 

@@ -200,7 +200,7 @@ def travel(impulses: Impulses, actuator: Actuator) -> float:
 def ringing_of_lag(
     lag: Lag, errors: FloatArray, rates_s: FloatArray, pole_rad_s: complex
 ) -> ComplexArray:
-    """Return what a lag's state leaves in the mode once it is at rest.
+    """Return the vibration of the mode once a lag's state is at rest.
 
     ``G (second s e' - e)``: its free motion from there, seen at the pole s.
 

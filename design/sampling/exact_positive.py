@@ -97,7 +97,7 @@ def exact_positive(
 def _nonnegative(equations: FloatArray, wanted: FloatArray, start: FloatArray) -> FloatArray:
     """Amplitudes that solve the equations, near to ``start``, shape (k,).
 
-    The nearest ones, but for the least, which is left out until all others are above 0. Where too
+    The nearest ones, except the smallest, which is left out until all others are above 0. Where too
     few remain the equations are missed: for the caller to see.
     """
     kept = np.arange(start.size)

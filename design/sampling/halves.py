@@ -27,7 +27,7 @@ MIN_NET = 1e-3
 """What commands leave at most in the first, finest net cast for them [-]."""
 
 MAX_NET = 1.0
-"""No command that leaves more than an unshaped step is of interest [-]."""
+"""No command with a larger residual than an unshaped step is of interest [-]."""
 
 MAX_PAIRS = 2_000_000
 """Pairs of halves in one net, a bound on work and memory: it is narrowed to it [-]."""
@@ -146,7 +146,7 @@ def _levels(count: int) -> AnyIntArray:
 def match_halves(listed: ListedHalves, count: int, *, slope: bool, tolerance: float) -> AnyIntArray:
     """Return positions of commands that leave least.
 
-    The net that catches halves holds every command that leaves less than its width (superposed, on
+    The net that catches halves holds every command with a residual below its width (superposed, on
     the positions), and is just wide enough. Those come first that leave least.
 
     Parameters

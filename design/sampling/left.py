@@ -134,7 +134,7 @@ def largest_over_band(
 ) -> FloatArray:
     """Return the largest residual over a band of the best shapers.
 
-    What a shaper leaves at three frequencies it leaves over the band, at least. Those that cannot
+    The residual over a band is at least that at three of its frequencies. Those that cannot
     be the best by this are not looked at.
 
     Parameters

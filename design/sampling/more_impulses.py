@@ -29,7 +29,7 @@ DESCENTS = 3
 """The best of those, whose impulses are then moved [-]."""
 
 MAX_ROUNDS = 20
-"""Moves of two impulses, one after the other, until none leaves less: a few do [-]."""
+"""Moves of two impulses, one after the other, until none lowers the residual: a few do [-]."""
 
 SHORT_REACH = 2
 """Samples to each side that two impulses are moved by at once [-]."""
@@ -57,9 +57,9 @@ def more_impulses_on_grid(
     """Yield the best unity-magnitude commands with 2, 4 and 6 impulses more.
 
     Searched is every command of level 0 or 1 on each sample that is at most one period longer than
-    the shaper: it leaves a sum of what its two halves leave, so that halves are listed and matched
-    (meet in the middle). Of one number of impulses the shortest within the tolerance is taken, or,
-    where none is, the one that leaves least. More than 32 samples are first searched on
+    the shaper: its vibration is the sum of those of its two halves, so that halves are listed and
+    matched (meet in the middle). Of one number of impulses the shortest within the tolerance is
+    taken, or, where none is, the one of least residual. More than 32 samples are first searched on
     every second, third, ... of them, a switched actuator first as if its steps were superposed;
     the best of that are moved sample by sample and compared exactly.
 
@@ -124,7 +124,7 @@ def _residuals_at(
 def _descend(
     samples: AnyIntArray, longest: int, left_of: Callable[[AnyIntArray], FloatArray]
 ) -> AnyIntArray:
-    """Return the samples after moving two impulses at a time while that leaves less."""
+    """Return the samples after moves of two impulses while these lower the residual."""
     free = samples.size - 1
     reach = range(-SHORT_REACH, SHORT_REACH + 1)
     moves = np.zeros((free * (free - 1) // 2 * len(reach) ** 2, samples.size), dtype=int)

@@ -204,7 +204,7 @@ def nearest_integers(positions: FloatArray) -> AnyIntArray:
 
 
 def require_gaps(impulses: Impulses, sample_time_s: float) -> None:
-    """Check that every impulse has a sample of its own.
+    """Check that every impulse has a separate sample.
 
     Parameters
     ----------

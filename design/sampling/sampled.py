@@ -41,10 +41,10 @@ class Tried:
     duration_s
         From the first to the last [s].
     residual
-        What it leaves with the actuator given [-].
+        Its residual with the actuator given [-].
     compared
         By what it was chosen: the residual, and where zero slope is claimed ``0.05 |dV/d ln w|``
-        more, to first order the most that 5 % of error in frequency leaves; where a tolerance is
+        more, to first order the residual of 5 % of error in frequency; where a tolerance is
         claimed over a band, the largest residual over that [-].
     """
 
@@ -67,11 +67,11 @@ class Sampled:
     method
         How it was brought to the grid.
     residual
-        What it leaves with the actuator given [-].
+        Its residual with the actuator given [-].
     continuous_residual
-        What the shaper between the samples leaves with the same actuator [-].
+        Residual of the shaper between the samples with the same actuator [-].
     split_residual
-        What its linear split leaves; of unity magnitude it is not [-].
+        Residual of its linear split, which is not of unity magnitude [-].
     nearest_residual
         What its impulses leave, each at the sample nearest to it [-]; None where two of them are
         less than a sample apart.
@@ -112,7 +112,7 @@ def sample(
 
     Amplitudes of one sign that claim a zero are solved for (`exact_positive`), or where no
     amplitudes do it, or nothing is claimed, shared (`split`). Others are kept (`unity_on_grid`);
-    where unity magnitude then leaves more than the tolerance, two, four, six impulses are added
+    where unity magnitude then has a residual above the tolerance, two, four, six impulses are added
     (`more_impulses_on_grid`) until it does not, and where none does not the least is taken. For a
     band the samples are chosen by what is left over it, and no impulses are added.
 

@@ -30,7 +30,7 @@ CHECKED_IN_BAND = 2001
 """Frequencies at which a formula looks at a band, ends included."""
 
 LONGER = 1.1
-"""Duration on samples over that between them from which on it is told [-]."""
+"""Duration on samples over that between them from which on a warning reports it [-]."""
 
 BAND_AGREEMENT = 1e-3
 """What a peak may be above the highest of those, over it [-].
@@ -48,7 +48,7 @@ def sampled_design(
     *,
     tolerance: float | None = None,
 ) -> tuple[Design, Sampled]:
-    """Return a design brought to a sample grid, with a certificate of its own.
+    """Return a design brought to a sample grid, with a separate certificate.
 
     The residual of a sampled shaper, at the nominal frequency and over the band of the shaper's own
     claim if it has one, is computed by formula; the judge recomputes it by simulation, for the
@@ -103,7 +103,7 @@ def sampled_design(
     judged = judge(sampled.impulses, (mode,), certified_for, asked, name="the sampled shaper")
     if not judged.certificate.verified:
         raise SolverFailedError(
-            f"the sampled shaper is not what a formula says: {shortfall_of(judged.certificate)}",
+            f"the sampled shaper differs from its formula: {shortfall_of(judged.certificate)}",
             code="sampled_unlike_formula",
         )
     proven = replace(
@@ -191,7 +191,7 @@ def _longer_on_samples(continuous: Design, sampled: Sampled) -> Iterator[DesignW
         yield DesignWarning(
             code="longer_on_samples",
             detail=f"{sampled.impulses.times_s.size} impulses take "
-            f"{sampled.impulses.duration_s:.4g} s on samples, in place of "
-            f"{before_s:.4g} s between them; {own.impulses} leave "
+            f"{sampled.impulses.duration_s:.4g} s on samples, in place of {before_s:.4g} "
+            f"s between them; {own.impulses} impulses have a residual of "
             f"{own.compared:.4g} there: a sample_tolerance of that keeps the shaper short",
         )

@@ -1,7 +1,7 @@
 """Commands of unity magnitude on whole samples: the impulses moved.
 
 A shaper of amplitudes +1, -1, +1, ... cannot be made exact on a grid. Moved to the best samples it
-leaves what it must; with more impulses (`design.sampling.more_impulses`) it can leave far less.
+has a residual that no choice removes; more impulses (`design.sampling.more_impulses`) lower it.
 """
 
 import itertools
@@ -42,9 +42,9 @@ def unity_on_grid(
 
     Compared is every choice of samples, up to four on each side of the nearest (fewer for more
     than five impulses, or where ramps are cut), in order. The first impulse stays at its nearest
-    sample: all of them later by a sample leave the same. What is minimised is the residual |V|, and
+    sample: all of them later by a sample are the same. What is minimised is the residual |V|, and
     with ``slope`` ``|V| + 0.05 |dV/d ln w|``: to first order the most that 5 % of error in
-    frequency leaves. With a band it is the largest residual over that.
+    frequency causes. With a band it is the largest residual over that.
 
     Parameters
     ----------
@@ -62,8 +62,8 @@ def unity_on_grid(
     Returns
     -------
     Impulses
-        The choice that leaves least; the shorter, then the earlier, of two that leave the same.
-        It leaves something: ask `design.analysis.residual` how much.
+        The choice of least residual; of two with the same, the shorter, then the earlier.
+        `design.analysis.residual` gives its residual, which is not zero.
 
     Raises
     ------

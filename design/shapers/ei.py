@@ -1,4 +1,4 @@
-"""EI, two- and three-hump EI, UM-EI and UM-2EI: what a shaper leaves may reach a tolerance.
+"""EI, two- and three-hump EI, UM-EI and UM-2EI: the residual of a shaper may reach a tolerance.
 
 At the price of that the band of frequencies is wider than that of a shaper without vibration at the
 nominal one. The equations and their solution are those of `design.formulations.humps`.

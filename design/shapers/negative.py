@@ -71,7 +71,7 @@ def sna_zv(case: DesignCase[NegativeOptions]) -> Formulation:
     The first and third swing alike at the end: undamped the fastest of all their shares, damped by
     less than 0.05 % slower up to z = 0.1, 0.6 % at 0.5. Where the first would be above 1 it is 1,
     and the third as large as the second. A switched actuator gets the amplitudes of a superposed
-    one, and times of its own.
+    one, and other times.
     """
     mode, actuator, options = case.mode, case.actuator, case.options
     b, z = options.negative_amplitude, mode.damping_ratio

@@ -11,7 +11,7 @@ from design.shapers.options import SettleOptions
 def numzvd(case: DesignCase[SettleOptions]) -> Formulation:
     """Formulate the fastest five-impulse shaper flat in frequency.
 
-    V = 0 and dV/dw = 0, the actuator's own slope included, which the thesis leaves out.
+    V = 0 and dV/dw = 0, the actuator's own slope included, which the thesis omits.
     """
     return unity_magnitude_problem(
         ZERO_VIBRATION_DERIVATIVE,

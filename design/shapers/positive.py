@@ -38,7 +38,7 @@ DERIVATIVES: tuple[Quantity, ...] = (
     "third_derivative",
 )
 
-LAST_IS_ROUNDING = f"its last impulse is less than {ROUNDING:g} of the command, which is rounding"
+LAST_IS_ROUNDING = f"its last impulse is less than {ROUNDING:g} of the command, and so rounding"
 
 BINOMIALS = ((1.0, 1.0), (1.0, 2.0, 1.0), (1.0, 3.0, 3.0, 1.0), (1.0, 4.0, 6.0, 4.0, 1.0))
 
@@ -301,8 +301,7 @@ def mzv_weights(n: int, phase: float) -> tuple[float, ...]:
 
 MZV = KindOf(
     name="mzv",
-    summary="Evenly spaced positive impulses, zero vibration; three in 3/4 of a period unless told "
-    "otherwise.",
+    summary="Evenly spaced positive impulses, zero vibration; by default three in 3/4 of a period.",
     source="D. Butyugin, Klipper firmware, input shapers (2020), decay per impulse "
     "exp(-2 pi t z / ((n - 1) sqrt(1 - z^2)))",
     claims=("residual",),

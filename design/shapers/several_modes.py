@@ -36,7 +36,7 @@ MAX_DECAY_NEPERS = 24.0
 """Nepers that a mode may decay by within half a period of the slowest: 4e-11 of a swing is left.
 
 By then what a joint shaper does early is in that mode below what counts as zero at its end, and no
-search tells where it should be. Of random plants all are solved up to 8, none from here on [-].
+search shows where it should be. Of random plants all are solved up to 8, none from here on [-].
 """
 
 MAX_BAND_WORK = 4e6
@@ -161,7 +161,7 @@ def impulses_of(parts: tuple[Formulation, ...]) -> int:
 def _require_provable(
     base: ShaperKind, parts: tuple[Formulation, ...], modes: tuple[Mode, ...], actuator: Actuator
 ) -> None:
-    """Refuse so many impulses over so many frequencies that their bands take too long to prove."""
+    """Refuse impulses whose bands take too long to prove, at the frequencies that they need."""
     duration = sum(part.impulses.duration_s for part in parts if isinstance(part, ClosedForm))
     radians = sum(
         duration * mode.natural_frequency_rad_s * (claim.band[1] - claim.band[0])
@@ -175,9 +175,10 @@ def _require_provable(
         raise InvalidInputError(
             "shaper.base",
             base.name,
-            f"of fewer impulses for these {len(modes)} modes: convolved they are {impulses}, to be "
-            f"simulated at some {frequencies:.0f} frequencies to prove their bands, and at most "
-            f"{MAX_BAND_WORK / each:.2g} in all are behind an actuator of kind {actuator.kind}",
+            f"of fewer impulses for these {len(modes)} modes: convolved they are {impulses}, "
+            f"which are simulated at some {frequencies:.0f} frequencies to prove their bands. "
+            f"Behind an actuator of kind {actuator.kind} the product of the two is at most "
+            f"{MAX_BAND_WORK / each:.2g}",
             code="too_many_convolved",
         )
 

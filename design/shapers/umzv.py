@@ -24,7 +24,7 @@ def umzv(case: DesignCase[NoOptions]) -> Formulation:
     """Formulate the unity-magnitude zero-vibration shaper of one mode.
 
     Undamped: steps +1, -1, +1 at 0, T/6, T/3. Damped: the same two equations, solved.
-    The actuator is not known to it; what it leaves behind one is told beside the design.
+    The actuator is not known to it; the design reports the residual behind one.
     """
     mode = case.mode
     if mode.damping_ratio == 0:

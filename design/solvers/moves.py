@@ -30,7 +30,7 @@ SPREAD_STARTS = 12
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MoveCandidate:
-    """A move by the solver's word, not yet verified.
+    """A move as reported by the solver, not yet verified.
 
     Attributes
     ----------

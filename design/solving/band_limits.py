@@ -119,10 +119,10 @@ def require_more_than_waiting(problem: BandProblem, budget: Budget) -> None:
         return
     if proves_exclusion(problem, obstacle_at(problem, (1 - NO_FASTER) * wait, budget)[0], budget):
         raise InfeasibleDesignError(
-            f"no shaper keeps a residual within {problem.tolerance:g} from {lower:g} to "
-            f"{problem.band[1]:g} of the natural frequency faster, by more than "
-            f"{100 * NO_FASTER:g} %, than {wait / PERIOD_RAD:.4g} periods of waiting for the "
-            "mode's own damping (proven): a smaller tolerance needs one",
+            f"after {wait / PERIOD_RAD:.4g} periods without a shaper, damping alone keeps a "
+            f"residual within {problem.tolerance:g} from {lower:g} to {problem.band[1]:g} of the "
+            f"natural frequency; no shaper is faster by more than {100 * NO_FASTER:g} % "
+            "(proven): only a smaller tolerance needs one",
             code="waiting_is_as_fast",
         )
 

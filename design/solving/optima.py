@@ -128,7 +128,7 @@ def _band_optima(problem: BandProblem, budget: Budget) -> Iterator[Bounded]:
         if budget.spent:
             lower, upper = problem.band
             raise InfeasibleDesignError(
-                f"no shaper found that keeps a residual within {problem.tolerance:g} from "
+                f"no shaper was found that keeps a residual within {problem.tolerance:g} from "
                 f"{lower:g} to {upper:g} of the natural frequency: {budget.in_words}",
                 code="band_search_out_of_budget",
             )

@@ -32,7 +32,7 @@ IndexArray = NDArray[np.int_]
 
 
 GUARDED_SHARE = 5000
-"""One row in so many is designed by the pipeline as well, to guard against a wrong branch [-]."""
+"""One row in this many is designed by the pipeline as well, to guard against a wrong branch [-]."""
 
 SAME = 1e-10
 """Times that differ by less are the same, as a share of the duration [-]."""

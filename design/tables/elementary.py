@@ -5,7 +5,7 @@ machine and version; and as nothing in them branches, loops over them become vec
 They are right to one unit in the last place, or two.
 
 An argument is a whole multiple of ln 2 or pi / 2 and a remainder, whose function is summed as its
-Taylor series. The multiple is rounded to a whole number by adding `WHOLE`, which leaves the number
+Taylor series. The multiple is rounded to a whole number by adding `WHOLE`, which puts the number
 in the last bits of the sum.
 """
 
@@ -142,6 +142,6 @@ def angle(x: float, y: float) -> float:
     """
     near = near_angle(x, y)
     sine, cosine = sine_and_cosine(near)
-    # What is left is so little that its sine tells it by two terms.
+    # What is left is so little that two terms of its sine give it.
     left = (y * cosine - x * sine) / math.sqrt(x * x + y * y)
     return near + left * (1.0 + left * left / 6.0)

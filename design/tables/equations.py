@@ -5,7 +5,7 @@ is recomputed in `design.tables.proofs`, apart from them.
 
 `LANES` designs lie in one array, which is cut into runs of that length, one for each quantity. All
 innermost loops go over the lanes, and nothing in them branches, so that they become vector
-instructions; an array of its own for each quantity would hide from the compiler that they are
+instructions; a separate array for each quantity would hide from the compiler that they are
 apart. Complex quantities take two runs, real part first.
 """
 
@@ -18,7 +18,7 @@ from design.tables.elementary import exponential, exponential_less_one, sine_and
 from design.types import FloatArray
 
 Switched = Literal[True] | None
-"""None for superposed steps, not False: by its type numba leaves out the other model's code."""
+"""None for superposed steps, not False: by its type numba omits the other model's code."""
 
 Unknowns = tuple[int, ...]
 """As many zeros as unknowns: numba knows the length by the type, and unrolls loops."""

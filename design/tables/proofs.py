@@ -28,7 +28,7 @@ from design.tables.elementary import exponential, sine_and_cosine
 from design.types import FloatArray
 
 Optional = Literal[True] | None
-"""None for no, not False: by its type numba leaves out what is not wanted."""
+"""None for no, not False: by its type numba omits what is not wanted."""
 
 CRITICAL_ROOT = 1e-7
 """Distance of a lag's poles from critical damping below which the double-pole form is exact [-]."""
@@ -78,7 +78,7 @@ SWING = FORCED + 8 * FREQUENCIES * LANES
 """At each frequency q, p."""
 
 UNIT = SWING + 2 * FREQUENCIES * LANES
-"""What an unshaped step leaves."""
+"""Residual of an unshaped step."""
 
 RESULTS = UNIT + LANES
 """Residual, then slope."""
@@ -155,7 +155,7 @@ def _write_forcing(block: FloatArray, f: np.intp, k: np.intp) -> None:
 
 @inlined
 def _begin(block: FloatArray) -> None:
-    """Put all at rest; write the frequencies, and what an unshaped step leaves."""
+    """Put all at rest; write the frequencies, and the residual of an unshaped step."""
     for k in range(8):
         for lane in range(LANES):
             block[AT_STEP + k * LANES + lane] = 0.0

@@ -17,11 +17,11 @@ NAMED = re.compile(rb"#define (\w+)_ROWS |FUNCTION_BLOCK (\w+)_table\b")
 """Lines of a C header and of Structured Text that hold the start of their names."""
 
 MAX_LISTED_DRIFTS = 20
-"""Drifts that are told; all are counted."""
+"""Drifts that are listed; all are counted."""
 
 
 class Drifts:
-    """What has drifted: counted, the first ones told."""
+    """What has drifted: counted, the first ones listed."""
 
     def __init__(self) -> None:
         self.count = 0

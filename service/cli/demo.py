@@ -62,7 +62,7 @@ def main(folder: Path) -> int:
 
 
 def _wait_until_ready(address: str, server: "subprocess.Popen[bytes]") -> None:
-    """Wait for the service's word that it answers; a start that takes long is told once."""
+    """Wait until the service answers; a start that takes long is reported once."""
     started = time.monotonic()
     slow = False
     while True:

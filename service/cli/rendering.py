@@ -289,6 +289,6 @@ def _fit(fit: FitOut) -> list[str]:
     return [
         f"fit         {fit.formula}",
         f"            x = {variable.is_}, {variable.from_:.6g} to {variable.to:.6g}",
-        f"            leaves at most {100 * fit.worst_residual:.3g} %, "
+        f"            residual at most {100 * fit.worst_residual:.3g} %, "
         f"{fit.worst_timing_error_s:.3g} s off at most, on {fit.checked_points} points",
     ]

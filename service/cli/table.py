@@ -1,4 +1,4 @@
-"""The command `table`: a job of its own, its store beside the file that is asked for."""
+"""The command `table`: a separate job, its store beside the file that is asked for."""
 
 import argparse
 import os
@@ -172,7 +172,7 @@ def _resume(file: Path, plan: Plan) -> tuple[Store, str]:
                 _say(f"going on at {job.done:,} rows")
             return store, job.id
         store.close()
-        _say("what was begun of another specification, or by another version, is dropped")
+        _say("an unfinished table of another specification, or by another version, is dropped")
         _remove(file)
         store = _open_store(file)
     store.add(plan.job)
@@ -253,7 +253,9 @@ def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
     for text in drifts.told:
         _say(text)
     more = drifts.count - len(drifts.told)
-    _say(f"{path} has drifted: {drifts.count} differences" + (f", {more} not told" if more else ""))
+    _say(
+        f"{path} has drifted: {drifts.count} differences" + (f", {more} not listed" if more else "")
+    )
     return DRIFTED
 
 

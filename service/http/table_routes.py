@@ -87,8 +87,8 @@ def _answer(job: Job, status: int = 200) -> Response:
                 "name": KEY_HEADER,
                 "in": "header",
                 "required": False,
-                "description": "Any text that names this request: sent once more with it, it "
-                "begins no second table but is answered with the first.",
+                "description": "Any text that names this request. A request that is sent again "
+                "with it begins no second table: its answer is the first one.",
                 "schema": {
                     "type": "string",
                     "minLength": 1,
@@ -102,7 +102,7 @@ def _answer(job: Job, status: int = 200) -> Response:
     summary="Begin a table of designs over axes or a list",
 )
 async def begin(request: Request) -> Response:
-    """Answer with the job's size and, in `Location`, where its state is."""
+    """Answer with the job's size and, in `Location`, the address of its state."""
     settings: Settings = request.app.state.settings
     jobs = _jobs(request)
     key = _key_of(request)
@@ -173,20 +173,24 @@ async def state(request: Request, id: str) -> Response:
     summary="Cancel a table, or delete one that has ended",
 )
 async def delete(request: Request, id: str) -> Response:
-    """Cancel an unfinished job; one that has ended is deleted with its rows and files.
+    """Cancel an unfinished job, or delete one that has ended, with its rows and files.
 
-    It is so at once; rows and files are erased thereafter. The answer is the job's state, of a
-    deleted one its last.
+    The state changes at once; rows and files are erased thereafter. The answer is the state of the
+    job; that of a deleted job is its last.
     """  # noqa: DOC501 - on the wire
     jobs = _jobs(request)
     job = await _find_job(request, id)
     if not job.ended:
         if await jobs.cancel(id):
             return _answer(await _find_job(request, id))
-        raise ProblemError(Problem(CONFLICT, "the table has ended by now: once more deletes it"))
+        raise ProblemError(
+            Problem(CONFLICT, "the table has ended meanwhile: the same request again deletes it")
+        )
     if not await jobs.delete(id):
         now = await _find_job(request, id)
-        raise ProblemError(Problem(CONFLICT, f"the table is {now.state} by now: once more cancels"))
+        raise ProblemError(
+            Problem(CONFLICT, f"the table is {now.state} by now: the same request again cancels it")
+        )
     return _answer(job)
 
 
@@ -198,7 +202,7 @@ async def delete(request: Request, id: str) -> Response:
     summary="Go on with a table that has failed",
 )
 async def resume(request: Request, id: str) -> Response:
-    """Try again what failed; the rows that are done are kept."""
+    """Compute what failed once more; the rows that are done are kept."""
     jobs = _jobs(request)
     job = await _find_job(request, id)
     if not job.sound:
@@ -224,8 +228,8 @@ async def resume(request: Request, id: str) -> Response:
     responses={
         **problems(TABLE_TEXTS, 404, 503),
         200: {
-            "description": "An event `progress` a change, then one named for the last state; "
-            "`gone` where the table was deleted",
+            "description": "An event `progress` for each change, then one with the name of the "
+            "last state; `gone` where the table was deleted",
             "content": {"text/event-stream": {}},
         },
     },

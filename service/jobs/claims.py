@@ -43,7 +43,7 @@ class Turn:
 
 
 def shares(turns: Iterable[Turn], most: int) -> dict[str, int]:
-    """Return how many chunks each job gets of so many.
+    """Return how many of some chunks each job gets.
 
     The next chunk goes to the job with the fewest running, of these to the one that has waited
     longest, of these to the oldest.
@@ -93,7 +93,7 @@ class Claimer:
     version: str
 
     def claim(self, connection: sa.Connection, most: int) -> list[ChunkClaim]:
-        """Claim so many chunks at most, in a transaction that is open.
+        """Claim a number of chunks at most, in a transaction that is open.
 
         Parameters
         ----------

@@ -52,7 +52,7 @@ class Started:
     end
         Ends it at once.
     fault
-        By what fault of its own a worker of it died, once it has broken: as "SIGSEGV" or "exit
+        The fault by which a worker of it died, once it has broken: as "SIGSEGV" or "exit
         status 1". Empty where none did, or nobody knows: it was killed then, by whomever.
     """
 

@@ -14,7 +14,7 @@ class Jobs(Protocol):
     Attributes
     ----------
     stopping
-        Whether the service stops; the server tells.
+        Whether the service stops, as the server says.
     """
 
     stopping: Callable[[], bool]

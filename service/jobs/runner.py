@@ -41,7 +41,7 @@ MAX_KILLS = 20
 
 
 class Runner:
-    """Runs the jobs of a store until told to stop.
+    """Runs the jobs of a store until it is stopped.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class Runner:
     database_wait_s
         How long to wait for a database that is gone [s].
     tell
-        Is told what a person should know.
+        Takes what a person should know.
     """
 
     def __init__(
@@ -149,7 +149,7 @@ class Runner:
                 self._started = self._start()
             future = self._started.executor.submit(compute_chunk, content, impulses, claim.number)
         except (BrokenExecutor, RuntimeError, OSError, EOFError) as error:
-            self._tell(f"workers are started anew: {type(error).__name__}: {error}")
+            self._tell(f"workers are restarted: {type(error).__name__}: {error}")
             self._suspects.appendleft(claim)
             self._suspects.extend(self._running.values())
             self._running.clear()

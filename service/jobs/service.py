@@ -37,7 +37,7 @@ class JobService:
     cleaner
         Erases what is cancelled or deleted.
     stopping
-        Whether the service stops; the server tells.
+        Whether the service stops, as the server says.
     """
 
     def __init__(self, settings: Settings) -> None:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 MAX_VALUE_CHARACTERS = 60
-"""Characters of a value that are told."""
+"""Characters of a value that a message repeats."""
 
 
 def _text(value: object) -> bool:

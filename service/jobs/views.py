@@ -19,7 +19,7 @@ UNKNOWN: dict[str, Any] = {
     "sha256": "",
     "version": "",
 }
-"""What is told in place of a value that cannot be."""
+"""What is shown in place of a value that cannot be."""
 
 
 def see_jobs(

@@ -56,7 +56,7 @@ class Crew:
     foreman
         Who gives them their tasks.
     memory_bytes
-        What each may have of memory of its own [bytes].
+        Memory that each may have for itself [bytes].
     """
 
     def __init__(self, foreman: Foreman, memory_bytes: int) -> None:

@@ -1,4 +1,4 @@
-"""Which large task comes to a place for such work, and which leaves its worker to another."""
+"""Which large task comes to a place for such work, and which gives its worker to another."""
 
 from collections import Counter
 from collections.abc import Iterable

@@ -63,7 +63,7 @@ class WorkerPool:
     max_pending
         Tasks running and waiting beyond which new ones are refused.
     memory_bytes
-        What a worker may have of memory of its own [bytes].
+        Memory that a worker may have for itself [bytes].
     """
 
     def __init__(
@@ -415,7 +415,7 @@ class WorkerPool:
         self.may_begin()
 
     async def close(self) -> None:
-        """End the workers; who still waits is told so."""
+        """End the workers; who still waits gets an error."""
         self._closed = True
         for run in list(self._runs.values()):
             self._fail(run, TaskError(STOPPING))

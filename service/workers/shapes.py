@@ -4,7 +4,7 @@ import re
 from collections.abc import Hashable
 
 MAX_SHAPE_BYTES = 16_384
-"""Bodies up to so long are told apart by all but their numbers; longer ones by length [bytes]."""
+"""Shorter bodies are distinguished by all but their numbers, longer ones by length [bytes]."""
 
 NUMBERS = re.compile(rb"[-+.\d]+(?:[eE][-+]?\d+)?")
 

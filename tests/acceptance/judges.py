@@ -348,7 +348,7 @@ def _alpha(case: Case) -> float:
 
 JUDGES: tuple[tuple[str, Callable[..., bool]], ...] = (
     (
-        rf"leaves {NUMBER} within the range of frequencies.* more than its tolerance {NUMBER}:",
+        rf"is {NUMBER} within the range of frequencies.* above its tolerance {NUMBER}:",
         _leaves_that_in_range,
     ),
     (
@@ -388,7 +388,7 @@ JUDGES: tuple[tuple[str, Callable[..., bool]], ...] = (
         lambda _, low, high: low < 0 or high > 1,
     ),
     (
-        rf"damping ratio of {NUMBER} none was found:.*meet at a damping ratio of {NUMBER} with",
+        rf"found at a damping ratio of {NUMBER}:.*meet at a damping ratio of {NUMBER} with",
         lambda _, asked, met: met <= asked * 1.01,
     ),
     (

@@ -30,7 +30,7 @@ class Scheduled:
             raise InvalidInputError(
                 "over",
                 "damping_ratio",
-                "a field that changes the frequency: sensitivity.damping tells of damping",
+                "a field that changes the frequency; for damping there is sensitivity.damping",
                 code="range_of_damping",
             )
         if not MAX_FREQUENCY_RANGE >= self.band[1] / self.band[0] > 1:

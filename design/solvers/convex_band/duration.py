@@ -47,8 +47,8 @@ def require_solvable(problem: BandProblem) -> None:
         ripples = MAX_HALF_PERIODS / half_periods * ripples_of(problem.tolerance)
         raise InfeasibleDesignError(
             f"a residual within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural "
-            f"frequency takes about {half_periods:.3g} half periods of its middle and an impulse "
-            f"in each; at most {MAX_HALF_PERIODS:g} are solved for: narrow the band, or allow a "
-            f"tolerance of {EASIER / math.cosh(ripples):.4g}",
+            f"frequency takes about {half_periods:.3g} half periods of its middle, with an "
+            f"impulse in each, and the limit is {MAX_HALF_PERIODS:g}: narrow the band, or allow "
+            f"a tolerance of {EASIER / math.cosh(ripples):.4g}",
             code="band_too_wide",
         )

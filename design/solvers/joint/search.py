@@ -1,6 +1,6 @@
 """The fastest command without vibration in several modes: structure first, then Newton's method.
 
-A command of duration T whose vector ``V_k = sum A_i exp(-s_k t_i)`` is zero for every mode leaves
+A command of duration T whose vector ``V_k = sum A_i exp(-s_k t_i)`` is zero for every mode has
 ``sum A_i P(t_i) = 0``, whatever the c, with the function of time::
 
     P(t) = Re sum_k conj(c_k) exp(-s_k t)
@@ -11,7 +11,7 @@ P(0). Every c gives a lower bound that way, and the best c the optimum: there po
 stand where P touches zero, the command is 1 where P rises and 0 where it falls.
 
 A linear program over a time grid, at a duration that is too short, finds the c that shows this
-best; the bound that it gives is the next duration. Near the optimum c tells how many impulses there
+best; the bound that it gives is the next duration. Near the optimum c shows how many impulses there
 are, and Newton's method solves for times, amplitudes and c at once, off the grid.
 """
 
@@ -130,9 +130,10 @@ def shortest(problem: JointProblem, budget: Budget | None = None) -> Iterator[Sh
         yield replace(best, vectors=strongest[1])
     modes = problem.unit_poles.size
     raise InfeasibleDesignError(
-        f"no command found without vibration in {f'all {modes} modes' if modes > 1 else 'the mode'}"
-        f": none is shorter than {strongest[0] / PERIOD_RAD:.6g} periods of the slowest, and "
-        f"{programs} linear programs led to none{f'; {budget.in_words}' if budget.spent else ''}",
+        "no command was found without vibration in "
+        f"{f'all {modes} modes' if modes > 1 else 'the mode'}: none is shorter than "
+        f"{strongest[0] / PERIOD_RAD:.6g} periods of the slowest mode, and {programs} linear "
+        f"programs led to none{f'; {budget.in_words}' if budget.spent else ''}",
         code="no_joint_command_found",
     )
 

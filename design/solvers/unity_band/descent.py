@@ -45,7 +45,7 @@ LAST_GAIN_RAD = 1e-6
 """A step that gains less than this is one along a flat valley: what follows only restores [rad]."""
 
 FIRMNESS = 1e5
-"""Curvature that keeps steps from then on short, but for what is above the tolerance [1/rad]."""
+"""Curvature that keeps steps from then on short, except for what is above the tolerance [1/rad]."""
 
 MAX_STEPS = 40
 

@@ -22,7 +22,7 @@ PEAKS = 8
 
 PEAKS_WORK = 300.0
 REFINED_SHARE = 2.0
-"""Work of a search for peaks but for evaluations, and how many evaluations refine them, over those
+"""Work of a search for peaks except evaluations, and how many evaluations refine them, over those
 of the grid: at most about [units], [-]."""
 
 PEAK_STEPS = 4

@@ -371,7 +371,7 @@ def test_a_range_of_lengths_is_kept_or_refused() -> None:
 
     made = shaper(hoist(0.65, 0.85), THESIS)
     assert made.worst_in_range == pytest.approx(0.05, rel=1e-9)
-    with refused("range_above_tolerance", says=r"num_ei leaves 0\.\d+ within the range"):
+    with refused("range_above_tolerance", says=r"of num_ei is 0\.\d+ within the range"):
         shaper(hoist(0.4, 1.2), THESIS)
 
 

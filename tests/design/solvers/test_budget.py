@@ -186,5 +186,5 @@ def test_what_a_recommendation_has_no_budget_for_is_said(monkeypatch: pytest.Mon
 def test_a_fit_ends_with_its_budget(monkeypatch: pytest.MonkeyPatch) -> None:
     wanted = FitRange(over="damping_ratio", start=0.0, stop=0.2, max_residual=1e-16)
     monkeypatch.setattr("design.curve_fit.exact_curve.DESIGN_WORK", MAX_WORK_PER_DESIGN / 30)
-    with refused("no_degree_suffices", says=r"no degree up to \d leaves .*; its budget of 4"):
+    with refused("no_degree_suffices", says=r"no degree up to \d has .*; its budget of 4"):
         fit(MODE, IDEAL, SHAPERS["umzvd"], wanted)

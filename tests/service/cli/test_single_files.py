@@ -207,9 +207,14 @@ def test_a_table_goes_over_the_modes_of_a_plant(tmp_path: Path, base: str) -> No
 @pytest.mark.parametrize(
     ("plant", "kind", "field", "words"),
     [
-        (TWO_MODES, "multi_zv", "/plant/modes/0/damping_ratio", "as many impulses in every row"),
+        (
+            TWO_MODES,
+            "multi_zv",
+            "/plant/modes/0/damping_ratio",
+            "the same number of impulses in every row",
+        ),
         (TWO_MODES, "zv", "/plant/modes/0/damping_ratio", "a plant of one mode for zv"),
-        (MODE, "si", "/plant/damping_ratio", "as many impulses in every row"),
+        (MODE, "si", "/plant/damping_ratio", "the same number of impulses in every row"),
         (TWO_MODES, "convolved", "/plant/modes/2/damping_ratio", "must be one of 0, 1"),
         (TWO_MODES, "convolved", "/plant/modes", "the name of a number"),
         (

@@ -38,7 +38,7 @@ def test_the_fastest_is_recommended_with_its_runners_up_and_reasons(client: http
     (missed,) = [one for one in told["numzvd"]["requirements"] if not one["met"]]
     assert missed["requirement"] == "tolerance"
     assert missed["value"] == told["numzvd"]["worst_residual"] > missed["limit"] == 0.05
-    assert "leaves up to 10.4 %" in missed["reason"]
+    assert "has a residual of up to 10.4 %" in missed["reason"]
     assert (
         "serves no actuator of kind second_order"
         in {one["name"]: one["reason"] for one in body["refused"]}["umzvc"]
@@ -83,7 +83,7 @@ def test_each_candidate_is_what_a_design_of_it_is(client: httpx.Client) -> None:
         ({"half_width": 1.2}, "/half_width", "zero frequency"),
         ({"half_width": None, "lower_ratio": -0.1, "upper_ratio": 1.1}, "/lower_ratio", "zero"),
         ({"half_width": None, "lower_ratio": 0.9}, "/upper_ratio", "must be given"),
-        ({"tolerance": 1.0}, "/tolerance", "below 1, which no shaper leaves"),
+        ({"tolerance": 1.0}, "/tolerance", "below 1, the residual without a shaper"),
         ({"tolerance": "0.05"}, "/tolerance", "valid number"),
         ({"tolerance": float("nan")}, "/tolerance", "finite number"),
         ({"max_duration_s": 0}, "/max_duration_s", "greater than 0"),
@@ -140,7 +140,9 @@ def test_a_drive_that_rings_within_the_ranges_leaves_null_and_says_so(
     (umzv,) = [one for one in body["others"] if one["name"] == "umzv"]
     assert umzv["worst_residual"] is None
     reason = umzv["requirements"][0]["reason"]
-    assert reason.startswith("leaves without bound, as the decelerating set rings there, from 0.9")
+    assert reason.startswith(
+        "has a residual without bound, as the decelerating set resonates there, from 0.9"
+    )
 
 
 def test_the_command_prints_what_the_service_answers(client: httpx.Client) -> None:
@@ -149,7 +151,7 @@ def test_the_command_prints_what_the_service_answers(client: httpx.Client) -> No
     assert json.loads(told.stdout) == client.post("/v1/recommendations", json=ASKED).json()
     refused = shapersmith("recommend", "-", given={**ASKED, "max_duration_s": 1.0})
     assert (refused.returncode, refused.stdout) == (3, "")
-    assert refused.stderr.startswith("shapersmith: infeasible: no shaper of ")
+    assert refused.stderr.startswith("shapersmith: infeasible: none of ")
     assert refused.stderr.count("\n") == 1
 
 

@@ -25,7 +25,7 @@ def upgrade() -> None:
         op.add_column("jobs", sa.Column(name, kind, nullable=False, server_default="0"))
     op.add_column("jobs", sa.Column("key", sa.String(255)))
     op.create_index("jobs_by_key", "jobs", ["key"], unique=True)
-    # Of those that were cancelled no chunk tells its rows: any number with as many chunks will do.
+    # Of those that were cancelled no chunk has its rows: any number with as many chunks will do.
     op.execute(
         "UPDATE jobs SET begun = chunks, chunk_rows = coalesce("
         "(SELECT rows FROM chunks WHERE chunks.job = jobs.id AND number = 0), "
