@@ -13,6 +13,7 @@ from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailed
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
+from design.formulations.ramped import RampedProblem
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.pipeline import design
@@ -20,6 +21,9 @@ from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
 from design.solvers.budget import Budget
 from design.solvers.newton import roots
+from design.solvers.ramps.course import Slopes
+from design.solvers.ramps.functionals import Functionals
+from design.solvers.ramps.optimality import solve_conditions
 from design.types import FloatArray
 
 CHECKED_POINTS = 1001
@@ -30,6 +34,9 @@ SAME_AMPLITUDE = 1e-12
 
 STARTING_DEGREE = 8
 """Of the fit that the exact curve is found from, by Newton's method."""
+
+RAMPED_WORK = 1_000.0
+"""Work of Newton's method behind limits, from a start nearby [units]."""
 
 DESIGN_WORK = 3_000.0
 """Work of a design without a search: of its certificate [units]."""
@@ -53,7 +60,8 @@ class ExactCurve:
         modes = [axis.plant_at(float(x)).mode for x in self.checked]
         self.poles_rad_s = np.array([mode.pole_rad_s for mode in modes])
         self.frequencies_rad_s = np.array([mode.natural_frequency_rad_s for mode in modes])
-        self.formulations: list[GapProblem | ClosedForm] = []
+        self.budget = Budget()
+        self.formulations: list[GapProblem | RampedProblem | ClosedForm] = []
         for mode in modes:
             form = kind.formulate(kind.case((mode,), actuator, self.options))
             if isinstance(form, BandProblem | BandSearch | JointProblem | Convolution):
@@ -64,10 +72,9 @@ class ExactCurve:
                     code="fit_not_served",
                 )
             self.formulations.append(form)
-        self.amplitudes, last = (
-            form.impulses.amplitudes if isinstance(form, ClosedForm) else form.amplitudes
-            for form in (self.formulations[0], self.formulations[-1])
-        )
+        self.amplitudes, last = (self._amplitudes_at(place) for place in (0, -1))
+        if self.amplitudes.size != last.size:
+            raise self._impulses_change(float(self.checked[-1]), last.size)
         if np.abs(self.amplitudes - last).max() > SAME_AMPLITUDE:
             raise InvalidInputError(
                 "over",
@@ -76,8 +83,26 @@ class ExactCurve:
                 "a table holds both",
                 code="fitted_amplitudes_depend",
             )
-        self.budget = Budget()
         self.exact_times_s = self._exact_times_s()
+
+    def _amplitudes_at(self, place: int) -> FloatArray:
+        """Return the amplitudes at one of the points that are checked."""
+        form = self.formulations[place]
+        if isinstance(form, ClosedForm):
+            return form.impulses.amplitudes
+        if isinstance(form, GapProblem):
+            return form.amplitudes
+        return self._design_at(float(self.checked[place])).amplitudes
+
+    def _impulses_change(self, x: float, impulses: int) -> InvalidInputError:
+        """Return the refusal of a range over which the number of impulses changes."""
+        return InvalidInputError(
+            "over",
+            self.axis.variable.meaning,
+            f"a range over which the number of impulses stays: it is {self.amplitudes.size} at "
+            f"{self.checked[0]:.6g} and {impulses} at {x:.6g}",
+            code="fitted_impulses_change",
+        )
 
     def design_at(self, x: float) -> Impulses:
         """Design at one x, by the pipeline.
@@ -94,9 +119,17 @@ class ExactCurve:
 
         Raises
         ------
+        InvalidInputError
+            If it has another number of impulses there than where the range starts.
         InfeasibleDesignError
             If there is no such shaper at x; the error says which x.
         """
+        found = self._design_at(x)
+        if found.times_s.size != self.amplitudes.size:
+            raise self._impulses_change(x, found.times_s.size)
+        return found
+
+    def _design_at(self, x: float) -> Impulses:
         self.budget.spend(DESIGN_WORK)
         plant = self.axis.plant_at(x)
         try:
@@ -185,6 +218,8 @@ class ExactCurve:
         for index, form in enumerate(self.formulations):
             if isinstance(form, ClosedForm):
                 times[index] = form.impulses.times_s
+            if isinstance(form, RampedProblem):
+                times[index] = self._ramped_times_s(index, form, starts[index])
         if not solved:
             return times
         problems = [form for form in self.formulations if isinstance(form, GapProblem)]
@@ -204,3 +239,17 @@ class ExactCurve:
             else:
                 times[index] = self.design_at(float(self.checked[index])).times_s
         return times
+
+    def _ramped_times_s(self, index: int, form: RampedProblem, gaps: FloatArray) -> FloatArray:
+        """Return the times behind limits from gaps near them, shape (n,) [s]."""
+        if (gaps > 0).all():
+            self.budget.spend(RAMPED_WORK)
+            found = solve_conditions(
+                np.append(0.0, np.cumsum(gaps)),
+                Functionals(form.unit_poles, form.orders),
+                form.targets,
+                Slopes(up=1 / form.ramps_rad[0], down=1 / form.ramps_rad[1]),
+            )
+            if found is not None:
+                return found.course.switches / form.natural_frequency_rad_s
+        return self.design_at(float(self.checked[index])).times_s

@@ -6,6 +6,7 @@ from typing import Literal
 from design.claims import Promise, Quantity
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import GapProblem
+from design.formulations.ramped import RampedProblem
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.types import ComplexArray
@@ -86,4 +87,6 @@ class Convolution:
         )
 
 
-Formulation = ClosedForm | GapProblem | BandProblem | BandSearch | JointProblem | Convolution
+Formulation = (
+    ClosedForm | GapProblem | BandProblem | BandSearch | JointProblem | RampedProblem | Convolution
+)

@@ -6,6 +6,7 @@ from design.errors import InvalidInputError
 from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
 from design.formulations.lag_parameters import decel_over_accel
+from design.formulations.ramped import follows_one_lag, ramped_problem
 from design.formulations.unity_magnitude import ZERO_VIBRATION
 from design.formulations.unity_magnitude_problem import alternating, unity_magnitude_problem
 from design.formulations.vector_diagram import undamped_times_rad
@@ -46,6 +47,13 @@ def numzv(case: DesignCase[PeakOptions]) -> Formulation:
             peak,
             "1 behind a rate-limited actuator, whose ramps are taken to be those of one speed",
             code="velocity_ratio_of_ramps",
+        )
+    if follows_one_lag(actuator) and not options.settle:
+        return ramped_problem(
+            case.modes,
+            actuator,
+            derivatives=0,
+            max_duration_periods=options.max_duration_periods,
         )
     amplitudes = None if peak == 1 else np.array(heights)
     if mode.damping_ratio == 0 and actuator.model == "superposed":

@@ -1,6 +1,7 @@
 """NUMZVD: five impulses of unity magnitude, whose residual is flat over the frequency."""
 
 from design.formulations.formulation import Formulation
+from design.formulations.ramped import follows_one_lag, ramped_problem
 from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.shapers.kind import EVERY_ACTUATOR, CompiledRows, DesignCase, KindOf
@@ -11,8 +12,16 @@ from design.shapers.options import SettleOptions
 def numzvd(case: DesignCase[SettleOptions]) -> Formulation:
     """Formulate the fastest five-impulse shaper flat in frequency.
 
-    V = 0 and dV/dw = 0, the actuator's own slope included, which the thesis omits.
+    V = 0 and dV/dw = 0, the actuator's own slope included, which the thesis omits. Behind
+    limits it has as many impulses as the fastest course of the reference takes.
     """
+    if follows_one_lag(case.actuator) and not case.options.settle:
+        return ramped_problem(
+            case.modes,
+            case.actuator,
+            derivatives=1,
+            max_duration_periods=case.options.max_duration_periods,
+        )
     return unity_magnitude_problem(
         ZERO_VIBRATION_DERIVATIVE,
         case.mode,

@@ -11,6 +11,7 @@ from typing import Any
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, Formulation, JointProblem
+from design.formulations.ramped import RampedProblem
 from design.solvers import search
 from design.solvers.budget import Budget
 from design.solvers.solution import Solution, SolverReport
@@ -18,6 +19,7 @@ from design.solvers.unity_band import search as unity_band
 from design.solving import optima
 from design.solving.convolution import convolve_solutions
 from design.solving.distinct_steps import distinct_steps
+from design.solving.ramps import solve_behind_limits
 from design.trace import TraceStep
 
 
@@ -83,6 +85,7 @@ SOLVERS: dict[type[Formulation], Callable[[Any, Budget], Iterator[Solution]]] = 
     BandSearch: unity_band.solve,
     BandProblem: optima.solve_over_band,
     JointProblem: optima.solve_jointly,
+    RampedProblem: solve_behind_limits,
     Convolution: _convolution,
 }
 """What solves each class of formulation."""

@@ -5,6 +5,7 @@ import math
 from design.errors import InvalidInputError
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
+from design.formulations.ramped import RampedProblem
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
@@ -51,7 +52,7 @@ def amplitudes_of(
         actuator = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1)
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=damping_ratio)
     formulation = kind.formulate(kind.case((mode,), actuator, options))
-    if isinstance(formulation, JointProblem | Convolution):
+    if isinstance(formulation, JointProblem | Convolution | RampedProblem):
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,

@@ -189,7 +189,7 @@ def test_amplitudes_that_are_neither_a_shaper_nor_a_move_have_a_warning(
 
 
 @pytest.mark.parametrize("sample_time_s", [0.05, 0.001])
-@pytest.mark.parametrize("kind", ["zvd", "ei", "mzv", "umzv"])
+@pytest.mark.parametrize("kind", ["zvd", "ei", "mzv"])
 def test_what_is_proven_for_an_ideal_drive_stays_so_on_samples(
     kind: str, sample_time_s: float
 ) -> None:

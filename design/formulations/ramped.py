@@ -1,0 +1,113 @@
+"""Minimum time behind limits to acceleration, over every course of the reference.
+
+What follows the limits is ideal or one linear lag. Its transfer function is a common factor of all
+that is left, so the course alone decides, and the problem is convex in the slope of the reference.
+"""
+
+from dataclasses import dataclass
+from typing import TypeGuard
+
+import numpy as np
+
+from design.claims import Promise
+from design.formulations.gaps import PERIOD_RAD
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
+from design.types import ComplexArray, FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RampedProblem:
+    """The course of a limited reference that meets its targets and ends first.
+
+    The reference r starts at 0, stays between 0 and 1, and
+    ``integral of r'(t) (-t)^o_k exp(-s_k t) dt = g_k`` for every k.
+
+    Attributes
+    ----------
+    unit_poles
+        s, over a common frequency, shape (m,) [-].
+    orders
+        o: 0 for what is left in a mode, 1 for its slope in s, shape (m,).
+    targets
+        g, shape (m,).
+    ramps_rad
+        How long the reference takes from 0 to 1 and from 1 to 0 [rad].
+    last
+        Its level at the end, 0 or 1 [-].
+    natural_frequency_rad_s
+        The common frequency: it turns phases into times [rad/s].
+    horizon_rad
+        Latest end [rad].
+    designed_for
+        The actuator of the claims.
+    claims
+        None: zeros, as the kind says.
+    """
+
+    unit_poles: ComplexArray
+    orders: FloatArray
+    targets: ComplexArray
+    ramps_rad: tuple[float, float]
+    last: float
+    natural_frequency_rad_s: float
+    horizon_rad: float
+    designed_for: Actuator
+    claims: tuple[Promise, ...] = ()
+
+
+def follows_one_lag(actuator: Actuator) -> TypeGuard[RateLimited]:
+    """Return whether an actuator has limits, and one lag behind them.
+
+    Parameters
+    ----------
+    actuator
+        The actuator.
+
+    Returns
+    -------
+    bool
+        False where it responds to a falling reference in another way than to one that rises.
+    """
+    return isinstance(actuator, RateLimited) and actuator.accel_lag == actuator.decel_lag
+
+
+def ramped_problem(
+    modes: tuple[Mode, ...],
+    actuator: RateLimited,
+    *,
+    derivatives: int,
+    max_duration_periods: float,
+) -> RampedProblem:
+    """Formulate the fastest shaper behind limits.
+
+    Parameters
+    ----------
+    modes
+        The modes in which nothing is to be left.
+    actuator
+        The limits, and what follows them.
+    derivatives
+        How many derivatives of what is left vanish too, 0 or 1.
+    max_duration_periods
+        Latest end in undamped periods of the slowest mode, without a ramp up and a ramp down [-].
+
+    Returns
+    -------
+    RampedProblem
+        In phases of the slowest mode.
+    """
+    w = min(mode.natural_frequency_rad_s for mode in modes)
+    rise, fall = (w * ramp_s for ramp_s in actuator.unit_ramps_s)
+    poles = [mode.pole_rad_s / w for mode in modes for _ in range(derivatives + 1)]
+    return RampedProblem(
+        unit_poles=np.array(poles, dtype=np.complex128),
+        orders=np.array([float(order) for _ in modes for order in range(derivatives + 1)]),
+        targets=np.zeros(len(poles), dtype=np.complex128),
+        ramps_rad=(rise, fall),
+        last=1.0,
+        natural_frequency_rad_s=w,
+        horizon_rad=max_duration_periods * PERIOD_RAD + rise + fall,
+        designed_for=actuator,
+    )

@@ -1,0 +1,145 @@
+"""Newton's method on the conditions of optimality: the switches and their multipliers at once.
+
+Of a course that meets its targets and ends first, a small change of the switches that keeps the
+targets does not end earlier: ``Re sum conj(c_k) dF_k/dt_i + dT/dt_i = 0`` for some c. In words, the
+function ``P(t) = Re sum conj(c_k) kernel_k(t)``, shifted by a constant in each group of switches,
+is zero where the slope changes.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.solvers.ramps.course import Course, Slopes, course_of
+from design.solvers.ramps.functionals import Functionals
+from design.types import ComplexArray, FloatArray
+
+NEWTON_STEPS = 40
+
+CONVERGED = 1e-12
+"""Step of the switches after which the next is rounding [rad]."""
+
+FARTHEST_STEP_RAD = 0.5
+"""Largest step of a switch [rad]."""
+
+MET = 1e-10
+"""Largest miss of a target that counts as none, over the unshaped step [-]."""
+
+MIN_GAP_RAD = 1e-6
+"""Switches closer than this are one [rad]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RampedOptimum:
+    """A course that meets its targets, and the multipliers that exclude shorter ones.
+
+    Attributes
+    ----------
+    course
+        The course.
+    multipliers
+        c, shape (m,): ``-Re conj(c) dF`` is by how much the end moves with the targets.
+    iterations
+        Steps of Newton's method.
+    programs
+        Linear programs until then.
+    """
+
+    course: Course
+    multipliers: ComplexArray
+    iterations: int
+    programs: int = 0
+
+
+def find_multipliers(course: Course, functionals: Functionals) -> ComplexArray:
+    """Return the c that fits the switches best.
+
+    Parameters
+    ----------
+    course
+        The course.
+    functionals
+        What counts.
+
+    Returns
+    -------
+    ComplexArray
+        Shape (m,).
+    """
+    changes = course.changes(functionals)[:, 1:]
+    rows = np.hstack((changes.real.T, changes.imag.T))
+    found = np.linalg.lstsq(rows, -course.end_changes()[1:], rcond=None)[0]
+    real, imaginary = np.split(found, 2)
+    multipliers: ComplexArray = real + 1j * imaginary
+    return multipliers
+
+
+def solve_conditions(
+    switches: FloatArray, functionals: Functionals, targets: ComplexArray, slopes: Slopes
+) -> RampedOptimum | None:
+    """Solve the conditions of optimality from switches near them.
+
+    Parameters
+    ----------
+    switches
+        Phases to begin with, ascending from 0, shape (n,) [rad].
+    functionals, targets
+        What is to be met, shape (m,).
+    slopes
+        Limits of the slope.
+
+    Returns
+    -------
+    RampedOptimum or None
+        None where Newton's method fails, or ends with switches that coincide.
+    """
+    count = switches.size - 1
+    course = course_of(switches, slopes)
+    multipliers = find_multipliers(course, functionals)
+    iteration = 0
+    while count and iteration < NEWTON_STEPS:
+        iteration += 1
+        step = _newton_step(course, multipliers, functionals, targets)
+        moves, rest = step[:count], step[count:]
+        gaps, changes = np.diff(course.switches), np.diff(moves, prepend=0.0)
+        closing = changes < 0
+        share = 0.7 * float(np.min(-gaps[closing] / changes[closing], initial=2.0))
+        farthest = float(np.abs(moves).max())
+        share = min(1.0, share, FARTHEST_STEP_RAD / max(farthest, FARTHEST_STEP_RAD))
+        course = course_of(course.switches + np.append(0.0, share * moves), slopes)
+        real, imaginary = np.split(rest, 2)
+        multipliers = multipliers + share * (real + 1j * imaginary)
+        if share == 1 and farthest < CONVERGED:
+            break
+    missed = np.abs(course.values(functionals) - targets) * functionals.scales(course.end)
+    gaps = np.diff(course.switches)
+    if not missed.max() < MET or gaps.min(initial=math.inf) < MIN_GAP_RAD:
+        return None
+    return RampedOptimum(
+        course=course,
+        multipliers=find_multipliers(course, functionals),
+        iterations=iteration,
+    )
+
+
+def _newton_step(
+    course: Course, multipliers: ComplexArray, functionals: Functionals, targets: ComplexArray
+) -> FloatArray:
+    """Return the step of the switches after the first, then of c: real, then imaginary parts.
+
+    Least squares minds no c that is not unique: where fewer switches than targets do.
+    """
+    scales = functionals.scales(course.end)
+    missed = (course.values(functionals) - targets) * scales
+    changes = course.changes(functionals)[:, 1:]
+    scaled = changes * scales[:, None]
+    m, n = changes.shape
+    matrix = np.zeros((2 * m + n, n + 2 * m))
+    matrix[:m, :n], matrix[m : 2 * m, :n] = scaled.real, scaled.imag
+    matrix[2 * m :, :n] = course.bends(functionals, multipliers)[1:, 1:]
+    matrix[2 * m :, n:] = np.hstack((changes.real.T, changes.imag.T))
+    still = (multipliers.conj() @ changes).real + course.end_changes()[1:]
+    values = np.concatenate((missed.real, missed.imag, still))
+    step: FloatArray = np.linalg.lstsq(matrix, -values, rcond=1e-13)[0]
+    return step
