@@ -13,7 +13,7 @@ from design.analysis.sensitivity import sensitivity
 from design.analysis.sensitivity_range import SensitivityRange
 from design.analysis.vectors import evenly_spaced_vectors
 from design.fields import Axis
-from design.formulations.unity_magnitude_problem import ZVD_POLYNOMIALS
+from design.formulations.published_times import ZVD_POLYNOMIALS
 from design.maps.field_map import field_map
 from design.maps.map_case import MapCase
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from benchmarks.measure import Figure
-from design.formulations.unity_magnitude_problem import ZVD_POLYNOMIALS
+from design.formulations.published_times import ZVD_POLYNOMIALS
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.plants.mode import Mode
 from design.shapers.registry import SHAPERS

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from design.analysis.certificate import Certificate
-from design.analysis.insensitivity import insensitivity
-from design.analysis.judge import Judgement, judge, shortfall_of
+from design.analysis.claims_in_words import shortfall_of
+from design.analysis.judge import Judgement, judge
 from design.analysis.rounding import require_doubles_to_hold
 from design.claims import Promise, zeros
 from design.errors import InfeasibleDesignError, SolverFailedError
@@ -14,30 +14,20 @@ from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
+from design.own_bands import with_own_band
 from design.ranges import promises_over, require_over
 from design.shapers.kind import ShaperKind
 from design.solvers.budget import Budget
+from design.solvers.search_steps import verdict_step
 from design.solvers.solution import Solution
-from design.trace import TraceStep
-
-BAND_MARGIN = 1e-6
-"""Share by which a band is reported narrower than found: its ends are within the tolerance [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Certified:
-    """A solution that keeps what is promised of it.
+    """A solution that keeps what is promised of it."""
 
-    Attributes
-    ----------
-    solution
-        What a solver answered with.
-    judgement
-        Its certificate, and what it does with the actuator given.
-    """
-
-    solution: Solution
-    judgement: Judgement
+    solution: Solution  # What a solver answered with
+    judgement: Judgement  # Its certificate, and what it does with the actuator given
 
 
 def certify(
@@ -52,16 +42,10 @@ def certify(
 
     Parameters
     ----------
-    solutions
-        Those of the formulation, the likeliest optimum first.
-    formulation
-        What they solve.
-    kind
-        The shaper's.
-    plant
-        What moves.
-    actuator
-        What drives it.
+    solutions, formulation
+        What solves the formulation, the likeliest optimum first.
+    kind, plant, actuator
+        Kind of the shaper; what moves, and what drives it.
     budget
         That of the search, which notes what is rejected and why.
 
@@ -86,11 +70,16 @@ def certify(
     try:
         for solution in solutions:
             kept = [
-                _with_its_band(one, solution, modes, formulation.designed_for) for one in promises
+                with_own_band(one, solution, modes, formulation.designed_for)
+                if one.quantity == "band" and one.band is None
+                else one
+                for one in promises
             ]
             if None in kept:
                 others += 1
-                _note(budget, solution, "it is above the tolerance between its own zeros")
+                if budget.trace is not None:
+                    shortfall = "it is above the tolerance between its own zeros"
+                    budget.note(verdict_step(solution, shortfall))
                 continue
             judgement = judge(
                 solution.impulses,
@@ -101,7 +90,8 @@ def certify(
                 designed_for=formulation.designed_for,
             )
             certificate = judgement.certificate
-            _note(budget, solution, shortfall_of(certificate))
+            if budget.trace is not None:
+                budget.note(verdict_step(solution, shortfall_of(certificate)))
             if certificate.verified:
                 return Certified(solution=solution, judgement=judgement)
             if isinstance(plant, Scheduled):
@@ -127,20 +117,6 @@ def certify(
     )
 
 
-def _note(budget: Budget, solution: Solution, shortfall: str) -> None:
-    """Note that a solution was verified, or why it was rejected."""
-    budget.note(
-        TraceStep(
-            stage="certify",
-            method="certificate",
-            start=solution.solver.seed,
-            outcome="rejected" if shortfall else "verified",
-            duration_s=solution.impulses.duration_s,
-            detail=shortfall,
-        )
-    )
-
-
 def promises_of(
     formulation: Formulation, kind: ShaperKind, modes: tuple[Mode, ...]
 ) -> tuple[Promise, ...]:
@@ -150,12 +126,8 @@ def promises_of(
 
     Parameters
     ----------
-    formulation
-        What is solved.
-    kind
-        The shaper's.
-    modes
-        The modes of the plant.
+    formulation, kind, modes
+        What is solved, the kind of the shaper, and the modes of the plant.
 
     Returns
     -------
@@ -170,23 +142,3 @@ def promises_of(
     return tuple(
         replace(promise, mode=number) for number in range(len(modes)) for promise in zeros(names)
     )
-
-
-def _with_its_band(
-    promise: Promise, solution: Solution, modes: tuple[Mode, ...], actuator: Actuator
-) -> Promise | None:
-    """Return a promise with the widest band around 1 that the impulses keep, where it has none.
-
-    None if they pass the tolerance between their own zeros: then they solve the equations, and have
-    another curve than these are to find.
-    """
-    if promise.quantity != "band" or promise.band is not None:
-        return promise
-    found = insensitivity(solution.impulses, modes[promise.mode], actuator, promise.limit)
-    if found is None:
-        return None
-    lower, upper = found.searched_from_ratio, found.searched_to_ratio
-    if ((solution.ratios < lower) | (solution.ratios > upper)).any():
-        return None
-    half_width = found.half_width * (1 - BAND_MARGIN)
-    return replace(promise, band=(1 - half_width, 1 + half_width))

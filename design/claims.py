@@ -23,24 +23,13 @@ ZERO_LIMITS: dict[Quantity, float] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Promise:
-    """One thing that the impulses of a shaper keep.
+    """One thing that the impulses of a shaper keep."""
 
-    Attributes
-    ----------
-    quantity
-        What is kept small.
-    limit
-        It holds if the value is at most this: nearly zero, or a tolerance [-].
-    mode
-        Number of the plant's mode that it is about, from 0.
-    band
-        Ends of the band as ratios of the mode's frequency, lower first [-]; for ``band`` only,
-        where None asks for the widest band around 1 that the impulses themselves keep.
-    """
-
-    quantity: Quantity
-    limit: float
-    mode: int = 0
+    quantity: Quantity  # What is kept small
+    limit: float  # It holds if the value is at most this: nearly zero, or a tolerance [-]
+    mode: int = 0  # Number of the plant's mode that it is about, from 0
+    # Ends of the band as ratios of the mode's frequency, lower first [-]; for ``band`` only, where
+    # None asks for the widest band around 1 that the impulses themselves keep
     band: tuple[float, float] | None = None
 
 
@@ -49,10 +38,8 @@ def within(tolerance: float, band: tuple[float, float] | None) -> Promise:
 
     Parameters
     ----------
-    tolerance
-        Largest residual over the band [-].
-    band
-        Its ends, ratios of the mode's frequency [-]; None as of `Promise`.
+    tolerance, band
+        Largest residual over the band, and its ends, as of `Promise` [-].
 
     Returns
     -------

@@ -21,33 +21,18 @@ from design.solving.solve import solve
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Design:
-    """A verified shaper.
+    """A verified shaper."""
 
-    Attributes
-    ----------
-    impulses
-        The shaper.
-    residuals
-        Its residual in each mode with the actuator given, whatever it was designed for [-].
-    certificate
-        Its claims, recomputed: for the actuator given if they hold there.
-    for_ideal
-        Whether they are for an ideal actuator, as they do not all hold with the one given.
-    solver
-        How it was found.
-    warnings
-        What to know besides.
-    worst_in_range
-        Of a scheduled plant, its largest residual at any frequency of the range, with the
-        actuator given; None of others [-].
-    """
-
-    impulses: Impulses
+    impulses: Impulses  # The shaper
+    # Its residual in each mode with the actuator given, whatever it was designed for [-]
     residuals: tuple[float, ...]
-    certificate: Certificate
+    certificate: Certificate  # Its claims, recomputed: for the actuator given if they hold there
+    # Whether they are for an ideal actuator, as they do not all hold with the one given
     for_ideal: bool
-    solver: SolverReport
-    warnings: tuple[DesignWarning, ...]
+    solver: SolverReport  # How it was found
+    warnings: tuple[DesignWarning, ...]  # What to know besides
+    # Of a scheduled plant, its largest residual at any frequency of the range, with the actuator
+    # given; None of others [-]
     worst_in_range: float | None = None
 
     @property
@@ -67,14 +52,10 @@ def design(
 
     Parameters
     ----------
-    plant
-        What moves.
-    actuator
-        What drives it.
-    kind
-        Entry of the registry.
-    options
-        Its parameters, an instance of ``kind.options``; its defaults if not given.
+    plant, actuator
+        What moves, and what drives it.
+    kind, options
+        Entry of the registry, and its parameters; their defaults if not given.
     budget
         What its search may do; that of one design if not given.
 
@@ -117,12 +98,8 @@ def check(
 
     Parameters
     ----------
-    plant, actuator
-        What moves, and what drives it.
-    kind
-        Kind of the shaper.
-    options
-        Its parameters; None for the kind's own.
+    plant, actuator, kind, options
+        As of `design`.
 
     Returns
     -------
@@ -156,10 +133,8 @@ def describe(certified: Certified, plant: Plant, actuator: Actuator) -> Design:
 
     Parameters
     ----------
-    certified
-        The solution and what was found of it.
-    plant, actuator
-        What moves, and what drives it.
+    certified, plant, actuator
+        The solution and what was found of it; what moves, and what drives it.
 
     Returns
     -------

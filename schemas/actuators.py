@@ -4,6 +4,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
+from design.checks import MAX_VALUE
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.model import Model
@@ -14,8 +15,7 @@ from design.model.actuators.second_order import (
     SecondOrder,
     SecondOrderSet,
 )
-from design.types import MAX_VALUE
-from schemas.base import Positive, Wire, name_field
+from schemas.base import Positive, WireOf
 
 Example = dict[str, Any]
 """A request's value, as JSON has it."""
@@ -43,20 +43,20 @@ DeadTime = Annotated[
 ]
 
 
-class IdealIn(Wire):
+class IdealIn(WireOf[Ideal]):
     """An actuator that follows its command at once."""
+
+    RECORD = Ideal
 
     EXAMPLE: ClassVar[Example] = {"kind": "ideal"}
 
     kind: Literal["ideal"]
 
-    def to_design(self) -> Ideal:
-        """Build the design record."""
-        return Ideal()
 
-
-class FirstOrderIn(Wire):
+class FirstOrderIn(WireOf[FirstOrder]):
     """First-order lag, its time constant by direction."""
+
+    RECORD = FirstOrder
 
     EXAMPLE: ClassVar[Example] = {
         "kind": "first_order",
@@ -70,18 +70,11 @@ class FirstOrderIn(Wire):
     model: ModelIn = "superposed"
     dead_time_s: DeadTime = 0.0
 
-    def to_design(self) -> FirstOrder:
-        """Build the design record."""
-        return FirstOrder(
-            accel_time_constant_s=self.accel_time_constant_s,
-            decel_time_constant_s=self.decel_time_constant_s,
-            model=self.model,
-            dead_time_s=self.dead_time_s,
-        )
 
-
-class SecondOrderSetIn(Wire):
+class SecondOrderSetIn(WireOf[SecondOrderSet]):
     """One direction of a second-order actuator."""
+
+    RECORD = SecondOrderSet
 
     natural_frequency_rad_s: Annotated[
         Positive, Field(description="Undamped natural frequency [rad/s].")
@@ -95,15 +88,11 @@ class SecondOrderSetIn(Wire):
         ),
     ]
 
-    def to_design(self) -> SecondOrderSet:
-        """Build the design record."""
-        return SecondOrderSet(
-            natural_frequency_rad_s=self.natural_frequency_rad_s, damping_ratio=self.damping_ratio
-        )
 
-
-class SecondOrderIn(Wire):
+class SecondOrderIn(WireOf[SecondOrder]):
     """Second-order actuator, its parameters by direction."""
+
+    RECORD = SecondOrder
 
     EXAMPLE: ClassVar[Example] = {
         "kind": "second_order",
@@ -117,17 +106,11 @@ class SecondOrderIn(Wire):
     model: ModelIn = "superposed"
     dead_time_s: DeadTime = 0.0
 
-    def to_design(self) -> SecondOrder:
-        """Build the design record."""
-        with name_field("accel"):
-            accel = self.accel.to_design()
-        with name_field("decel"):
-            decel = self.decel.to_design()
-        return SecondOrder(accel=accel, decel=decel, model=self.model, dead_time_s=self.dead_time_s)
 
-
-class RateLimitedIn(Wire):
+class RateLimitedIn(WireOf[RateLimited]):
     """Limits to acceleration and deceleration, and what follows the limited command."""
+
+    RECORD = RateLimited
 
     EXAMPLE: ClassVar[Example] = {
         "kind": "rate_limited",
@@ -150,18 +133,6 @@ class RateLimitedIn(Wire):
         Field(discriminator="kind", description="Actuator that follows the rate-limited command."),
     ] = IdealIn(kind="ideal")
     dead_time_s: DeadTime = 0.0
-
-    def to_design(self) -> RateLimited:
-        """Build the design record."""
-        with name_field("then"):
-            then = self.then.to_design()
-        return RateLimited(
-            accel_limit_m_s2=self.accel_limit_m_s2,
-            decel_limit_m_s2=self.decel_limit_m_s2,
-            speed_m_s=self.speed_m_s,
-            then=then,
-            dead_time_s=self.dead_time_s,
-        )
 
 
 ActuatorIn = Annotated[

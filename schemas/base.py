@@ -3,13 +3,13 @@
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar, Generic, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from design.checks import MAX_VALUE
 from design.errors import InvalidInputError
 from design.model.plants.mode import MAX_DAMPING_RATIO
-from design.types import MAX_VALUE
 
 
 class Wire(BaseModel):
@@ -21,6 +21,43 @@ class Wire(BaseModel):
         """Return the canonical JSON: one line, keys sorted, with defaults."""
         told = self.model_dump(mode="json", by_alias=True, exclude_none=True)
         return json.dumps(told, sort_keys=True, separators=(",", ":"))
+
+
+Record = TypeVar("Record")
+
+
+class WireOf(Wire, Generic[Record]):
+    """The wire form of a record of the mathematics, whose fields are its own except `kind`.
+
+    Attributes
+    ----------
+    RECORD
+        Class of the record.
+    """
+
+    RECORD: ClassVar[type[Any]]
+
+    def to_design(self) -> Record:
+        """Build the design record; a fault has the path of its field."""
+        values: dict[str, Any] = {}
+        for name in type(self).model_fields:
+            value = getattr(self, name)
+            if isinstance(value, WireOf):
+                with name_field(name):
+                    value = value.to_design()
+            if name != "kind":
+                values[name] = value
+        record: Record = self.RECORD(**values)
+        return record
+
+
+class OutOf(Wire, Generic[Record]):
+    """A part of an answer: what a record of the mathematics says by the same names."""
+
+    @classmethod
+    def from_design(cls, record: Record) -> Self:
+        """Wrap the design record."""
+        return cls.model_construct(**{name: getattr(record, name) for name in cls.model_fields})
 
 
 def _says_nothing(value: object) -> bool:
@@ -44,14 +81,7 @@ PlantDamping = Annotated[
 
 @contextmanager
 def name_field(field: str) -> Iterator[None]:
-    """Name the field in which a design record finds a fault.
-
-    The name is seen from the request.
-
-    Parameters
-    ----------
-    field
-        Dotted path from the request to the record.
+    """Name the field in which a design record finds a fault, by its path.
 
     Raises
     ------

@@ -57,10 +57,8 @@ class CertificateOut(Wire):
 
         Parameters
         ----------
-        certificate
-            The claims, recomputed.
-        given
-            Whether they are so for the actuator given; else for an ideal one.
+        certificate, given
+            The claims, recomputed, and whether for the actuator given; else for an ideal one.
 
         Returns
         -------

@@ -13,6 +13,7 @@ from schemas.ranges import RangeOut
 from schemas.sampled import SampledOut
 from schemas.sensitivity import ModeOut, OfModes
 from schemas.sensitivity_curves import SensitivityOut
+from schemas.solver import SolverOut
 from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut, Warnings
 
@@ -23,27 +24,6 @@ class ShaperOut(Wire):
     kind: str
     impulses: ImpulsesWire
     duration_s: Annotated[float, Field(description="Time that it adds to a move [s].")]
-
-
-class SolverOut(Wire):
-    """How the impulses were found."""
-
-    name: str
-    status: str
-    iterations: int
-    seed: str
-    starts: int
-    lower_bound_s: Annotated[
-        float | None,
-        Field(
-            description="No shaper of its class is as short as this; null where nothing is "
-            "proven [s]."
-        ),
-    ]
-    gap: Annotated[
-        float | None,
-        Field(description="(duration - lower bound) / duration; null where nothing is proven [-]."),
-    ]
 
 
 class DesignResponse(Wire):
@@ -97,22 +77,10 @@ class DesignResponse(Wire):
 
         Parameters
         ----------
-        kind
-            Name of the kind of shaper.
-        design
-            The shaper that is sent: on samples where they were asked for.
-        sampled
-            How it came to the samples.
-        sensitivity
-            Its curve.
-        modes
-            What it does to each of several modes.
-        scheduled
-            What it does over the range of a scheduled plant.
-        fit
-            Polynomials for its times.
-        trace
-            The steps of the search.
+        kind, design
+            Name of the kind; the shaper that is sent, on samples where they were asked for.
+        sampled, sensitivity, modes, scheduled, fit, trace
+            Each part that was asked for; None where it was not.
         version
             Of the tool.
 
@@ -121,7 +89,6 @@ class DesignResponse(Wire):
         Self
             Without what is None.
         """
-        solver = design.solver
         return cls.model_construct(
             shaper=ShaperOut.model_construct(
                 kind=kind,
@@ -135,15 +102,7 @@ class DesignResponse(Wire):
             modes=modes,
             scheduled=scheduled,
             fit=fit,
-            solver=SolverOut.model_construct(
-                name=solver.name,
-                status=solver.status,
-                iterations=solver.iterations,
-                seed=solver.seed,
-                starts=solver.starts,
-                lower_bound_s=solver.lower_bound_s,
-                gap=solver.gap,
-            ),
+            solver=SolverOut.from_design(design.solver),
             trace=trace,
             warnings=[WarningOut.from_design(warning) for warning in design.warnings],
             version=version,

@@ -6,6 +6,7 @@ import numpy as np
 from pydantic import Field
 
 from design.model.impulses import Impulses
+from design.model.merging import merged
 from schemas.base import Wire
 
 MAX_IMPULSES = 1000
@@ -30,7 +31,7 @@ class ImpulsesWire(Wire):
     def to_design(self) -> Impulses:
         """Build the design record, its steps at one time as one."""
         given = Impulses(times_s=np.array(self.times_s), amplitudes=np.array(self.amplitudes))
-        return given.merge()
+        return merged(given)
 
     @classmethod
     def from_design(cls, impulses: Impulses) -> Self:

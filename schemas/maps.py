@@ -20,6 +20,7 @@ from schemas.base import Positive, Wire, name_field
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.pointers import path_of
+from schemas.samples import continuous_options
 from schemas.shapers import ShaperIn
 from schemas.warnings import WarningOut, Warnings
 
@@ -178,7 +179,7 @@ class MapRequest(Wire):
         if self.shaper is None:
             return None
         with name_field("shaper"):
-            options = self.shaper.continuous_options(NOT_ON_SAMPLES)
+            options = continuous_options(self.shaper, NOT_ON_SAMPLES)
         return Recipe(
             kind=self.shaper.shaper_kind(),
             options=options,

@@ -11,22 +11,18 @@ from design.model.plants.modes import MAX_MODES, Modes
 from design.model.plants.pendulum import STANDARD_GRAVITY_M_S2, Pendulum
 from design.model.plants.scheduled import Scheduled
 from design.model.plants.spring_mass import SpringMass
-from schemas.base import PlantDamping, Positive, Wire, name_field
+from schemas.base import PlantDamping, Positive, Wire, WireOf, name_field
 
 
-class BareMode(Wire):
-    """One vibration mode in a list of modes."""
+class BareMode(WireOf[Mode]):
+    """One vibration mode in a list of them."""
+
+    RECORD = Mode
 
     natural_frequency_rad_s: Annotated[
         Positive, Field(description="Undamped natural frequency [rad/s].")
     ]
     damping_ratio: PlantDamping = 0.0
-
-    def to_design(self) -> Mode:
-        """Build the design record."""
-        return Mode(
-            natural_frequency_rad_s=self.natural_frequency_rad_s, damping_ratio=self.damping_ratio
-        )
 
 
 class ModeIn(BareMode):
@@ -53,8 +49,10 @@ class ModesIn(Wire):
         return built[0] if len(built) == 1 else Modes(modes=tuple(built))
 
 
-class PendulumIn(Wire):
+class PendulumIn(WireOf[Pendulum]):
     """A load on a cable, at small angles."""
+
+    RECORD = Pendulum
 
     kind: Literal["pendulum"]
     cable_length_m: Annotated[
@@ -65,30 +63,16 @@ class PendulumIn(Wire):
         STANDARD_GRAVITY_M_S2
     )
 
-    def to_design(self) -> Pendulum:
-        """Build the design record."""
-        return Pendulum(
-            cable_length_m=self.cable_length_m,
-            damping_ratio=self.damping_ratio,
-            gravity_m_s2=self.gravity_m_s2,
-        )
 
-
-class SpringMassIn(Wire):
+class SpringMassIn(WireOf[SpringMass]):
     """A load held by a spring."""
+
+    RECORD = SpringMass
 
     kind: Literal["spring_mass"]
     mass_kg: Annotated[Positive, Field(description="Mass of the load [kg].")]
     stiffness_n_m: Annotated[Positive, Field(description="Stiffness of the spring [N/m].")]
     damping_ratio: PlantDamping = 0.0
-
-    def to_design(self) -> SpringMass:
-        """Build the design record."""
-        return SpringMass(
-            mass_kg=self.mass_kg,
-            stiffness_n_m=self.stiffness_n_m,
-            damping_ratio=self.damping_ratio,
-        )
 
 
 class ScheduledIn(Wire):

@@ -21,8 +21,8 @@ from design.recommendations.requirements import (
 from schemas.actuators import ActuatorIn
 from schemas.base import PlantDamping, Positive, Wire, leave_out_none
 from schemas.impulses import ImpulsesWire
+from schemas.insensitivity import InsensitivityOut
 from schemas.plants import BareMode, PlantIn
-from schemas.sensitivity_curves import InsensitivityOut
 from schemas.warnings import WarningOut, Warnings
 
 

@@ -5,11 +5,11 @@ from typing import Annotated, Self
 from pydantic import Field
 
 from design.model.impulses import Impulses
-from design.sampling.sampled import Sampled
-from schemas.base import Wire
+from design.sampling.sampled import Sampled, Tried
+from schemas.base import OutOf, Wire
 
 
-class TriedOut(Wire):
+class TriedOut(OutOf[Tried]):
     """The best command of unity magnitude with one number of impulses."""
 
     impulses: int
@@ -84,13 +84,5 @@ class SampledOut(Wire):
             split_residual=sampled.split_residual,
             nearest_residual=sampled.nearest_residual,
             carried_residual=sampled.carried_residual,
-            tried=[
-                TriedOut.model_construct(
-                    impulses=one.impulses,
-                    duration_s=one.duration_s,
-                    residual=one.residual,
-                    compared=one.compared,
-                )
-                for one in sampled.tried
-            ],
+            tried=[TriedOut.from_design(one) for one in sampled.tried],
         )

@@ -2,54 +2,10 @@
 
 from typing import Annotated, Self
 
-from pydantic import Field
-
-from design.analysis.insensitivity import Insensitivity
 from design.analysis.sensitivity import Sensitivity
 from schemas.base import Wire, leave_out_none
-
-
-class InsensitivityOut(Wire):
-    """The interval around 1 on which the residual is within the tolerance."""
-
-    tolerance: float
-    lower_ratio: Annotated[
-        float | None, Field(description="Lower edge; null where the search found none [-].")
-    ]
-    upper_ratio: Annotated[
-        float | None, Field(description="Upper edge; null where the search found none [-].")
-    ]
-    width: Annotated[
-        float | None, Field(description="Upper edge less lower edge; null where either is [-].")
-    ]
-    searched_from_ratio: Annotated[
-        float,
-        Field(
-            description="Lower end of what is known to be within the tolerance: the edge, or "
-            "where the search for it ended [-]."
-        ),
-    ]
-    searched_to_ratio: Annotated[float, Field(description="Upper end of the same [-].")]
-
-    @classmethod
-    def from_design(cls, insensitivity: Insensitivity) -> Self:
-        """Wrap the design record."""
-        return cls.model_construct(
-            tolerance=insensitivity.tolerance,
-            lower_ratio=insensitivity.lower_ratio,
-            upper_ratio=insensitivity.upper_ratio,
-            width=insensitivity.width,
-            searched_from_ratio=insensitivity.searched_from_ratio,
-            searched_to_ratio=insensitivity.searched_to_ratio,
-        )
-
-
-class DampingOut(Wire):
-    """Residual over the damping ratio of the plant, at its natural frequency."""
-
-    damping_ratio: list[float]
-    residual: list[float]
-    worst: Annotated[float, Field(description="Largest residual of the curve's points [-].")]
+from schemas.damping import DampingOut
+from schemas.insensitivity import InsensitivityOut
 
 
 class SensitivityOut(Wire):

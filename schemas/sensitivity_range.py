@@ -4,29 +4,12 @@ from typing import Annotated
 
 from pydantic import Field
 
-from design.analysis.sensitivity_range import (
-    MAX_CURVE_POINTS,
-    RATIO_BOUNDS,
-    DampingRange,
-    SensitivityRange,
-)
-from schemas.base import PlantDamping, Wire
+from design.analysis.damping_curve import MAX_CURVE_POINTS
+from design.analysis.sensitivity_range import RATIO_BOUNDS, SensitivityRange
+from schemas.base import Wire
+from schemas.damping import DampingIn
 
 Ratio = Annotated[float, Field(ge=RATIO_BOUNDS[0], le=RATIO_BOUNDS[1])]
-
-
-class DampingIn(Wire):
-    """Which damping ratios the plant may have."""
-
-    from_: Annotated[PlantDamping, Field(alias="from", description="Least damping ratio [-].")]
-    to: Annotated[PlantDamping, Field(description="Largest damping ratio [-].")]
-    points: Annotated[int, Field(ge=2, le=MAX_CURVE_POINTS, description="Points of the curve.")] = (
-        101
-    )
-
-    def to_design(self) -> DampingRange:
-        """Build the design record."""
-        return DampingRange(start=self.from_, stop=self.to, points=self.points)
 
 
 class SensitivityIn(Wire):

@@ -63,36 +63,3 @@ class ShaperRequest(Wire):
             )
         names = [field.name for field in dataclasses.fields(self.shaper_kind().options)]
         return self.shaper_kind().options(**{name: getattr(self, name) for name in names})
-
-    def grid_tolerance(self) -> float | None:
-        """Return what a shaper may leave on samples before impulses are added.
-
-        None adds none.
-        """
-        if getattr(self, "settle", False):
-            return None
-        return SAMPLE_TOLERANCE if self.sample_tolerance is None else self.sample_tolerance
-
-    def continuous_options(self, reason: str) -> Any:  # noqa: ANN401
-        """Build the record of parameters where no sample grid is served.
-
-        Parameters
-        ----------
-        reason
-            Why not, to be read after "left out: ".
-
-        Returns
-        -------
-        Any
-            The kind's own options.
-
-        Raises
-        ------
-        InvalidInputError
-            If a sample time is given, or a parameter breaks its rule.
-        """
-        if self.sample_time_s is not None:
-            raise InvalidInputError(
-                "sample_time_s", self.sample_time_s, f"left out: {reason}", code="kind_not_sampled"
-            )
-        return self.options()

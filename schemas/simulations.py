@@ -7,11 +7,12 @@ import numpy as np
 from pydantic import Field
 
 from design.analysis.warnings import DesignWarning
+from design.checks import MAX_VALUE
 from design.errors import InvalidInputError
 from design.model import commands
 from design.model.impulses import Impulses
 from design.moves.playback import Motion, Swing
-from design.types import MAX_VALUE, FloatArray
+from design.types import FloatArray
 from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Wire, name_field
 from schemas.impulses import ImpulsesWire

@@ -28,6 +28,7 @@ from schemas.base import Wire, name_field
 from schemas.fits import FitIn
 from schemas.plants import PlantIn
 from schemas.pointers import path_of
+from schemas.samples import continuous_options
 from schemas.shapers import ShaperIn
 
 MAX_TABLE_AXIS_POINTS = 10_000_000
@@ -51,7 +52,7 @@ class TableDesign(Wire):
         with name_field("actuator"):
             actuator = self.actuator.to_design()
         with name_field("shaper"):
-            options = self.shaper.continuous_options(NO_TABLE_ON_SAMPLES)
+            options = continuous_options(self.shaper, NO_TABLE_ON_SAMPLES)
         return Subject(
             plant=plant, actuator=actuator, kind=self.shaper.shaper_kind(), options=options
         )

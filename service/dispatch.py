@@ -37,10 +37,8 @@ def answer(operation: str, body: bytes) -> Answer:
 
     Parameters
     ----------
-    operation
-        Name of the operation.
-    body
-        The request as JSON.
+    operation, body
+        Name of the operation, and the request as JSON.
 
     Returns
     -------
@@ -63,10 +61,8 @@ def respond(
 
     Parameters
     ----------
-    operation
-        Name of the operation, as in `OPERATIONS`.
-    body
-        The request as JSON.
+    operation, body
+        Name of the operation, as in `OPERATIONS`, and the request as JSON.
     asked
         Fields of the request that are set once it is read: by options of the command line.
 
@@ -88,21 +84,3 @@ def respond(
         return case.run(request.model_copy(update=asked) if asked else request)
     except DesignError as error:
         return problem_of_design(error)
-
-
-def answer_lines(operation: str, lines: list[bytes]) -> list[Answer]:
-    """Answer each line of a part of a batch.
-
-    Parameters
-    ----------
-    operation
-        Name of the operation.
-    lines
-        The requests as JSON.
-
-    Returns
-    -------
-    list of Answer
-        An answer to each, in order.
-    """
-    return [answer(operation, line) for line in lines]

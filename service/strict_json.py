@@ -9,11 +9,6 @@ from service.repeated_names import RepeatedNameError, first_repeated_name
 def loads(text: bytes | str) -> Any:  # noqa: ANN401
     """Return the value of a JSON text.
 
-    Parameters
-    ----------
-    text
-        The JSON.
-
     Returns
     -------
     Any

@@ -12,11 +12,22 @@ from pathlib import Path
 from typing import Any
 
 import httpx
+import hypothesis
 import pytest
 
+from tests.patience import PATIENT_S
 from tests.pointers import require_pointers
 
-START_WAIT_S = 300.0
+hypothesis.settings.register_profile(
+    "patient",
+    derandomize=True,
+    deadline=None,
+    suppress_health_check=[hypothesis.HealthCheck.too_slow],
+)
+hypothesis.settings.load_profile("patient")
+
+PATIENT = {"time_limit_s": PATIENT_S, "batch_limit_s": PATIENT_S, "export_limit_s": PATIENT_S}
+"""Settings of a service whose limits no test meets."""
 
 CRANE: dict[str, Any] = {
     "plant": {"kind": "pendulum", "cable_length_m": 0.8, "gravity_m_s2": 9.81},
@@ -48,7 +59,7 @@ class Running:
         return self.log.parent / "data"
 
     def client(self) -> httpx.Client:
-        return httpx.Client(base_url=self.address, timeout=600.0, trust_env=False)
+        return httpx.Client(base_url=self.address, timeout=PATIENT_S, trust_env=False)
 
 
 def free_port() -> int:
@@ -61,8 +72,12 @@ def free_port() -> int:
 def running_service(
     log: Path, *, command: tuple[str, ...] = (sys.executable, "-m", "service"), **settings: Any
 ) -> Iterator[Running]:
-    """Start a service, wait until it is ready, and end it."""
+    """Start a service, wait until it is ready, and end it.
+
+    What is tested is an answer, not when it comes: it has all the time that settings leave it.
+    """
     port = free_port()
+    settings = PATIENT | settings
     environment = {
         **os.environ,
         "SHAPERSMITH_DATA_DIR": str(log.parent / "data"),
@@ -79,11 +94,11 @@ def running_service(
     finally:
         if process.poll() is None:
             process.terminate()
-        process.wait(120)
+        process.wait(2 * PATIENT_S)  # what runs may take as long as its limit
 
 
 def wait_until_ready(service: Running) -> None:
-    deadline = time.monotonic() + START_WAIT_S
+    deadline = time.monotonic() + PATIENT_S
     with service.client() as client:
         while True:
             try:
@@ -96,15 +111,10 @@ def wait_until_ready(service: Running) -> None:
             time.sleep(0.05)
 
 
-PATIENT_S = 600
-"""Time limit of a request to the service that the tests share [s]."""
-
-
 @pytest.fixture(scope="session")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
     log = tmp_path_factory.mktemp("service") / "log"
-    # What is tested is an answer, not when it comes: the machine may be busy.
-    with running_service(log, workers=2, time_limit_s=PATIENT_S) as running:
+    with running_service(log, workers=2) as running:
         yield running
 
 

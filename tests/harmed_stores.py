@@ -7,9 +7,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from tests.patience import PATIENT_S
+
 
 def _hold(file: str, kind: str, held: Any, let_go: Any) -> None:
-    connection = sqlite3.connect(file, isolation_level=None, timeout=120)
+    connection = sqlite3.connect(file, isolation_level=None, timeout=PATIENT_S)
     connection.execute(f"BEGIN {kind}")
     held.set()
     let_go.wait()
@@ -23,11 +25,11 @@ def hold_locked(file: Path, kind: str) -> Iterator[None]:
     process = context.Process(target=_hold, args=(str(file), kind, held, let_go))
     process.start()
     try:
-        assert held.wait(120)
+        assert held.wait(PATIENT_S)
         yield
     finally:
         let_go.set()
-        process.join(120)
+        process.join(PATIENT_S)
 
 
 def delete(file: Path) -> None:

@@ -7,6 +7,7 @@ import sqlalchemy as sa
 from schemas.tables import sha256_of
 from service.jobs.records import Done, NewJob
 from service.jobs.schema import CHUNKS, JOBS
+from service.jobs.store import Store
 
 HOUR_S = 3600.0
 """A silence that no test comes to by itself, however slow the machine is [s]."""
@@ -50,6 +51,17 @@ def count_chunks(url: str, job: str) -> int:
         found = int(connection.scalar(wanted) or 0)
     engine.dispose()
     return found
+
+
+def state_of(store: Store, one: str) -> str:
+    found = store.job(one)
+    return "gone" if found is None else found.state
+
+
+def erase(store: Store) -> None:
+    """Erase what there is to erase, as the service's cleaner does."""
+    for one in store.jobs_to_erase():
+        store.erase(one)
 
 
 def change_jobs(url: str, **values: object) -> None:

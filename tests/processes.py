@@ -9,9 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from tests.conftest import Running
-
-HUNG_S = 120.0
-"""Ends a test that hangs; none is judged by it [s]."""
+from tests.patience import PATIENT_S
 
 Found = TypeVar("Found")
 
@@ -105,7 +103,7 @@ def _pids() -> list[int]:
 
 def until(found: Callable[[], Found], what: str) -> Found:
     """Return what comes to be, however slow the machine is."""
-    hung = time.monotonic() + HUNG_S
+    hung = time.monotonic() + PATIENT_S
     while not (one := found()):
         assert time.monotonic() < hung, what
         time.sleep(0.02)

@@ -18,8 +18,10 @@ from design.shapers.ei import ToleranceOptions
 from design.shapers.negative import NegativeOptions
 from design.shapers.numei import HumpOptions
 from design.shapers.numsi import UnityBandOptions
-from design.shapers.options import NoOptions, PeakOptions, SettleOptions
+from design.shapers.options import NoOptions
+from design.shapers.peak_options import PeakOptions
 from design.shapers.positive import MzvOptions
+from design.shapers.settle_options import SettleOptions
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions
 

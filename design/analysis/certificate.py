@@ -5,16 +5,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from design.analysis.band import largest_in_band
+from design.analysis.derivatives import POLYNOMIAL_FROM, polynomial_derivatives, polynomial_nodes
 from design.claims import ZERO_LIMITS, Promise, Quantity
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
 from design.model.plants.mode import Mode
-from design.response.matrix_exponential import exponentials
 from design.response.simulation import ringing_after
+from design.response.swinging_state import swinging_state
 from design.types import ComplexArray, FloatArray
 
 TOLERANCE_MARGIN = 1e-9
@@ -35,19 +35,6 @@ ORDERS: dict[Quantity, int] = {
 }
 """What is taken at one frequency, and its order as a derivative."""
 
-POLYNOMIAL_FROM = 2
-"""Highest order asked for from which all derivatives are those of one polynomial."""
-
-NODES = 17
-REACH_RAD = 1.0
-MAX_REACH = 0.3
-"""Frequencies of that polynomial; the turn of the last phase from the middle one to the ends, which
-are at most a third away.
-
-Of a vibration that turns by phase p the third derivative is off by less than 1e-15 p^3 by the
-polynomial's degree, and by up to 1e-11 p^3 by rounding in what is simulated.
-"""
-
 METHOD = (
     "state of actuator and mode carried from step to step by matrix exponential; "
     "derivatives from the same at frequencies beside its own"
@@ -56,27 +43,15 @@ METHOD = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Claim:
-    """One promise of a shaper, with the value found for it.
+    """One promise of a shaper, with the value found for it."""
 
-    Attributes
-    ----------
-    quantity
-        ``residual`` [-]; ``slope`` and the higher derivatives: its vector's change per relative
-        change of frequency [-]; ``band``: the largest residual over the band [-].
-    value
-        As recomputed [-].
-    limit
-        The claim holds if ``value <= limit`` [-], a tolerance with a margin of rounding.
-    mode
-        Number of the plant's mode that it is about, from 0.
-    band
-        Ends of the band, ratios of the mode's frequency [-]; None except for ``band``.
-    """
-
+    # ``residual`` [-]; ``slope`` and the higher derivatives: its vector's change per relative
+    # change of frequency [-]; ``band``: the largest residual over the band [-]
     quantity: Quantity
-    value: float
-    limit: float
-    mode: int = 0
+    value: float  # As recomputed [-]
+    limit: float  # The claim holds if ``value <= limit`` [-], a tolerance with a margin of rounding
+    mode: int = 0  # Number of the plant's mode that it is about, from 0
+    # Ends of the band, ratios of the mode's frequency [-]; None except for ``band``
     band: tuple[float, float] | None = None
 
     @property
@@ -124,14 +99,10 @@ def certify(
 
     Parameters
     ----------
-    impulses
-        The shaper.
-    mode, actuator
-        What it was designed for.
-    promises
-        What it claims.
-    swing
-        What the payload swings already at the first step; it is not part of a band.
+    impulses, mode, actuator
+        The shaper, and what it was designed for.
+    promises, swing
+        What it claims; what the payload swings already at the first step, no part of a band.
 
     Returns
     -------
@@ -141,13 +112,16 @@ def certify(
     quantities = {promise.quantity for promise in promises}
     lasting_s = impulses.duration_s + (0.0 if swing is None else swing.delay_s)
     phase = max(1.0, mode.natural_frequency_rad_s * lasting_s)
-    step, reach = STEP_PHASE_RAD / phase, min(REACH_RAD / phase, MAX_REACH)
+    step = STEP_PHASE_RAD / phase
     highest = max((ORDERS.get(name, 0) for name in quantities), default=0)
-    beside = [np.zeros(0), step * np.array([-1.0, 1.0]), reach * chebyshev.chebpts1(NODES)]
-    logarithms = np.concatenate(([0.0], beside[min(highest, POLYNOMIAL_FROM)]))
+    reach = 0.0
+    beside: FloatArray = step * np.array([-1.0, 1.0]) if highest else np.zeros(0)
+    if highest >= POLYNOMIAL_FROM:
+        reach, beside = polynomial_nodes(phase)
+    logarithms = np.concatenate(([0.0], beside))
     ratios = np.exp(logarithms)
     denominators = _Denominators.of(impulses, mode, actuator)
-    initial = None if swing is None else _initial_state(swing, mode, ratios)
+    initial = None if swing is None else swinging_state(swing, mode, ratios)
     ringing, unit = ringing_after(
         impulses, actuator, mode.natural_frequency_rad_s * ratios, mode.damping_ratio, initial
     )
@@ -157,11 +131,7 @@ def certify(
     entire = vectors * denominators.at(ratios)
     derivatives = [entire[0]]
     if highest >= POLYNOMIAL_FROM:
-        series = chebyshev.chebfit(chebyshev.chebpts1(NODES), entire[1:], NODES - 1)
-        derivatives += [
-            chebyshev.chebval(0.0, chebyshev.chebder(series, order, scl=1 / reach))
-            for order in range(1, highest + 1)
-        ]
+        derivatives += polynomial_derivatives(entire[1:], reach, highest)
     elif highest:
         derivatives.append((entire[2] - entire[1]) / (2 * step))
     quotients = denominators.divide(derivatives)
@@ -191,13 +161,9 @@ class _Denominators:
 
     The vibration V has the poles of the sets. One near the mode's own bends V so much that no
     polynomial through some frequencies follows, nor does a difference; V D has none and is smooth.
-
-    Attributes
-    ----------
-    coefficients
-        Of the powers of the frequency's ratio to its nominal, ascending [-].
     """
 
+    # Of the powers of the frequency's ratio to its nominal, ascending [-]
     coefficients: list[complex]
 
     @classmethod
@@ -251,16 +217,10 @@ def certify_modes(
 
     Parameters
     ----------
-    impulses
-        The shaper.
-    modes
-        The modes of the plant, by the numbers that promises have.
-    actuator
-        What it was designed for.
-    promises
-        What it claims, each of one mode.
-    swing
-        What the payload swings already at the first step.
+    impulses, modes, actuator
+        The shaper, and what it was designed for; modes by the numbers that promises have.
+    promises, swing
+        As of `certify`.
 
     Returns
     -------
@@ -272,21 +232,3 @@ def certify_modes(
         own = tuple(promise for promise in promises if promise.mode == number)
         claims += certify(impulses, mode, actuator, own, swing).claims
     return Certificate(claims=tuple(claims))
-
-
-def _initial_state(swing: FreeSwing, mode: Mode, ratios: FloatArray) -> FloatArray:
-    """Return ``q, q'/w`` of the mode at each ratio of frequencies, shape (f, 2).
-
-    The deflection is ``-q'/w^2``, and its rate ``q - v + 2 z q'/w``, at v = 0. During the dead time
-    of the actuator it moves freely.
-    """
-    z, w = mode.damping_ratio, mode.natural_frequency_rad_s * ratios
-    deflection, rate = np.multiply.outer(
-        (swing.deflection_s, swing.rate), ratios**swing.frequency_power
-    )
-    turned = -w * deflection
-    state = np.column_stack((rate - 2 * z * turned, turned))
-    free = np.array([[0.0, 1.0], [-1.0, -2 * z]])
-    freely: FloatArray = exponentials(swing.delay_s * w[:, None, None] * free)
-    moved: FloatArray = (freely @ state[..., None])[..., 0]
-    return moved

@@ -1,6 +1,6 @@
 """What claims found, in words."""
 
-from design.analysis.certificate import Claim
+from design.analysis.certificate import Certificate, Claim
 
 IN_WORDS = {
     "residual": "the residual is {value}",
@@ -38,3 +38,13 @@ def _in_words(claim: Claim, modes: int) -> str:
     if modes > 1:
         found += f" in mode {claim.mode}"
     return found + ("" if claim.is_zero else f", above {100 * claim.limit:.4g} %")
+
+
+def shortfall_of(certificate: Certificate | None) -> str:
+    """Return what does not hold, in words."""
+    claims = () if certificate is None else certificate.claims
+    return ", ".join(
+        f"the {claim.quantity} is {claim.value:.3g}, allowed {claim.limit:g}"
+        for claim in claims
+        if not claim.holds
+    )

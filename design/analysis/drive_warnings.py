@@ -25,12 +25,10 @@ def drive_warnings(
 
     Parameters
     ----------
-    command
-        The steps that are sent.
+    command, actuator
+        The steps that are sent, and the drive that is given.
     modes
         The modes of the plant, of which the fastest asks most of the drive.
-    actuator
-        The drive that is given.
 
     Yields
     ------

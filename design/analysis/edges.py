@@ -35,10 +35,8 @@ def step_outward(start: float, end: float, step: float) -> FloatArray:
 
     Parameters
     ----------
-    start
-        Ratio that was looked at last [-].
-    end
-        Where the search ends, above the start or below it [-].
+    start, end
+        Ratio that was looked at last, and where the search ends, above it or below [-].
     step
         Longest step [-].
 
@@ -98,16 +96,11 @@ def find_edge(
 
     Parameters
     ----------
-    excess
-        Residual less the limit.
-    ratios
-        The first stretch, with the neighbour of 1 on the other side ahead of it, shape (m,) [-].
-    values
-        The excess there, shape (m,) [-].
-    end
-        Ratio at which the search ends [-].
-    step
-        Longest step between ratios [-].
+    excess, end, step
+        Residual less the limit; ratio at which the search ends; longest step between ratios [-].
+    ratios, values
+        The first stretch, with the neighbour of 1 on the other side ahead of it, and the excess
+        there, shape (m,) each [-].
 
     Returns
     -------

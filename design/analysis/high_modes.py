@@ -1,7 +1,7 @@
 """How much a shaper excites modes above the one that it was designed for."""
 
 from design.analysis.peaks import largest_between
-from design.analysis.sensitivity import residual_curve
+from design.analysis.residuals_of_many import residual_curve
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode

@@ -27,23 +27,15 @@ RATIO_LIMITS = (1e-3, 100.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Insensitivity:
-    """The interval of frequency ratios around 1 on which the residual is within a tolerance.
+    """The interval of frequency ratios around 1 on which the residual is within a tolerance."""
 
-    Attributes
-    ----------
-    tolerance
-        The tolerance [-].
-    lower_ratio, upper_ratio
-        Edges of the connected interval that contains 1 [-]; None where the residual is within the
-        tolerance as far as was searched.
-    searched_from_ratio, searched_to_ratio
-        Between them the residual is within the tolerance: the edges, or where the search for one
-        ended without [-].
-    """
-
-    tolerance: float
+    tolerance: float  # The tolerance [-]
+    # Edges of the connected interval that contains 1 [-]; None where the residual is within the
+    # tolerance as far as was searched
     lower_ratio: float | None
     upper_ratio: float | None
+    # Between them the residual is within the tolerance: the edges, or where the search for one
+    # ended without [-]
     searched_from_ratio: float
     searched_to_ratio: float
 
@@ -65,20 +57,15 @@ def insensitivity(
 ) -> Insensitivity | None:
     """Return the interval around 1 with the residual within a tolerance.
 
-    The interval is connected.
-
-    Either edge is bracketed by a scan outward from 1, fine against the turn of the last impulse
-    and with its near-misses looked at again, and then root-found, unless it is proven that there is
-    none. The scan does not depend on any
-    plotted grid; it ends at `RATIO_LIMITS`, or after `MAX_SCAN_POINTS`, and says where it ended
-    without an edge.
+    The interval is connected. Either edge is bracketed by a scan outward from 1, fine against the
+    turn of the last impulse and with its near-misses looked at again, and then root-found, unless
+    it is proven that there is none. The scan does not depend on any plotted grid; it ends at
+    `RATIO_LIMITS`, or after `MAX_SCAN_POINTS`, and says where it ended without an edge.
 
     Parameters
     ----------
-    impulses
-        The command.
-    mode, actuator
-        The nominal mode and its actuator.
+    impulses, mode, actuator
+        The command, the nominal mode and its actuator.
     tolerance
         Largest residual, > 0 [-].
 

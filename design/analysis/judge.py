@@ -20,24 +20,15 @@ from design.model.plants.mode import Mode
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Judgement:
-    """What a command does, held against what is claimed of it.
+    """What a command does, held against what is claimed of it."""
 
-    Attributes
-    ----------
-    certificate
-        The claims, recomputed: for the actuator given if all of them hold there.
-    for_ideal
-        Whether the certificate is for the actuator that the command was designed for, an ideal one,
-        in place of the one given.
-    residuals
-        Residual vibration of each mode with the actuator given [-].
-    warnings
-        One for the claims that do not hold with the actuator given, if there are any.
-    """
-
+    # The claims, recomputed: for the actuator given if all of them hold there
     certificate: Certificate
+    # Whether the certificate is for the actuator that the command was designed for, an ideal one,
+    # in place of the one given
     for_ideal: bool
-    residuals: tuple[float, ...]
+    residuals: tuple[float, ...]  # Residual vibration of each mode with the actuator given [-]
+    # One for the claims that do not hold with the actuator given, if there are any
     warnings: tuple[DesignWarning, ...]
 
     @property
@@ -60,14 +51,11 @@ def judge(
 
     Parameters
     ----------
-    command
-        The steps that are sent: a shaper, a whole command, a program as it is played.
-    modes
-        The modes of the plant.
-    actuator
-        The drive that is given.
-    promises
-        What is promised of the command, each with a limit.
+    command, modes
+        The steps that are sent, a shaper, a whole command or a program as it is played; the modes
+        of the plant.
+    actuator, promises
+        The drive that is given; what is promised of the command, each with a limit.
     name
         What the command is called in a warning.
     designed_for
@@ -112,14 +100,4 @@ def judge(
         for_ideal=for_ideal,
         residuals=tuple(residual_vibration(command, mode, actuator, swing) for mode in modes),
         warnings=warnings,
-    )
-
-
-def shortfall_of(certificate: Certificate | None) -> str:
-    """Return what does not hold, in words."""
-    claims = () if certificate is None else certificate.claims
-    return ", ".join(
-        f"the {claim.quantity} is {claim.value:.3g}, allowed {claim.limit:g}"
-        for claim in claims
-        if not claim.holds
     )

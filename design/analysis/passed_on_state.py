@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from design.model.reference_ramps import Reference
+from design.model.ramps import Reference
 from design.response.closed_form import LagStates
 from design.types import FloatArray
 

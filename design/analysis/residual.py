@@ -4,12 +4,12 @@ import cmath
 
 import numpy as np
 
+from design.analysis.terms import swing_over_step
 from design.analysis.vectors import residual_vectors
-from design.model.actuators.registry import Actuator, unit_ramps_s
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
 from design.model.plants.mode import Mode
-from design.model.reference_ramps import ramp_factors
 
 
 def residual_vibration(
@@ -24,10 +24,8 @@ def residual_vibration(
 
     Parameters
     ----------
-    impulses
-        The command.
-    mode, actuator
-        The mode and its drive; no set may have its own pole at the mode's.
+    impulses, mode, actuator
+        The command, the mode and its drive; no set may have its own pole at the mode's.
     swing
         What the payload swings already at the first step; None for a plant at rest.
 
@@ -49,24 +47,3 @@ def residual_vibration(
         turn = cmath.exp(mode.pole_rad_s * impulses.duration_s)
         vector += turn * swing_over_step(swing, mode, actuator)
     return float(abs(vector))
-
-
-def swing_over_step(swing: FreeSwing, mode: Mode, actuator: Actuator) -> complex:
-    """Return the vector of a swing over that of the unshaped step [-].
-
-    Parameters
-    ----------
-    swing
-        What the payload swings already, over the speed.
-    mode, actuator
-        The mode and its drive.
-
-    Returns
-    -------
-    complex
-        At the first step [-].
-    """
-    pole = mode.pole_rad_s
-    rise_s, _ = unit_ramps_s(actuator)
-    ramp = complex(ramp_factors(np.array(pole), np.array(rise_s)))
-    return swing.vector(mode) * actuator.accel_lag.denominator(pole) / ramp

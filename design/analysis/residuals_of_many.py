@@ -12,7 +12,9 @@ from design.model.actuators.model import Model
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import SAME_TIME, Impulses
-from design.model.reference_ramps import Reference, ramp_factors, reference
+from design.model.plants.mode import Mode
+from design.model.ramps import Reference, ramp_factors
+from design.model.reference_ramps import reference
 from design.response.closed_form import lag_states, states_of
 from design.types import ComplexArray, FloatArray
 
@@ -145,3 +147,27 @@ def residuals_of_cases(
     sums = (swings[:, None, :] @ columns.astype(np.complex128))[:, 0]
     below = 1 + s * (first_s + s * second_s2)
     return np.abs(join_over_accel(sums, poles_rad_s, below[:, 0], below[:, 1]))
+
+
+def residual_curve(
+    impulses: Impulses, mode: Mode, actuator: Actuator, frequency_ratios: FloatArray
+) -> FloatArray:
+    """Return the residual at each ratio of true and nominal frequency.
+
+    Damping ratio and times stay; the pole and the normalising step move along.
+
+    Parameters
+    ----------
+    impulses
+        The command.
+    mode, actuator
+        The nominal mode and its actuator.
+    frequency_ratios
+        True frequency over the nominal one, shape (m,), > 0 [-].
+
+    Returns
+    -------
+    FloatArray
+        Residual vibration, shape (m,) [-].
+    """
+    return np.abs(residual_vectors(impulses, mode.pole_rad_s * frequency_ratios, actuator))

@@ -1,64 +1,26 @@
-"""Which part of a sensitivity curve is wanted, over the frequency and over the damping ratio."""
+"""Which part of a sensitivity curve is wanted."""
 
 from dataclasses import dataclass
 
+from design.analysis.damping_curve import MAX_CURVE_POINTS, DampingRange
+from design.checks import require_between
 from design.errors import InvalidInputError
-from design.model.plants.mode import MAX_DAMPING_RATIO
-from design.types import require_between
-
-MAX_CURVE_POINTS = 20_001
-"""Longest curve, a bound on the work of one request."""
 
 RATIO_BOUNDS = (1e-6, 1e6)
 """Frequency ratios of a curve [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DampingRange:
-    """Which damping ratios the plant may have.
-
-    Attributes
-    ----------
-    start, stop
-        Least and largest, ``0 <= start < stop <= 0.99`` [-].
-    points
-        Number of points, 2 to 20,001.
-    """
-
-    start: float
-    stop: float
-    points: int = 101
-
-    def __post_init__(self) -> None:
-        require_between("damping.from", self.start, 0.0, MAX_DAMPING_RATIO)
-        require_between("damping.to", self.stop, 0.0, MAX_DAMPING_RATIO)
-        if self.stop <= self.start:
-            raise InvalidInputError(
-                "damping.to", self.stop, f"greater than from, {self.start!r}", code="range_reversed"
-            )
-        require_between("damping.points", self.points, 2, MAX_CURVE_POINTS)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class SensitivityRange:
-    """What part of the curve is wanted.
+    """What part of the curve is wanted."""
 
-    Attributes
-    ----------
-    from_ratio, to_ratio
-        First and last frequency ratio, ``0 < from < to`` [-].
-    points
-        Number of points, 2 to 20,001.
-    tolerance
-        Residual at which the insensitivity is reported, 0 to 1, both excluded [-].
-    damping
-        Range of a curve over the damping ratio; None for no such curve.
-    """
-
+    # First and last frequency ratio, ``0 < from < to`` [-]
     from_ratio: float = 0.5
     to_ratio: float = 1.5
-    points: int = 201
+    points: int = 201  # Number of points, 2 to 20,001
+    # Residual at which the insensitivity is reported, 0 to 1, both excluded [-]
     tolerance: float = 0.05
+    # Range of a curve over the damping ratio; None for no such curve
     damping: DampingRange | None = None
 
     def __post_init__(self) -> None:

@@ -8,7 +8,8 @@ from design.analysis.passed_on_state import pass_on_state
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.reference_ramps import Reference, reference
+from design.model.ramps import Reference
+from design.model.reference_ramps import reference
 from design.response.closed_form import states_of
 from design.types import FloatArray
 
@@ -19,23 +20,15 @@ class StepContributions:
 
     ``V exp(s t_n) = sum (gain_i + s rate_i) G(s) exp(s (t_n - t_i))``, over both sets; the height
     of a ramp counts ``(1 - exp(-s T)) / (s T)`` times.
-
-    Attributes
-    ----------
-    until_last_s
-        Time from each change to the command's last step, shape (n,) [s].
-    columns
-        Gains by the acceleration set, by the deceleration set, then, if there are any, their rates,
-        shape (n, 2) or (n, 4).
-    ramps_s
-        Durations of the ramps, shape (n,); None where all are steps [s].
-    heights
-        Gains that are a ramp's height and not in ``columns``, shape (n, 2); None for steps.
     """
 
-    until_last_s: FloatArray
+    until_last_s: FloatArray  # Time from each change to the command's last step, shape (n,) [s]
+    # Gains by the acceleration set, by the deceleration set, then, if there are any, their rates,
+    # shape (n, 2) or (n, 4)
     columns: FloatArray
+    # Durations of the ramps, shape (n,); None where all are steps [s]
     ramps_s: FloatArray | None = None
+    # Gains that are a ramp's height and not in ``columns``, shape (n, 2); None for steps
     heights: FloatArray | None = None
 
 
@@ -47,10 +40,8 @@ def step_contributions(impulses: Impulses, actuator: Actuator) -> StepContributi
 
     Parameters
     ----------
-    impulses
-        The command.
-    actuator
-        The actuator, of either model, with limits or without.
+    impulses, actuator
+        The command, and the actuator, of either model, with limits or without.
 
     Returns
     -------

@@ -4,7 +4,7 @@ import numpy as np
 
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.plants.mode import Mode
-from design.model.reference_ramps import ramp_factors
+from design.model.ramps import ramp_factors
 
 
 def unshaped_gain(mode: Mode, actuator: Actuator) -> float:

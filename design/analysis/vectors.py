@@ -8,7 +8,7 @@ from design.analysis.step_contributions import step_contributions
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
-from design.model.reference_ramps import ramp_factors
+from design.model.ramps import ramp_factors
 from design.types import ComplexArray
 
 MIN_DENOMINATOR = 1e-12
@@ -22,12 +22,10 @@ def residual_vectors(
 
     Parameters
     ----------
-    impulses
-        The command.
+    impulses, actuator
+        The command and the actuator.
     poles_rad_s
         Upper poles of the modes, shape (m,) [rad/s].
-    actuator
-        The actuator.
 
     Returns
     -------
@@ -53,14 +51,10 @@ def evenly_spaced_vectors(
 
     Parameters
     ----------
-    impulses
-        The command.
-    first_rad_s, last_rad_s
-        Poles at the ends of the line, both among the points [rad/s].
-    points
-        Number of poles m, >= 2.
-    actuator
-        The actuator.
+    impulses, actuator
+        The command and the actuator.
+    first_rad_s, last_rad_s, points
+        Poles at the ends of the line, both among the m points, m >= 2 [rad/s].
 
     Returns
     -------
@@ -85,10 +79,8 @@ def join_sets(sums: ComplexArray, poles_rad_s: ComplexArray, actuator: Actuator)
 
     Parameters
     ----------
-    sums
-        Gains by either set, then, if there are any, their rates: shape (m, 2) or (m, 4) [-], [s].
-    poles_rad_s
-        Upper poles, shape (m,) or (1,) [rad/s].
+    sums, poles_rad_s
+        As of `join_over_accel`.
     actuator
         The actuator.
 

@@ -4,10 +4,10 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+from design.checks import require_between
 from design.errors import InvalidInputError
 from design.fields import vary
 from design.model.plants.registry import Plant
-from design.types import require_between
 
 Field = Literal["natural_frequency_rad_s", "cable_length_m", "damping_ratio"]
 

@@ -7,35 +7,13 @@ import numpy as np
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
+from design.model.settling import settling_time_s
 from design.types import FloatArray
 
 PERIOD_RAD = 2 * math.pi
 
 MIN_GAP_RAD = 1e-6
 """Keeps the impulses in order; a thousandth of a degree of swing [rad]."""
-
-LAST_PULSE_VANISHES = (
-    f"its last pulse is shorter than {MIN_GAP_RAD:g} rad, the shortest gap of two impulses"
-)
-"""What becomes of steps up and down in turn as damping grows: early swings decay by themselves."""
-
-
-def damped_periods(mode: Mode, periods: float) -> float:
-    """Return in undamped periods how long some damped ones are [-].
-
-    Parameters
-    ----------
-    mode
-        The mode.
-    periods
-        Number of damped periods [-].
-
-    Returns
-    -------
-    float
-        Number of undamped periods [-].
-    """
-    return periods / math.sqrt(1 - mode.damping_ratio**2)
 
 
 def settling_gaps_rad(mode: Mode, actuator: Actuator, impulses: int, *, settle: bool) -> FloatArray:
@@ -48,10 +26,8 @@ def settling_gaps_rad(mode: Mode, actuator: Actuator, impulses: int, *, settle: 
     ----------
     mode, actuator
         The plant's mode and its drive.
-    impulses
-        Number of impulses n.
-    settle
-        Whether each step must settle.
+    impulses, settle
+        Number of impulses n, and whether each step must settle.
 
     Returns
     -------
@@ -62,7 +38,7 @@ def settling_gaps_rad(mode: Mode, actuator: Actuator, impulses: int, *, settle: 
     ramps = unit_ramps_s(actuator)
     settling = (0.0, 0.0)
     if settle:
-        settling = actuator.accel_lag.settling_time_s(), actuator.decel_lag.settling_time_s()
+        settling = settling_time_s(actuator.accel_lag), settling_time_s(actuator.decel_lag)
     shortest = [
         max(MIN_GAP_RAD, w * (ramp_s + settling_s))
         for ramp_s, settling_s in zip(ramps, settling, strict=True)
@@ -79,10 +55,8 @@ def of_gaps(
     ----------
     gaps_rad
         Gaps between the impulses times the natural frequency, shape (n - 1,) [rad].
-    natural_frequency_rad_s
-        Turns them into times [rad/s].
-    amplitudes
-        Amplitudes of the impulses, shape (n,) [-].
+    natural_frequency_rad_s, amplitudes
+        Turns them into times [rad/s]; heights of the impulses, shape (n,) [-].
 
     Returns
     -------

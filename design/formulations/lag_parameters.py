@@ -6,7 +6,7 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.lag_motions import ramp_responses
 from design.model.plants.mode import Mode
-from design.model.reference_ramps import ramp_factors
+from design.model.ramps import ramp_factors
 from design.types import FloatArray
 
 

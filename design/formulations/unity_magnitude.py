@@ -5,7 +5,7 @@ All is dimensionless: phases are times the plant's natural frequency, lags are s
 
 from dataclasses import dataclass
 
-from design.formulations.equations import Expressions
+from design.formulations.expressions import Expressions
 from design.formulations.lag_parameters import LAG_PARAMETERS
 from design.formulations.symbolic import alternating_steps, with_slopes, with_swing
 

@@ -10,32 +10,13 @@ from design.errors import InfeasibleDesignError
 from design.formulations.equations import GapProblem, Seed
 from design.formulations.gaps import MIN_GAP_RAD, PERIOD_RAD, settling_gaps_rad
 from design.formulations.lag_parameters import decel_over_accel, lag_parameters, switched_order
+from design.formulations.published_times import ZV_POLYNOMIALS, ZVD_POLYNOMIALS
 from design.formulations.unity_magnitude import UnityMagnitude
 from design.formulations.vector_diagram import undamped_seeds
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.types import FloatArray
-
-ZV_POLYNOMIALS = (
-    (0.16724, 0.27242, 0.20345, 0.0),
-    (0.33323, 0.00533, 0.17914, 0.20125),
-)
-"""UMZV times over T, rows t2 and t3, ascending powers of the damping ratio [1]_."""
-
-ZVD_POLYNOMIALS = (
-    (0.08945, 0.28411, 0.23013, 0.16401),
-    (0.36613, -0.08833, 0.24048, 0.17001),
-    (0.64277, 0.29103, 0.23262, 0.43784),
-    (0.73228, 0.00992, 0.49385, 0.38633),
-)
-"""UMZVD times over T, rows t2 to t5, ascending powers of the damping ratio [1]_.
-
-References
-----------
-.. [1] W. Singhose, W. Seering, N. Singer, "Time-optimal negative input shapers", J. Dyn. Sys.,
-   Meas., Control 119 (1997); Kim 2011, table 3-1.
-"""
 
 
 def alternating(impulses: int) -> FloatArray:
@@ -57,14 +38,11 @@ def unity_magnitude_problem(
 
     Parameters
     ----------
-    model
-        Number of impulses and order of the equations.
-    mode, actuator
-        The plant's mode and its drive.
-    settle
-        Whether each step must settle to 80 % before the next.
-    max_duration_periods
-        Longest shaper in undamped periods [-].
+    model, mode, actuator
+        Number of impulses and order of the equations; the plant's mode and its drive.
+    settle, max_duration_periods
+        Whether each step must settle to 80 % before the next; longest shaper in undamped periods
+        [-].
     amplitudes
         Heights, +1, -1, +1, ... if not given. Of three others the undamped triangle is the seed.
     seeds

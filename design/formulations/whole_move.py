@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.formulations.equations import Expressions, GapProblem, Seed
+from design.formulations.equations import GapProblem, Seed
+from design.formulations.expressions import Expressions
 from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
 from design.formulations.lag_parameters import LAG_PARAMETERS, lag_parameters, switched_order
 from design.formulations.symbolic import alternating_steps, with_slopes, with_swing

@@ -3,6 +3,7 @@
 import numpy as np
 
 from design.analysis.unshaped import unshaped_deflection_s
+from design.checks import require_scale
 from design.errors import InvalidInputError
 from design.fields import Axis, vary
 from design.formulations.lag_parameters import decel_over_accel
@@ -11,7 +12,7 @@ from design.maps.commands import drive_designed_for
 from design.maps.held import residuals_of_held, residuals_of_re_timed
 from design.maps.map_case import OF_ACTUATORS, OF_DESIGNS, Cell, Map, MapCase, Recipe
 from design.maps.of_designs import quantities_of_designs
-from design.types import FloatArray, require_scale
+from design.types import FloatArray
 
 MAX_CELLS = 20_000
 """Largest map of a command that is held, or of gains [cells]."""

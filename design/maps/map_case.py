@@ -3,13 +3,14 @@
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from design.checks import require_scale
 from design.model.actuators.model import Model
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
-from design.types import FloatArray, require_scale
+from design.types import FloatArray
 
 Quantity = Literal[
     "residual", "deflection_m", "times_s", "duration_s", "branch", "alpha", "beta_rad"

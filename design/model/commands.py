@@ -2,9 +2,11 @@
 
 import numpy as np
 
+from design.checks import MAX_VALUE, MIN_VALUE, require_between
 from design.errors import InvalidInputError
 from design.model.impulses import Impulses
-from design.types import MAX_VALUE, MIN_VALUE, FloatArray, require_between
+from design.model.merging import merged
+from design.types import FloatArray
 
 
 def step() -> Impulses:
@@ -79,7 +81,7 @@ def command_of_velocities(times_s: FloatArray, velocities: FloatArray) -> Impuls
             "not all zero, the last at each time",
             code="velocities_all_zero",
         )
-    return Impulses(times_s=times_s, amplitudes=np.diff(velocities, prepend=0.0)).merge()
+    return merged(Impulses(times_s=times_s, amplitudes=np.diff(velocities, prepend=0.0)))
 
 
 def convolve(command: Impulses, shaper: Impulses) -> Impulses:
@@ -113,4 +115,4 @@ def convolve(command: Impulses, shaper: Impulses) -> Impulses:
     times = np.add.outer(command.times_s, shaper.times_s).ravel()
     amplitudes = np.multiply.outer(command.amplitudes, shaper.amplitudes).ravel()
     order = np.argsort(times, kind="stable")
-    return Impulses(times_s=times[order], amplitudes=amplitudes[order]).merge()
+    return merged(Impulses(times_s=times[order], amplitudes=amplitudes[order]))

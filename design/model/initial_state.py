@@ -4,11 +4,11 @@ import cmath
 import math
 from dataclasses import dataclass, replace
 
+from design.checks import MAX_VALUE, require_between
 from design.errors import InvalidInputError
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
-from design.types import MAX_VALUE, require_between
 
 
 def _require_sizes(record: object, *names: str) -> None:

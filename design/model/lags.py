@@ -4,9 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import overload
 
-from design.types import (
-    ComplexArray,
-)
+from design.types import ComplexArray
 
 CRITICAL_PHASE = 1e-6
 """Below it, sin(x)/x and cos(x) are 1 to 1e-12: the lag counts as critically damped [rad]."""
@@ -17,18 +15,10 @@ SETTLED_SHARE = 0.8
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lag:
-    """Unit-gain lag of order two or less, ``G(p) = 1 / (1 + first p + second p^2)``.
+    """Unit-gain lag of order two or less, ``G(p) = 1 / (1 + first p + second p^2)``."""
 
-    Attributes
-    ----------
-    first_s
-        Coefficient of p, >= 0 [s].
-    second_s2
-        Coefficient of p^2, >= 0 [s^2]; 0 makes it first order, both 0 ideal.
-    """
-
-    first_s: float = 0.0
-    second_s2: float = 0.0
+    first_s: float = 0.0  # Coefficient of p, >= 0 [s]
+    second_s2: float = 0.0  # Coefficient of p^2, >= 0 [s^2]; 0 makes it first order, both 0 ideal
 
     @overload
     def denominator(self, pole_rad_s: complex) -> complex: ...
@@ -38,61 +28,11 @@ class Lag:
         """Return ``1 / G`` at one pole or at many [-]."""
         return 1 + pole_rad_s * (self.first_s + pole_rad_s * self.second_s2)
 
-    def settling_time_s(self, share: float = SETTLED_SHARE) -> float:
-        """Return the last time at which the step response is outside a band [s].
-
-        Exact: by the exponential for a first-order lag, by bisection between the last extremum
-        outside the band and the next for an oscillating one, by bisection for a slow one.
-
-        Parameters
-        ----------
-        share
-            The band is ``1 ± (1 - share)``, ``0 < share < 1`` [-].
-
-        Returns
-        -------
-        float
-            From the step on [s]; 0 for an ideal lag.
-
-        Examples
-        --------
-        >>> round(Lag(first_s=0.1).settling_time_s(0.98), 4)
-        0.3912
-        """
-        band = 1 - share
-        if self.second_s2 == 0.0:
-            return -self.first_s * math.log(band)
-        frequency = 1 / math.sqrt(self.second_s2)
-        damping = self.first_s * frequency / 2
-        if damping < 1:
-            # Extrema of the error are at k half periods, exp(-z w t) high.
-            half_period = math.pi / (frequency * math.sqrt(1 - damping**2))
-            extrema = math.ceil(-math.log(band) / (damping * frequency * half_period)) - 1
-            low, high = extrema * half_period, (extrema + 1) * half_period
-        else:
-            low, high = 0.0, 1 / frequency
-            while abs(self.step_error(high)) > band:
-                low, high = high, 2 * high
-        while high - low > 1e-12 * high:
-            middle = (low + high) / 2
-            if abs(self.step_error(middle)) > band:
-                low = middle
-            else:
-                high = middle
-        return high
-
     def step_error(self, time_s: float) -> float:
         """Return ``1 - v(t)`` of the response to a unit step [-].
 
-        Parameters
-        ----------
-        time_s
-            Time since the step, >= 0 [s].
-
-        Returns
-        -------
-        float
-            Negative where the response overshoots; 0 for an ideal lag.
+        Time counts from the step on, >= 0 [s]. Negative where the response overshoots; 0 for an
+        ideal lag.
         """
         if self.second_s2 == 0.0:
             return math.exp(-time_s / self.first_s) if self.first_s > 0 else 0.0

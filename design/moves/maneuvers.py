@@ -6,15 +6,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.analysis.certificate import Certificate, certify
+from design.analysis.claims_in_words import shortfall_of
 from design.analysis.drive_warnings import drive_warnings
-from design.analysis.judge import judge, shortfall_of
+from design.analysis.judge import judge
 from design.analysis.warnings import DesignWarning
+from design.checks import MAX_VALUE, MIN_VALUE, require_scale
 from design.claims import ZERO_LIMITS, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.formulations.gaps import PERIOD_RAD
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.rate_limited import RateLimited, Unlimited
-from design.model.actuators.registry import Actuator, require_speed
+from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing, InitialSwing, free_swing
@@ -22,12 +24,14 @@ from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
 from design.moves.parts import Parts, with_swing
 from design.moves.rest_to_rest import faster_as_one, over_distance, over_pulse
+from design.moves.speed import require_speed
 from design.pipeline import design
 from design.response.closed_form import travel
 from design.shapers.kind import ShaperKind
-from design.shapers.options import PeakOptions, SettleOptions, ShaperOptions
+from design.shapers.options import ShaperOptions
+from design.shapers.peak_options import PeakOptions
+from design.shapers.settle_options import SettleOptions
 from design.solving.solve import solve
-from design.types import MAX_VALUE, MIN_VALUE, require_scale
 
 MAX_PERIODS = 500.0
 """Longest pulse: up to it the certificate's slope, by differencing, stays clear of rounding [-]."""

@@ -7,13 +7,15 @@ import numpy as np
 from design.analysis.residual import residual_vibration
 from design.analysis.unshaped import unshaped_deflection_s
 from design.analysis.workable import RESONANCE
-from design.model.actuators.registry import Actuator, require_speed
+from design.checks import require_scale
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
+from design.moves.speed import require_speed
 from design.response.closed_form import history
 from design.response.simulated_history import simulated_history
-from design.types import FloatArray, require_scale
+from design.types import FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -8,6 +8,7 @@ import numpy as np
 from design.analysis.judge import judge
 from design.analysis.residual import residual_vibration
 from design.analysis.warnings import DesignWarning
+from design.checks import MIN_VALUE, require_between
 from design.claims import zeros
 from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
@@ -15,7 +16,7 @@ from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
 from design.model.plants.mode import Mode
 from design.sampling.sample_grid import ON_SAMPLE, split
-from design.types import MIN_VALUE, FloatArray, require_between
+from design.types import FloatArray
 
 MAX_SAMPLES = 100_000
 """Longest program, a bound on the work of one request."""

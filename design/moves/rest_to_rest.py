@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from design.analysis.residual import swing_over_step
+from design.analysis.terms import swing_over_step
 from design.errors import InfeasibleDesignError
 from design.formulations.equations import GapProblem, Seed
 from design.formulations.gaps import of_gaps, settling_gaps_rad

@@ -9,6 +9,7 @@ from design.claims import ZERO_LIMITS
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
+from design.model.settling import settling_time_s
 from design.pictures.style import BRIGHT, DEEP, GREY, INK, PALE, SMALL_PT, legend_above, name_panel
 from design.response.closed_form import history
 from design.types import FloatArray
@@ -44,7 +45,7 @@ def time_grid(impulses: Impulses, mode: Mode, actuator: Actuator) -> FloatArray:
     """
     first, last = float(impulses.times_s[0]), float(impulses.times_s[-1])
     settling = max(
-        lag.settling_time_s(SETTLED_SHARE) for lag in (actuator.accel_lag, actuator.decel_lag)
+        settling_time_s(lag, SETTLED_SHARE) for lag in (actuator.accel_lag, actuator.decel_lag)
     )
     least, most = (periods * mode.period_s for periods in PERIODS_AFTER)
     end = last + min(max(settling, least), most)

@@ -6,13 +6,13 @@ from typing import Literal
 
 from design.analysis.workable import require_workable
 from design.band import ends_of, require_said_once
+from design.checks import MAX_VALUE, require_between, require_scale
 from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
-from design.types import MAX_VALUE, require_between, require_scale
 
 Sign = Literal["any", "positive", "unity"]
 """Amplitudes allowed: all; above zero; +1, -1, +1, ... as an on-off drive takes them."""

@@ -17,7 +17,8 @@ from design.model.impulses import Impulses
 from design.model.lag_motions import free_motions, ramp_responses
 from design.model.lags import Lag
 from design.model.plants.mode import Mode
-from design.model.reference_ramps import Reference, ramp_factors, reference
+from design.model.ramps import Reference, ramp_factors
+from design.model.reference_ramps import reference
 from design.types import ComplexArray, FloatArray
 
 AT_REST = 1e-12

@@ -28,17 +28,7 @@ BLOCK = 512
 
 
 def exponentials(matrices: FloatArray) -> FloatArray:
-    """Return the exponential of each matrix of a stack.
-
-    Parameters
-    ----------
-    matrices
-        Square matrices, shape (..., n, n).
-
-    Returns
-    -------
-    FloatArray
-        Their exponentials, same shape.
+    """Return the exponential of each matrix of a stack, shape (..., n, n).
 
     References
     ----------

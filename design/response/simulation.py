@@ -18,8 +18,10 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.lags import Lag
-from design.model.reference_ramps import Reference, reference
+from design.model.ramps import Reference
+from design.model.reference_ramps import reference
 from design.response.matrix_exponential import exponentials
+from design.response.one_state import one_state
 from design.response.ramp_flows import ramp_flows
 from design.types import ComplexArray, FloatArray
 
@@ -58,12 +60,8 @@ def dynamics_of(
 
     Parameters
     ----------
-    actuator
-        The actuator.
-    frequencies_rad_s
-        Natural frequencies of the modes, shape (f,) [rad/s].
-    damping_ratio
-        Of all modes, or of each, shape (f,) [-].
+    actuator, frequencies_rad_s, damping_ratio
+        As of `ringing_after`.
 
     Returns
     -------
@@ -72,10 +70,9 @@ def dynamics_of(
     """
     both = (actuator.decel_lag, actuator.accel_lag)
     scale = max(lag.corner_rad_s for lag in both)
-    if actuator.model == "switched":
-        lags, coupled, jumps, kept = _one_state(both, scale)
-    else:
-        lags, coupled, jumps, kept = _side_by_side(both, scale)
+    blocks = [_lag_matrix(lag, scale) for lag in both]
+    arrange = one_state if actuator.model == "switched" else _side_by_side
+    lags, coupled, jumps, kept = arrange(blocks)
     size = lags.shape[-1]
     w = frequencies_rad_s
     matrices = np.zeros((len(lags), w.size, size + 2, size + 2))
@@ -91,10 +88,9 @@ def dynamics_of(
 
 
 def _side_by_side(
-    both: tuple[Lag, Lag], scale_rad_s: float
+    blocks: list[FloatArray],
 ) -> tuple[FloatArray, list[int], FloatArray, FloatArray]:
     """Lag states for superposed steps: each set has its own, excited by its own steps."""
-    blocks = [_lag_matrix(lag, scale_rad_s) for lag in both]
     orders = [len(block) for block in blocks]
     matrix = np.zeros((sum(orders), sum(orders)))
     jumps = np.zeros((2, sum(orders)))
@@ -109,22 +105,6 @@ def _side_by_side(
     return matrix[None], coupled, jumps, np.ones_like(jumps)
 
 
-def _one_state(
-    both: tuple[Lag, Lag], scale_rad_s: float
-) -> tuple[FloatArray, list[int], FloatArray, FloatArray]:
-    """Lag states of a switched actuator: one state, moved by the set in force."""
-    blocks = [_lag_matrix(lag, scale_rad_s) for lag in both]
-    order = max(map(len, blocks))
-    matrices, jumps, kept = np.zeros((2, order, order)), np.zeros((2, order)), np.ones((2, order))
-    jumps[:, :1] = 1.0
-    for which, block in enumerate(blocks):
-        if len(block) == order:
-            matrices[which] = block
-        else:
-            kept[which] = 0.0
-    return matrices, [0] if order else [], jumps, kept
-
-
 def states_at_changes(
     changes: Reference, dynamics: Dynamics, initial: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
@@ -132,12 +112,10 @@ def states_at_changes(
 
     Parameters
     ----------
-    changes
-        Of the reference.
-    dynamics
-        Of actuator and modes.
+    changes, dynamics
+        Changes of the reference; matrices of actuator and modes.
     initial
-        Of each mode before the first change, shape (f, 2); at rest if not given.
+        As of `ringing_after`.
 
     Returns
     -------
@@ -182,17 +160,15 @@ def ringing_after(
 
     Parameters
     ----------
-    impulses
-        The command.
-    actuator
-        The actuator between command and mode.
+    impulses, actuator
+        The command, and the actuator between command and mode.
     frequencies_rad_s
         Natural frequencies of the mode, shape (f,) [rad/s].
     damping_ratio
         Damping ratio of the mode, the same at all frequencies, or one for each, shape (f,) [-].
     initial
-        State ``q, q'/w`` of the mode at each frequency just before the first step, shape (f, 2);
-        at rest if not given, as the actuator is.
+        State ``q, q'/w`` of the mode at each frequency just before the first step, shape (f, 2); at
+        rest if not given, as the actuator is.
 
     Returns
     -------

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from design.checks import require_scale
 from design.errors import InvalidInputError
 from design.model.impulses import Impulses
-from design.types import FloatArray, require_scale
+from design.types import FloatArray
 
 AnyIntArray = NDArray[np.integer[Any]]
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from design.analysis.residual import residual_vibration
 from design.analysis.workable import require_workable
+from design.checks import require_between
 from design.claims import Quantity
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.model.actuators.registry import Actuator
@@ -24,7 +25,6 @@ from design.sampling.left import Band, residuals_of_many
 from design.sampling.more_impulses import is_unity, more_impulses_on_grid
 from design.sampling.sample_grid import nearest, round_with_carry, split
 from design.sampling.unity_grid import unity_on_grid
-from design.types import require_between
 
 Method = Literal["exact_positive", "split", "unity_on_grid", "more_impulses_on_grid"]
 """How a shaper was brought to the grid: the name of the function here that did it."""

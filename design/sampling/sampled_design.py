@@ -6,10 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from design.analysis.certificate import Claim
+from design.analysis.claims_in_words import shortfall_of
 from design.analysis.drive_warnings import drive_warnings
-from design.analysis.judge import Judgement, judge, shortfall_of
+from design.analysis.judge import Judgement, judge
 from design.analysis.residual import residual_vibration
-from design.analysis.sensitivity import residual_curve
+from design.analysis.residuals_of_many import residual_curve
 from design.analysis.warnings import DesignWarning
 from design.claims import ZERO_LIMITS, Promise, within
 from design.errors import SolverFailedError

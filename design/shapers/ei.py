@@ -7,12 +7,14 @@ nominal one. The equations and their solution are those of `design.formulations.
 import functools
 from dataclasses import dataclass
 
+from design.checks import require_between
 from design.claims import ZERO_LIMITS, Promise, within
 from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.humps import Humps, follow_from_undamped
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DesignCase, KindOf, ShaperKind
+from design.shapers.actuators import EVERY_ACTUATOR_BY_ITS_LAG
+from design.shapers.kind import DesignCase, KindOf, ShaperKind
 from design.shapers.options import (
     MAX_TOLERANCE,
     MIN_TOLERANCE,
@@ -20,7 +22,6 @@ from design.shapers.options import (
     tolerance_field,
 )
 from design.shapers.positive import exact_actuator
-from design.types import require_between
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,12 +12,13 @@ import numpy as np
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.formulations.equations import Seed
 from design.formulations.formulation import ClosedForm, Formulation
-from design.formulations.gaps import LAST_PULSE_VANISHES, damped_periods
 from design.formulations.lag_parameters import decel_over_accel
 from design.formulations.unity_magnitude import ZERO_VIBRATION, ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.model.impulses import Impulses
-from design.shapers.kind import UNLIMITED_ACTUATORS, DampingBound, DesignCase, KindOf
+from design.shapers.actuators import UNLIMITED_ACTUATORS
+from design.shapers.damping import LAST_PULSE_VANISHES, DampingBound, damped_periods
+from design.shapers.kind import DesignCase, KindOf
 from design.shapers.options import ShaperOptions
 from design.types import FloatArray
 

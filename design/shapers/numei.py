@@ -7,11 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from design.checks import require_between
 from design.claims import ZERO_LIMITS, Promise, within
 from design.errors import InfeasibleDesignError
 from design.formulations.alternating import AlternatingBand
 from design.formulations.equal_sets import with_equal_sets
-from design.formulations.equations import Expressions, GapProblem, Ratios, Seed
+from design.formulations.equations import GapProblem, Ratios, Seed
+from design.formulations.expressions import Expressions
 from design.formulations.formulation import Formulation
 from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
 from design.formulations.humps import (
@@ -27,14 +29,11 @@ from design.formulations.unity_magnitude_problem import alternating
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
-from design.shapers.kind import EVERY_ACTUATOR, DesignCase, KindOf, ShaperKind
-from design.shapers.options import (
-    MAX_TOLERANCE,
-    MIN_TOLERANCE,
-    SettleOptions,
-    tolerance_field,
-)
-from design.types import FloatArray, require_between
+from design.shapers.actuators import EVERY_ACTUATOR
+from design.shapers.kind import DesignCase, KindOf, ShaperKind
+from design.shapers.options import MAX_TOLERANCE, MIN_TOLERANCE, tolerance_field
+from design.shapers.settle_options import SettleOptions
+from design.types import FloatArray
 
 SOURCE = (
     'W. Singhose, W. Seering, N. Singer, "Time-optimal negative input shapers", J. Dyn. Sys., '

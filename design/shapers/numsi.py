@@ -7,6 +7,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from design.checks import require_between
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.formulations.alternating import AlternatingBand
 from design.formulations.bands import BandSearch, UnityBandProblem
@@ -18,14 +19,10 @@ from design.formulations.unity_magnitude_problem import alternating
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
-from design.shapers.kind import EVERY_ACTUATOR, DesignCase, KindOf
-from design.shapers.options import (
-    MAX_TOLERANCE,
-    MIN_TOLERANCE,
-    SettleOptions,
-    tolerance_field,
-)
-from design.types import require_between
+from design.shapers.actuators import EVERY_ACTUATOR
+from design.shapers.kind import DesignCase, KindOf
+from design.shapers.options import MAX_TOLERANCE, MIN_TOLERANCE, tolerance_field
+from design.shapers.settle_options import SettleOptions
 
 MIN_HALF_WIDTH = 1e-3
 MAX_HALF_WIDTH = 0.6

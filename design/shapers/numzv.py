@@ -12,8 +12,9 @@ from design.formulations.unity_magnitude_problem import alternating, unity_magni
 from design.formulations.vector_diagram import undamped_times_rad
 from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses
-from design.shapers.kind import EVERY_ACTUATOR, CompiledRows, DesignCase, KindOf
-from design.shapers.options import PeakOptions
+from design.shapers.actuators import EVERY_ACTUATOR
+from design.shapers.kind import CompiledRows, DesignCase, KindOf
+from design.shapers.peak_options import PeakOptions
 
 SOURCE = "Kim, master thesis (2011), chapter 3"
 

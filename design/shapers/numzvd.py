@@ -4,9 +4,10 @@ from design.formulations.formulation import Formulation
 from design.formulations.ramped import follows_one_lag, ramped_problem
 from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import unity_magnitude_problem
-from design.shapers.kind import EVERY_ACTUATOR, CompiledRows, DesignCase, KindOf
+from design.shapers.actuators import EVERY_ACTUATOR
+from design.shapers.kind import CompiledRows, DesignCase, KindOf
 from design.shapers.numzv import SOURCE
-from design.shapers.options import SettleOptions
+from design.shapers.settle_options import SettleOptions
 
 
 def numzvd(case: DesignCase[SettleOptions]) -> Formulation:

@@ -9,13 +9,15 @@ import numpy as np
 
 from design.formulations.equations import Seed
 from design.formulations.formulation import ClosedForm, Formulation
-from design.formulations.gaps import LAST_PULSE_VANISHES, PERIOD_RAD, damped_periods
+from design.formulations.gaps import PERIOD_RAD
 from design.formulations.unity_magnitude import ZERO_VIBRATION, ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.formulations.vector_diagram import undamped_times_rad
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
-from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DampingBound, DesignCase, KindOf
+from design.shapers.actuators import EVERY_ACTUATOR_BY_ITS_LAG
+from design.shapers.damping import LAST_PULSE_VANISHES, DampingBound, damped_periods
+from design.shapers.kind import DesignCase, KindOf
 from design.shapers.negative import MAX_PERIODS, SOURCE
 from design.shapers.options import NoOptions
 

@@ -12,6 +12,7 @@ from functools import lru_cache, partial
 
 import numpy as np
 
+from design.checks import require_between
 from design.claims import Quantity
 from design.errors import InvalidInputError
 from design.formulations.formulation import ClosedForm, Formulation
@@ -20,16 +21,10 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import ROUNDING, Impulses
 from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
-from design.shapers.kind import (
-    EVERY_ACTUATOR_BY_ITS_LAG,
-    DampingBound,
-    DesignCase,
-    KindOf,
-    ShaperKind,
-    require_damping,
-)
+from design.shapers.actuators import EVERY_ACTUATOR_BY_ITS_LAG
+from design.shapers.damping import DampingBound, require_damping
+from design.shapers.kind import DesignCase, KindOf, ShaperKind
 from design.shapers.options import NoOptions, ShaperOptions
-from design.types import require_between
 
 DERIVATIVES: tuple[Quantity, ...] = (
     "residual",

@@ -13,8 +13,10 @@ from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.model.plants.modes import MAX_MODES
+from design.shapers.actuators import EVERY_ACTUATOR_BY_ITS_LAG
+from design.shapers.damping import require_modes_damped
 from design.shapers.ei import EI, THREE_HUMP_EI, TWO_HUMP_EI, ToleranceOptions
-from design.shapers.kind import EVERY_ACTUATOR_BY_ITS_LAG, DesignCase, KindOf, ShaperKind
+from design.shapers.kind import DesignCase, KindOf, ShaperKind
 from design.shapers.options import MAX_TOLERANCE, MIN_TOLERANCE, NoOptions, ShaperOptions
 from design.shapers.positive import MZV, ZV, ZVD, ZVDD, ZVDDD, exact_actuator
 from design.shapers.umzv import UMZV, UMZVD
@@ -199,7 +201,7 @@ def formulate_convolved(case: DesignCase[ConvolvedOptions]) -> Convolution:
     """
     modes, actuator, options = case.modes, case.actuator, case.options
     base = BASES[options.base]
-    base.require_damping(modes)
+    require_modes_damped(base.name, base.damping, modes)
     own = base.options()
     if options.tolerance is not None:
         own = ToleranceOptions(tolerance=options.tolerance)

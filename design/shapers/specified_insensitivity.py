@@ -5,11 +5,13 @@ from dataclasses import dataclass, field, replace
 from typing import ClassVar, Literal, Self
 
 from design.band import USUAL_HALF_WIDTH, ends_of, require_said_once
+from design.checks import require_between
 from design.errors import InvalidInputError
 from design.formulations.bands import BandProblem
-from design.shapers.kind import UNLIMITED_ACTUATORS, DesignCase, KindOf
-from design.shapers.options import MAX_HORIZON_PERIODS, MIN_HORIZON_PERIODS, ShaperOptions
-from design.types import require_between
+from design.shapers.actuators import UNLIMITED_ACTUATORS
+from design.shapers.kind import DesignCase, KindOf
+from design.shapers.options import ShaperOptions
+from design.shapers.settle_options import MAX_HORIZON_PERIODS, MIN_HORIZON_PERIODS
 
 MIN_HALF_WIDTH, MAX_HALF_WIDTH = 0.01, 0.9
 """Bounds of half the band's width over its centre: beyond them shapers take tens of periods [-]."""

@@ -3,7 +3,6 @@
 import numpy as np
 
 from design.formulations.formulation import ClosedForm, Formulation
-from design.formulations.gaps import LAST_PULSE_VANISHES, damped_periods
 from design.formulations.ramped import RampedProblem, follows_one_lag, ramped_problem
 from design.formulations.unity_magnitude import ZERO_VIBRATION, ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import alternating, unity_magnitude_problem
@@ -11,7 +10,9 @@ from design.model.actuators.ideal import Ideal
 from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
-from design.shapers.kind import EVERY_ACTUATOR, CompiledRows, DampingBound, DesignCase, KindOf
+from design.shapers.actuators import EVERY_ACTUATOR
+from design.shapers.damping import LAST_PULSE_VANISHES, DampingBound, damped_periods
+from design.shapers.kind import CompiledRows, DesignCase, KindOf
 from design.shapers.options import NoOptions
 
 SOURCE = (

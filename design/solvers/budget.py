@@ -15,20 +15,11 @@ MAX_WORK_PER_DESIGN = 4_000_000
 
 @dataclass(slots=True)
 class Budget:
-    """What a search may do yet.
+    """What a search may do yet."""
 
-    Attributes
-    ----------
-    most
-        Work that it may do in all [units].
-    done
-        Work that it has done [units].
-    trace
-        Steps of the search, in order, of one that is watched; None of others.
-    """
-
-    most: float = MAX_WORK_PER_DESIGN
-    done: float = 0.0
+    most: float = MAX_WORK_PER_DESIGN  # Work that it may do in all [units]
+    done: float = 0.0  # Work that it has done [units]
+    # Steps of the search, in order, of one that is watched; None of others
     trace: list[TraceStep] | None = None
 
     def spend(self, work: float) -> None:
@@ -41,19 +32,9 @@ class Budget:
         return self.done >= self.most
 
     def part(self, most: float) -> "Budget":
-        """Return a budget of a part of what is left.
+        """Return a budget of a part of what is left, at most so much work [units].
 
         The part counts its own work. The caller spends that work here too.
-
-        Parameters
-        ----------
-        most
-            Most work of the part [units]; what is left here, where that is less.
-
-        Returns
-        -------
-        Budget
-            With the same trace.
         """
         return Budget(most=min(most, max(self.most - self.done, 0.0)), trace=self.trace)
 

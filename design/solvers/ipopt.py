@@ -2,37 +2,14 @@
 
 import functools
 import threading
-from typing import Any
 
-from design.formulations.equations import GapProblem, Model
+from design.formulations.equations import GapProblem
+from design.formulations.expressions import Model
 from design.solvers.buffered import Buffered
+from design.solvers.ipopt_options import OPTIONS, STATUS
 from design.solvers.newton import instructions_of
 from design.solvers.outcome import Outcome, Status
 from design.types import FloatArray
-
-STATUS = {
-    "Solve_Succeeded": Status.SOLVE_SUCCEEDED,
-    "Solved_To_Acceptable_Level": Status.FAILED,  # an acceptable level is not zero vibration
-    "Infeasible_Problem_Detected": Status.INFEASIBLE,
-    "Maximum_WallTime_Exceeded": Status.TIME_LIMIT,
-    "Maximum_CpuTime_Exceeded": Status.TIME_LIMIT,
-}
-"""IPOPT's words for ours; any other is FAILED."""
-
-OPTIONS: dict[str, Any] = {
-    "print_time": False,
-    "calc_lam_p": False,
-    "show_eval_warnings": False,
-    "ipopt.print_level": 0,
-    "ipopt.sb": "yes",
-    # The default ends with residuals near 1e-9, which is the limit of the certificate.
-    "ipopt.tol": 1e-12,
-    # Seeds are good and the solutions isolated: a large barrier only pushes them away first.
-    "ipopt.mu_init": 1e-12,
-    "ipopt.bound_mult_init_method": "mu-based",
-    "ipopt.max_iter": 200,
-    "ipopt.max_wall_time": 10.0,
-}
 
 ITERATION_WORK = 250.0
 INSTRUCTION_WORK = 0.03
@@ -87,10 +64,8 @@ def work_of(model: Model, iterations: int) -> float:
 
     Parameters
     ----------
-    model
-        The family of the problem that is solved.
-    iterations
-        Iterations of IPOPT.
+    model, iterations
+        The family of the problem that is solved, and iterations of IPOPT.
 
     Returns
     -------

@@ -3,7 +3,7 @@
 import functools
 import threading
 
-from design.formulations.equations import Model
+from design.formulations.expressions import Model
 from design.solvers.buffered import Buffered
 from design.solvers.newton import TOLERANCE
 from design.types import FloatArray
@@ -39,12 +39,10 @@ def root(model: Model, start: FloatArray, parameters: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    model
-        The problem family.
+    model, parameters
+        The problem family and the parameters of the problem, shape (p,).
     start
         Unknowns to start from, shape (n,): gaps [rad], then ratios [-], if any.
-    parameters
-        Parameters of the problem, shape (p,).
 
     Returns
     -------

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.formulations.equations import Model
+from design.formulations.expressions import Model
 from design.solvers.budget import Budget
 from design.solvers.buffered import Buffered
 from design.types import BoolArray, FloatArray

@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 
 from design.formulations.equations import GapProblem, Seed
-from design.solvers.attempt import attempt, duration_s
+from design.solvers.attempt import attempt
 from design.solvers.branches import branches
 from design.solvers.budget import Budget
 from design.solvers.followed_seed import followed_seed
 from design.solvers.near_root import root
+from design.solvers.search_steps import seed_step
 from design.solvers.solution import Solution
-from design.trace import TraceStep
 from design.types import FloatArray
 
 
@@ -23,10 +23,8 @@ def candidates(problem: GapProblem, budget: Budget | None = None) -> Iterator[So
 
     Parameters
     ----------
-    problem
-        The problem.
-    budget
-        What the search may do; that of one design if not given.
+    problem, budget
+        The problem; what the search may do, that of one design if not given.
 
     Yields
     ------
@@ -46,7 +44,8 @@ def candidates(problem: GapProblem, budget: Budget | None = None) -> Iterator[So
         tried += 1
         sharpened = _sharpen_seed(problem, seed, budget)
         allowed = sharpened is not None and bool(problem.allows(sharpened))
-        budget.note(_seed_step(problem, seed, sharpened, allowed=allowed))
+        if budget.trace is not None:
+            budget.note(seed_step(problem, seed, sharpened, allowed=allowed))
         if sharpened is not None and allowed:
             yield from attempt(problem, sharpened, seed.name, tried, budget)
     yield from branches(problem, tried, budget)
@@ -60,24 +59,3 @@ def _sharpen_seed(problem: GapProblem, seed: Seed, budget: Budget) -> FloatArray
     if seed.solves is not None:
         return followed_seed(problem, seed.gaps_rad, seed.solves, budget)
     return root(problem.model, problem.start(seed.gaps_rad), problem.parameters)
-
-
-def _seed_step(
-    problem: GapProblem, seed: Seed, sharpened: FloatArray | None, *, allowed: bool
-) -> TraceStep:
-    """Return what became of a seed before the solver itself starts there."""
-    gaps = seed.gaps_rad if sharpened is None else problem.split(sharpened)[0]
-    if allowed:
-        outcome, detail = "sharpened", ""
-    elif sharpened is None:
-        outcome, detail = "lost", "the path from what the seed solves ends on the way"
-    else:
-        outcome, detail = "rejected", "out of order, or longer than max_duration_periods"
-    return TraceStep(
-        stage="seed",
-        method="newton",
-        start=seed.name,
-        outcome=outcome,
-        duration_s=duration_s(problem, gaps),
-        detail=detail,
-    )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from design.model.impulses import Impulses
 from design.solvers.solution import Solution, SolverReport
+from design.solving.distinct_steps import distinct_steps
 from design.types import FloatArray
 
 SMALL_GAP = 1e-4
@@ -58,8 +59,10 @@ class Bounded:
             With its lower bound in seconds.
         """
         return Solution(
-            impulses=Impulses(
-                times_s=self.times_rad / natural_frequency_rad_s, amplitudes=self.amplitudes
+            impulses=distinct_steps(
+                Impulses(
+                    times_s=self.times_rad / natural_frequency_rad_s, amplitudes=self.amplitudes
+                )
             ),
             solver=SolverReport(
                 name=name,

@@ -5,7 +5,6 @@ it in `SOLVERS`.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from typing import Any
 
 from design.formulations.bands import BandProblem, BandSearch
@@ -14,13 +13,12 @@ from design.formulations.formulation import ClosedForm, Convolution, Formulation
 from design.formulations.ramped import RampedProblem
 from design.solvers import search
 from design.solvers.budget import Budget
-from design.solvers.solution import Solution, SolverReport
+from design.solvers.solution import Solution
 from design.solvers.unity_band import search as unity_band
 from design.solving import optima
+from design.solving.closed_form import solve_closed_form
 from design.solving.convolution import convolve_solutions
-from design.solving.distinct_steps import distinct_steps
 from design.solving.ramps import solve_behind_limits
-from design.trace import TraceStep
 
 
 def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[Solution]:
@@ -31,10 +29,8 @@ def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[So
 
     Parameters
     ----------
-    formulation
-        A closed form, or a problem.
-    budget
-        What the search may do; that of one design if not given.
+    formulation, budget
+        A closed form or a problem; what the search may do, that of one design if not given.
 
     Yields
     ------
@@ -49,30 +45,7 @@ def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[So
         If a solver stopped without an answer.
     """
     solver = SOLVERS[type(formulation)]
-    for solution in solver(formulation, Budget() if budget is None else budget):
-        yield replace(solution, impulses=distinct_steps(solution.impulses))
-
-
-def _solve_closed_form(formulation: ClosedForm, budget: Budget) -> Iterator[Solution]:
-    budget.note(
-        TraceStep(
-            stage="solve",
-            method=formulation.method,
-            start="none",
-            outcome="solve_succeeded",
-            duration_s=formulation.impulses.duration_s,
-        )
-    )
-    yield Solution(
-        impulses=formulation.impulses,
-        solver=SolverReport(
-            name=formulation.method,
-            status="solve_succeeded",
-            iterations=0,
-            seed="none",
-            starts=0,
-        ),
-    )
+    yield from solver(formulation, Budget() if budget is None else budget)
 
 
 def _convolution(formulation: Convolution, budget: Budget) -> Iterator[Solution]:
@@ -80,7 +53,7 @@ def _convolution(formulation: Convolution, budget: Budget) -> Iterator[Solution]
 
 
 SOLVERS: dict[type[Formulation], Callable[[Any, Budget], Iterator[Solution]]] = {
-    ClosedForm: _solve_closed_form,
+    ClosedForm: solve_closed_form,
     GapProblem: search.candidates,
     BandSearch: unity_band.solve,
     BandProblem: optima.solve_over_band,

@@ -9,12 +9,7 @@ from numpy.typing import NDArray
 
 from design.analysis.certificate import certify
 from design.claims import ZERO_LIMITS, zeros
-from design.errors import (
-    DesignError,
-    InfeasibleDesignError,
-    InvalidInputError,
-    SolverFailedError,
-)
+from design.errors import DesignError, InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
@@ -22,7 +17,8 @@ from design.model.plants.registry import Plant
 from design.model.plants.spring_mass import SpringMass
 from design.pipeline import Design, design
 from design.shapers.kind import CompiledRows, ShaperKind
-from design.shapers.options import NoOptions, SettleOptions
+from design.shapers.options import NoOptions
+from design.shapers.settle_options import SettleOptions
 from design.tables.parameters import RowParameters, of_one_mode_and_lags, row_parameters
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL, Rows
 from design.tables.specification import TableSpecification
@@ -260,11 +256,7 @@ def _compile_rows(
 ) -> None:
     """Enter what the kernel solves and the compiled certificate verifies."""
     # Numba takes half a second to import, which nothing but tables should pay.
-    from design.tables.kernel import (  # noqa: PLC0415
-        closed_triangles,
-        rows_of_problems,
-        solve_rows,
-    )
+    from design.tables.kernel import closed_triangles, rows_of_problems, solve_rows  # noqa: PLC0415
     from design.tables.starts import FOUND  # noqa: PLC0415
 
     kind, impulses = specification.kind, table.times_s.shape[1]

@@ -14,7 +14,7 @@ from decimal import Decimal
 import numpy as np
 
 from design.formulations.gaps import MIN_GAP_RAD, PERIOD_RAD
-from design.formulations.unity_magnitude_problem import ZV_POLYNOMIALS, ZVD_POLYNOMIALS
+from design.formulations.published_times import ZV_POLYNOMIALS, ZVD_POLYNOMIALS
 from design.formulations.vector_diagram import MAX_ALPHA
 from design.model.lags import SETTLED_SHARE
 from design.solvers.branches import HORIZONS_PERIODS, unit_starts
@@ -39,7 +39,7 @@ ZVD = np.array(ZVD_POLYNOMIALS)
 
 @compiled
 def _settling_time(first: float, second: float, band: float, decay: float) -> float:
-    """Return `design.model.lags.Lag.settling_time_s` in units of the plant's frequency."""
+    """Return `design.model.settling.settling_time_s` in units of the plant's frequency."""
     if second == 0.0:
         return first * decay
     frequency = 1.0 / math.sqrt(second)

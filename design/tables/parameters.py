@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from design.analysis.workable import RESONANCE, SLOWEST
+from design.checks import MAX_VALUE, MIN_VALUE
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.second_order import MAX_DAMPING_RATIO as MAX_LAG_DAMPING
@@ -16,10 +17,10 @@ from design.model.actuators.second_order import MIN_DAMPING_RATIO as MIN_LAG_DAM
 from design.model.actuators.second_order import SecondOrder
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
-from design.shapers.options import MAX_HORIZON_PERIODS, MIN_HORIZON_PERIODS
+from design.shapers.settle_options import MAX_HORIZON_PERIODS, MIN_HORIZON_PERIODS
 from design.shapers.umzv import MAX_PERIODS
 from design.tables.specification import TableSpecification
-from design.types import MAX_VALUE, MIN_VALUE, BoolArray, FloatArray
+from design.types import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from design.checks import require_between
 from design.errors import InvalidInputError
 from design.fields import Axis, Path, unit_of, vary
 from design.model.actuators.registry import Actuator
@@ -16,7 +17,7 @@ from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
 from design.tables.row_amplitudes import impulses_of, shared_amplitudes
 from design.tables.rows import Column, Subject
-from design.types import FloatArray, require_between
+from design.types import FloatArray
 
 COLUMNS = ("times_s", "amplitudes", "phases_rad", "duration_s", "residual", "slope")
 """Results that a table may hold. A phase is the plant's natural frequency times a time."""

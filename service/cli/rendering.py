@@ -6,14 +6,16 @@ from collections.abc import Iterable, Sequence
 
 from schemas.catalogue import Catalogue
 from schemas.certificates import CertificateOut
-from schemas.designs import DesignResponse, SolverOut
+from schemas.designs import DesignResponse
 from schemas.fits import FitOut
+from schemas.insensitivity import InsensitivityOut
 from schemas.maneuvers import ManeuverResponse, ProgramOut
 from schemas.maps import MapResponse
 from schemas.recommendations import CandidateOut, RecommendationResponse
 from schemas.sensitivity import SensitivityResponse
-from schemas.sensitivity_curves import InsensitivityOut, SensitivityOut
+from schemas.sensitivity_curves import SensitivityOut
 from schemas.simulations import SimulationResponse
+from schemas.solver import SolverOut
 from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut
 

@@ -3,30 +3,8 @@
 from starlette.responses import Response
 
 from service.dispatch import Answer
+from service.http.handlers import problem_response
 from service.problems import Problem
-
-
-def problem_response(problem: Problem, request_id: str | None) -> Response:
-    """Return a problem as the response.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    request_id
-        Id of the request, which the document repeats; None for none.
-
-    Returns
-    -------
-    Response
-        A problem document with the status and headers of the problem.
-    """
-    return Response(
-        problem.document(request_id).model_dump_json(),
-        status_code=problem.kind.http.value,
-        media_type="application/problem+json",
-        headers=problem.headers,
-    )
 
 
 def answer_response(answer: Answer, request_id: str | None) -> Response:
@@ -34,10 +12,8 @@ def answer_response(answer: Answer, request_id: str | None) -> Response:
 
     Parameters
     ----------
-    answer
-        The response of an operation, or a problem.
-    request_id
-        Id of the request, which a problem document repeats; None for none.
+    answer, request_id
+        The response of an operation, or a problem; id of the request, which a problem repeats.
 
     Returns
     -------
@@ -50,23 +26,3 @@ def answer_response(answer: Answer, request_id: str | None) -> Response:
         response = Response(answer.outcome, media_type="application/json")
     response.headers["server-timing"] = f"work;dur={1e3 * answer.seconds:.3f}"
     return response
-
-
-def answer_line(answer: Answer, request_id: str | None) -> bytes:
-    """Return an answer as one line of a batch.
-
-    Parameters
-    ----------
-    answer
-        The response of an operation, or a problem.
-    request_id
-        Id of the request, which a problem document repeats; None for none.
-
-    Returns
-    -------
-    bytes
-        JSON without the end of the line.
-    """
-    if isinstance(answer.outcome, Problem):
-        return answer.outcome.document(request_id).model_dump_json().encode()
-    return answer.outcome

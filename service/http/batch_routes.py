@@ -4,7 +4,7 @@ from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from schemas.design_request import DesignRequest
-from service.http.answers import answer_line
+from service.dispatch import Answer
 from service.http.batches import Batch
 from service.http.bodies import read_body
 from service.http.clients import client_of, while_connected
@@ -50,5 +50,25 @@ async def designs_batch(request: Request) -> Response:
         raise ProblemError(Problem(TOO_LARGE, detail))
     batch = Batch(pool, lines, client=client_of(request), limit_s=settings.batch_limit_s)
     answers = await while_connected(request, batch.answers())
-    told = [answer_line(done, request.state.request_id) for done in answers]
+    told = [_line(done, request.state.request_id) for done in answers]
     return Response(b"\n".join(told) + b"\n", media_type=JSON_LINES[0])
+
+
+def _line(answer: Answer, request_id: str | None) -> bytes:
+    """Return an answer as one line of a batch.
+
+    Parameters
+    ----------
+    answer
+        The response of an operation, or a problem.
+    request_id
+        Id of the request, which a problem document repeats; None for none.
+
+    Returns
+    -------
+    bytes
+        JSON without the end of the line.
+    """
+    if isinstance(answer.outcome, Problem):
+        return answer.outcome.document(request_id).model_dump_json().encode()
+    return answer.outcome

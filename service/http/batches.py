@@ -3,7 +3,7 @@
 import asyncio
 from collections import deque
 
-from service.dispatch import Answer, answer_lines
+from service.dispatch import Answer, answer
 from service.problems import TIME_LIMIT, Problem, ProblemError
 from service.workers.protocol import Pool
 from service.workers.runs import SplitError
@@ -98,3 +98,19 @@ class Batch:
 
     def _shape(self, number: int) -> object:
         return shape_of("design", self._lines[number])
+
+
+def answer_lines(operation: str, lines: list[bytes]) -> list[Answer]:
+    """Answer each line of a part of a batch.
+
+    Parameters
+    ----------
+    operation, lines
+        Name of the operation, and the requests as JSON.
+
+    Returns
+    -------
+    list of Answer
+        An answer to each, in order.
+    """
+    return [answer(operation, line) for line in lines]

@@ -21,10 +21,8 @@ async def read_body(request: Request, *, limit_bytes: int, media_types: tuple[st
 
     Parameters
     ----------
-    request
-        The request.
-    limit_bytes
-        Longest body [bytes].
+    request, limit_bytes
+        The request, and its longest body [bytes].
     media_types
         Values of ``content-type`` that are accepted, the usual one first.
 

@@ -19,16 +19,8 @@ Answered = TypeVar("Answered")
 def client_of(scope: Scope | Request) -> str:
     """Return whose request it is, for a fair share.
 
-    Parameters
-    ----------
-    scope
-        The request, or its scope.
-
-    Returns
-    -------
-    str
-        The client's address, of IPv6 its network (/64): one machine has as many addresses of such a
-        network as it likes. Empty where the address is not known.
+    It is the client's address, of IPv6 its network (/64): one machine has as many addresses of such
+    a network as it likes. Empty where the address is not known.
     """
     client = scope["client"]
     return "" if client is None else _share_of(client[0])
@@ -49,10 +41,8 @@ async def while_connected(request: Request, work: Awaitable[Answered]) -> Answer
 
     Parameters
     ----------
-    request
-        The request, whose body has been read.
-    work
-        The work; it is cancelled when the client is gone.
+    request, work
+        The request, whose body has been read; work that is cancelled when the client is gone.
 
     Returns
     -------

@@ -6,7 +6,6 @@ from fastapi import FastAPI, Request
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
-from service.http.answers import problem_response
 from service.problems import METHOD_NOT_ALLOWED, NOT_FOUND, Problem, ProblemError, ProblemKind
 
 
@@ -35,3 +34,26 @@ async def _answer_refusal(request: Request, error: HTTPException) -> Response:
     refused = ProblemKind("refused", HTTPStatus(error.status_code), 1, "The request was refused")
     kind, detail = known.get(error.status_code, (refused, str(error)))
     return await _answer_problem(request, ProblemError(Problem(kind, detail), error.headers))
+
+
+def problem_response(problem: Problem, request_id: str | None) -> Response:
+    """Return a problem as the response.
+
+    Parameters
+    ----------
+    problem
+        The problem.
+    request_id
+        Id of the request, which the document repeats; None for none.
+
+    Returns
+    -------
+    Response
+        A problem document with the status and headers of the problem.
+    """
+    return Response(
+        problem.document(request_id).model_dump_json(),
+        status_code=problem.kind.http.value,
+        media_type="application/problem+json",
+        headers=problem.headers,
+    )

@@ -44,10 +44,8 @@ def refusal_of(scope: Scope, pool: Pool) -> Problem | None:
 
     Parameters
     ----------
-    scope
-        The request, as ASGI has it.
-    pool
-        Those who would answer it.
+    scope, pool
+        The request, as ASGI has it, and those who would answer it.
 
     Returns
     -------
@@ -64,12 +62,8 @@ def log_request(scope: Scope, request_id: str, status: int, started_s: float) ->
 
     Parameters
     ----------
-    scope
-        The request, as ASGI has it.
-    request_id
-        Its id.
-    status
-        Status of its answer.
+    scope, request_id, status
+        The request, as ASGI has it; its id; the status of its answer.
     started_s
         When it began, by the clock of `time.perf_counter` [s].
     """

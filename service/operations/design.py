@@ -13,17 +13,12 @@ from service.operations.design_picture import design_picture
 from service.operations.fit import fit_with_residual
 from service.operations.operation import Operation
 from service.operations.requested_design import requested_design
-from service.operations.subject import of_modes
+from service.operations.residuals_of_modes import of_modes
 from service.version import version
 
 
 def design_shaper(request: DesignRequest) -> DesignResponse:
     """Design one shaper and prove it.
-
-    Parameters
-    ----------
-    request
-        The plant, the actuator and the shaper; whether its curve, coefficients and trace too.
 
     Returns
     -------
@@ -49,13 +44,14 @@ def design_shaper(request: DesignRequest) -> DesignResponse:
     scheduled = None
     if isinstance(done.plant, Scheduled) and done.design.worst_in_range is not None:
         scheduled = RangeOut.from_design(done.plant, done.design.worst_in_range)
+    modes = done.plant.modes
     trace = [TraceStepOut.from_design(step) for step in done.trace]
     return DesignResponse.from_design(
         request.shaper.kind,
         done.design,
         done.sampled,
         _curve(done.curves),
-        of_modes(done.plant.modes, done.design.residuals, done.curves),
+        of_modes(modes, done.design.residuals, done.curves) if len(modes) > 1 else None,
         scheduled,
         fits,
         trace if request.trace else None,

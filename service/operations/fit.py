@@ -1,12 +1,19 @@
 """Curve coefficients of a shaper over one field of the plant."""
 
+from typing import Any
+
 from design.curve_fit.fit import fit
-from design.curve_fit.fit_range import plants_at_ends
+from design.curve_fit.fit_range import FitRange, plants_at_ends
+from design.model.plants.registry import Plant
 from design.pipeline import design
 from schemas.base import name_field
 from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
+from schemas.samples import continuous_options
+from schemas.shapers import ShaperIn
 from service.operations.operation import Operation
-from service.operations.subject import NO_FIT_ON_SAMPLES, subject_of
+from service.operations.subject import subject_of
+
+NO_FIT_ON_SAMPLES = "a fit is over times that change smoothly, which whole samples do not"
 
 
 def fit_curves(request: FitRequest) -> FitOut:
@@ -56,11 +63,7 @@ def fit_with_residual(subject: FitDesign, fit_in: FitIn) -> FitOut:
         If some point of the range has no such shaper, or no degree is good enough.
     """
     plant, actuator = subject_of(subject)
-    with name_field("shaper"):
-        options = subject.shaper.continuous_options(NO_FIT_ON_SAMPLES)
-    with name_field("fit"):
-        wanted = fit_in.to_design(subject.plant.kind)
-        ends = plants_at_ends(plant, wanted)
+    options, wanted, ends = read_fit(subject.shaper, fit_in, subject.plant.kind, plant)
     kind = subject.shaper.shaper_kind()
     found = fit(plant, actuator, kind, wanted, options)
     # Polynomials are no better than what they were fitted to.
@@ -71,6 +74,30 @@ def fit_with_residual(subject: FitDesign, fit_in: FitIn) -> FitOut:
         if warning.code == "actuator_ignored"
     ]
     return FitOut.from_design(found, subject, ignored[-1:])
+
+
+def read_fit(
+    shaper: ShaperIn, fit_in: FitIn, plant_kind: str, plant: Plant
+) -> tuple[Any, FitRange, tuple[Plant, Plant]]:
+    """Return options, range and plants of a fit; every fault of it is found.
+
+    Parameters
+    ----------
+    shaper, fit_in, plant_kind
+        The shaper, the fit and the kind of the plant as the request has them.
+    plant
+        The plant that the request describes.
+
+    Returns
+    -------
+    tuple of Any, FitRange and tuple of Plant
+        Options of the kind of shaper, the range, and the plants at its ends.
+    """
+    with name_field("shaper"):
+        options = continuous_options(shaper, NO_FIT_ON_SAMPLES)
+    with name_field("fit"):
+        wanted = fit_in.to_design(plant_kind)
+        return options, wanted, plants_at_ends(plant, wanted)
 
 
 OPERATION = Operation(request=FitRequest, response=FitOut, run=fit_curves)

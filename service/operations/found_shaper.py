@@ -1,12 +1,16 @@
 """The shaper of a request, designed and on samples where they are asked for."""
 
+from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
+from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
 from design.pipeline import Design, design
 from design.sampling.sampled import Sampled
 from design.sampling.sampled_design import sampled_design
 from design.shapers.options import ShaperOptions
 from schemas.base import name_field
+from schemas.samples import grid_tolerance
 from schemas.shapers import ShaperIn
 
 
@@ -83,5 +87,27 @@ def on_samples(
     """
     with name_field("shaper"):
         return sampled_design(
-            found, plant.mode, actuator, sample_time_s, tolerance=shaper.grid_tolerance()
+            found, plant.mode, actuator, sample_time_s, tolerance=grid_tolerance(shaper)
+        )
+
+
+def require_one_mode(plant: Plant, sample_time_s: float) -> None:
+    """Check that a plant has one mode of one frequency, as samples need.
+
+    Parameters
+    ----------
+    plant, sample_time_s
+        What moves, and the sample time of the controller [s].
+
+    Raises
+    ------
+    InvalidInputError
+        If the plant has several modes, or one over a range.
+    """
+    if isinstance(plant, Modes | Scheduled):
+        raise InvalidInputError(
+            "shaper.sample_time_s",
+            sample_time_s,
+            "left out for a plant of several modes or of a range",
+            code="samples_of_one_mode",
         )

@@ -4,6 +4,7 @@ from design.moves.maneuvers import maneuver
 from design.moves.programs import program
 from schemas.base import name_field
 from schemas.maneuvers import ManeuverRequest, ManeuverResponse
+from schemas.samples import continuous_options
 from service.operations.operation import Operation
 from service.operations.subject import subject_of
 from service.version import version
@@ -18,7 +19,7 @@ def whole_move(request: ManeuverRequest) -> ManeuverResponse:
     """Design a move from rest to rest, and its program where asked."""
     plant, actuator = subject_of(request)
     with name_field("shaper"):
-        options = request.shaper.continuous_options(NO_MOVE_ON_SAMPLES)
+        options = continuous_options(request.shaper, NO_MOVE_ON_SAMPLES)
     initial = None
     if request.initial is not None:
         with name_field("initial"):

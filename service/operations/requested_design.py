@@ -3,44 +3,28 @@
 from dataclasses import dataclass
 
 from design.analysis.sensitivity import Sensitivity, sensitivity
-from design.curve_fit.fit_range import plants_at_ends
-from design.errors import DesignError, InvalidInputError
-from design.model.plants.modes import Modes
+from design.errors import DesignError
 from design.model.plants.registry import Plant
-from design.model.plants.scheduled import Scheduled
 from design.pipeline import Design, design
 from design.solvers.budget import Budget
 from design.trace import TraceStep
 from schemas.base import name_field
 from schemas.design_request import DesignRequest
 from schemas.sampled import SampledOut
-from service.operations.found_shaper import on_samples
-from service.operations.subject import NO_FIT_ON_SAMPLES, subject_of
+from service.operations.fit import read_fit
+from service.operations.found_shaper import on_samples, require_one_mode
+from service.operations.subject import subject_of
 
 
 @dataclass(frozen=True, slots=True)
 class RequestedDesign:
-    """A design with all that was asked of it.
+    """A design with all that was asked of it."""
 
-    Attributes
-    ----------
-    plant
-        What moves.
-    design
-        The shaper that is sent: on samples where they were asked for.
-    curves
-        Its sensitivity curve in each mode; empty where none was asked for.
-    sampled
-        How it came to the samples; None where none were asked for.
-    trace
-        Steps of the search; empty where they were not asked for.
-    """
-
-    plant: Plant
-    design: Design
-    curves: list[Sensitivity]
-    sampled: SampledOut | None
-    trace: list[TraceStep]
+    plant: Plant  # What moves
+    design: Design  # The shaper that is sent: on samples where they were asked for
+    curves: list[Sensitivity]  # Its sensitivity curve in each mode; empty where none was asked for
+    sampled: SampledOut | None  # How it came to the samples; None where none were asked for
+    trace: list[TraceStep]  # Steps of the search; empty where they were not asked for
 
 
 def requested_design(request: DesignRequest) -> RequestedDesign:
@@ -67,19 +51,11 @@ def requested_design(request: DesignRequest) -> RequestedDesign:
         with name_field("sensitivity"):
             curve_range = request.sensitivity.to_design()
     if request.fit is not None:
-        with name_field("shaper"):
-            request.shaper.continuous_options(NO_FIT_ON_SAMPLES)
-        with name_field("fit"):
-            plants_at_ends(plant, request.fit.to_design(request.plant.kind))
+        read_fit(request.shaper, request.fit, request.plant.kind, plant)
     kind = request.shaper.shaper_kind()
     sample_time_s = request.shaper.sample_time_s
-    if sample_time_s is not None and isinstance(plant, Modes | Scheduled):
-        raise InvalidInputError(
-            "shaper.sample_time_s",
-            sample_time_s,
-            "left out for a plant of several modes or of a range",
-            code="samples_of_one_mode",
-        )
+    if sample_time_s is not None:
+        require_one_mode(plant, sample_time_s)
     trace: list[TraceStep] = []
     budget = Budget(trace=trace if request.trace else None)
     try:

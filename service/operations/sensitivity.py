@@ -10,7 +10,8 @@ from schemas.sensitivity import SensitivityRequest, SensitivityResponse
 from schemas.sensitivity_curves import SensitivityOut
 from schemas.warnings import WarningOut
 from service.operations.operation import Operation
-from service.operations.subject import of_modes, subject_of
+from service.operations.residuals_of_modes import of_modes
+from service.operations.subject import subject_of
 
 
 def sensitivity_curve(request: SensitivityRequest) -> SensitivityResponse:
@@ -26,7 +27,7 @@ def sensitivity_curve(request: SensitivityRequest) -> SensitivityResponse:
     return SensitivityResponse(
         sensitivity=SensitivityOut.from_design(worst_of(curves)),
         residual=max(residuals),
-        modes=of_modes(plant.modes, residuals, curves),
+        modes=of_modes(plant.modes, residuals, curves) if len(residuals) > 1 else None,
         warnings=[WarningOut.from_design(one) for one in sum_warnings(impulses)],
     )
 

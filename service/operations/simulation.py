@@ -3,6 +3,7 @@
 import numpy as np
 
 from design.analysis.warnings import DesignWarning, sum_warnings
+from design.checks import MIN_VALUE
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
@@ -11,8 +12,8 @@ from design.moves.shaped_commands import ShapedCommand, shaped_command
 from design.pipeline import design
 from design.sampling.sampled_design import claims_on_samples
 from design.shapers.options import ShaperOptions
-from design.types import MIN_VALUE
 from schemas.base import name_field
+from schemas.samples import grid_tolerance
 from schemas.shapers import ShaperIn
 from schemas.simulations import ImpulsesCommand, SimulationRequest, SimulationResponse
 from service.operations.found_shaper import on_samples
@@ -83,7 +84,7 @@ def _shape_command(
 ) -> ShapedCommand:
     found, claims = design(plant, actuator, shaper.shaper_kind(), options), None
     if shaper.sample_time_s is not None:
-        claims = claims_on_samples(found, shaper.grid_tolerance())
+        claims = claims_on_samples(found, grid_tolerance(shaper))
         found, _ = on_samples(found, plant, actuator, shaper, shaper.sample_time_s)
     return shaped_command(command, found, plant.modes, actuator, claims)
 

@@ -18,19 +18,12 @@ class InlinePool:
 
     Tasks, arguments and results are pickled all the same, as they would be on their way to a
     worker and back. Limits of time and memory are not kept.
-
-    Attributes
-    ----------
-    workers, costs
-        As of every pool.
-    full
-        Why every task is refused; None where none is.
     """
 
     def __init__(self) -> None:
         self.workers = 1
         self.costs = Costs()
-        self.full: Problem | None = None
+        self.full: Problem | None = None  # why every task is refused
 
     def start(self) -> None:
         """Do nothing: there is nothing to start."""

@@ -14,10 +14,9 @@ def shape_of(operation: str, body: bytes) -> Hashable:
 
     Parameters
     ----------
-    operation
-        Name of what is done with the body.
-    body
-        The request; beyond `MAX_SHAPE_BYTES` only the magnitude of its length counts [bytes].
+    operation, body
+        Name of what is done with the request; beyond `MAX_SHAPE_BYTES` only the magnitude of its
+        length counts [bytes].
 
     Returns
     -------

@@ -10,7 +10,7 @@ import numpy as np
 from design.analysis.certificate import Claim, certify
 from design.analysis.insensitivity import insensitivity
 from design.analysis.residual import residual_vibration
-from design.analysis.sensitivity import residual_curve
+from design.analysis.residuals_of_many import residual_curve
 from design.analysis.vectors import residual_vectors
 from design.claims import Promise
 from design.errors import DesignError, InfeasibleDesignError, InvalidInputError
@@ -28,6 +28,7 @@ from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions
 from design.solvers.budget import MAX_WORK_PER_DESIGN
 from design.types import FloatArray
+from tests.integration_route import residual_by_integration
 from tests.random_cases import Case
 from tests.second_route import (
     claims_by_formula,
@@ -35,7 +36,6 @@ from tests.second_route import (
     gain_and_slope,
     ideal_derivative_by_formula,
     increases,
-    residual_by_integration,
 )
 
 ROUNDING = 1e-9

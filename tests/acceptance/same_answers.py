@@ -26,13 +26,10 @@ from design.shapers.registry import SHAPERS
 from service.catalogue import shaper_catalogue
 from service.dispatch import answer
 from service.problems import Problem
-from tests.acceptance.random_answers import (
-    random_move,
-    random_recommendation,
-    random_shaper,
-    random_simulation,
-    random_subject,
-)
+from tests.acceptance.answer_cases import random_shaper, random_subject
+from tests.acceptance.random_moves import random_move
+from tests.acceptance.random_recommendations import random_recommendation
+from tests.acceptance.random_simulations import random_simulation
 
 JSON = dict[str, Any]
 

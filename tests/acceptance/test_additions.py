@@ -101,18 +101,21 @@ class Dummy(FirstOrder):
         "schemas/actuators.py": [
             (
                 "ActuatorIn = Annotated[\n    IdealIn |",
-                '''class DummyIn(Wire):
+                '''from design.model.actuators.dummy import Dummy
+
+
+class DummyIn(WireOf[Dummy]):
     """A dummy."""
+
+    RECORD = Dummy
 
     EXAMPLE: ClassVar[Example] = {"kind": "dummy"}
 
     kind: Literal["dummy"]
-
-    def to_design(self) -> FirstOrder:
-        """Build the design record."""
-        from design.model.actuators.dummy import Dummy
-
-        return Dummy(accel_time_constant_s=0.1, decel_time_constant_s=0.2)
+    accel_time_constant_s: TimeConstant = 0.1
+    decel_time_constant_s: TimeConstant = 0.2
+    model: ModelIn = "superposed"
+    dead_time_s: DeadTime = 0.0
 
 
 ActuatorIn = Annotated[\n    DummyIn | IdealIn |''',
@@ -147,16 +150,18 @@ class Dummy(Pendulum):
         "schemas/plants.py": [
             (
                 "PlantIn = Annotated[\n    ModeIn |",
-                '''class DummyIn(Wire):
+                '''from design.model.plants.dummy import Dummy
+
+
+class DummyIn(WireOf[Dummy]):
     """A dummy."""
 
+    RECORD = Dummy
+
     kind: Literal["dummy"]
-
-    def to_design(self) -> Pendulum:
-        """Build the design record."""
-        from design.model.plants.dummy import Dummy
-
-        return Dummy(cable_length_m=0.8)
+    cable_length_m: Positive = 0.8
+    damping_ratio: PlantDamping = 0.0
+    gravity_m_s2: Positive = STANDARD_GRAVITY_M_S2
 
 
 PlantIn = Annotated[\n    DummyIn | ModeIn |''',

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from design.analysis.sensitivity import residual_curve
+from design.analysis.residuals_of_many import residual_curve
 from design.errors import InfeasibleDesignError
 from design.model.actuators.model import Model
 from design.pipeline import design

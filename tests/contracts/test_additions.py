@@ -30,7 +30,7 @@ NAMED_IN = {
     "rate_limited": {
         "design/model/actuators/rate_limited.py",
         "schemas/actuators.py",
-        "design/shapers/kind.py",  # which actuators a positive shaper names first
+        "design/shapers/actuators.py",  # which actuators a positive shaper names first
     },
     "simulation": {"service/operations/table.py"},
 }

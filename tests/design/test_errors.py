@@ -6,6 +6,7 @@ import pickle
 import pytest
 
 from design import errors
+from design.checks import require_between, require_positive
 from design.errors import (
     DesignError,
     InfeasibleDesignError,
@@ -13,7 +14,6 @@ from design.errors import (
     SolverFailedError,
     TimeLimitError,
 )
-from design.types import require_between, require_positive
 from tests.refusals import refused
 
 LEAVES = (InvalidInputError, InfeasibleDesignError, SolverFailedError, TimeLimitError)

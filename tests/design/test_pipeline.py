@@ -21,8 +21,8 @@ from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
 from design.shapers.kind import DesignCase, ShaperKind
-from design.shapers.options import SettleOptions
 from design.shapers.registry import SHAPERS
+from design.shapers.settle_options import SettleOptions
 from tests.refusals import refused
 from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, THESIS
 

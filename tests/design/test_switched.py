@@ -5,13 +5,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from design.analysis.certificate import certify
 from design.analysis.residual import residual_vibration
-from design.analysis.sensitivity import residual_curve, sensitivity
+from design.analysis.residuals_of_many import residual_curve
+from design.analysis.sensitivity import sensitivity
 from design.analysis.sensitivity_range import SensitivityRange
 from design.analysis.vectors import residual_vectors
 from design.claims import zeros
@@ -27,7 +28,7 @@ from design.response.closed_form import history
 from design.response.simulated_history import simulated_history
 from design.response.simulation import ringing_after
 from design.shapers.registry import SHAPERS
-from tests.second_route import integrate, residual_by_integration
+from tests.integration_route import integrate, residual_by_integration
 from tests.shaper_table import CRANE, DAMPED, THESIS
 
 SWITCHED = replace(THESIS, model="switched")
@@ -105,7 +106,6 @@ def test_the_history_agrees_with_an_integrator(seed: int) -> None:
     st.floats(0.1, 5.0).flatmap(lambda z: st.sampled_from([z, 1.0, 1 + 1e-9, 1 - 1e-9])),
     st.floats(0.0, 30.0),
 )
-@settings(derandomize=True, deadline=None)
 def test_free_motion_is_the_matrix_exponential(damping: float, phase: float) -> None:
     lag = Lag(first_s=2 * damping / 7.0, second_s2=1 / 49.0)
     matrix = np.array([[0.0, 1.0], [-1.0, -2 * damping]])

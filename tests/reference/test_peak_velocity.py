@@ -8,7 +8,7 @@ from design.model.actuators.first_order import FirstOrder
 from design.model.plants.mode import Mode
 from design.moves.maneuvers import maneuver
 from design.pipeline import design
-from design.shapers.options import PeakOptions
+from design.shapers.peak_options import PeakOptions
 from design.shapers.registry import SHAPERS
 from tests.refusals import refused
 from tests.second_route import claims_by_formula

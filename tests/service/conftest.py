@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from service.jobs.store import Store
-from tests.job_stores import HOUR_S
+from tests.job_stores import HOUR_S, erase
 from tests.postgres import running_cluster
 
 
@@ -26,7 +26,9 @@ def url(request: pytest.FixtureRequest, tmp_path: Path) -> str:
 @pytest.fixture
 def store(url: str) -> Iterator[Store]:
     opened = Store(url, stalled_s=HOUR_S, version="1")
-    for job in opened.jobs(100):
+    for job in opened.jobs(1000):
         opened.cancel(job.id)
+        opened.delete(job.id)
+    erase(opened)
     yield opened
     opened.close()

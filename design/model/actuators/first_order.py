@@ -3,29 +3,15 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from design.checks import MAX_VALUE, MIN_VALUE, require_between
 from design.errors import InvalidInputError
 from design.model.actuators.model import Model
 from design.model.lags import Lag
-from design.types import (
-    MAX_VALUE,
-    MIN_VALUE,
-    require_between,
-)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FirstOrder:
-    """First-order lag with a time constant for either direction (Kim 2011, 3.5-3.13).
-
-    Attributes
-    ----------
-    accel_time_constant_s, decel_time_constant_s
-        Time constants, >= 0 [s]; 0 is a set that follows at once.
-    model
-        How the two sets share the actuator.
-    dead_time_s
-        Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
-    """
+    """First-order lag with a time constant for either direction (Kim 2011, 3.5-3.13)."""
 
     kind: ClassVar[str] = "first_order"
     """Its ``kind`` on the wire."""
@@ -33,9 +19,11 @@ class FirstOrder:
     PROOF_WORK: ClassVar[float] = 3.5
     """Work of proving an impulse at one frequency [units of `design.solvers.budget`]."""
 
+    # Time constants, >= 0 [s]; 0 is a set that follows at once
     accel_time_constant_s: float
     decel_time_constant_s: float
-    model: Model = "superposed"
+    model: Model = "superposed"  # How the two sets share the actuator
+    # Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual
     dead_time_s: float = 0.0
 
     def __post_init__(self) -> None:

@@ -3,17 +3,13 @@
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from design.checks import MAX_VALUE, require_between, require_scale
 from design.errors import InvalidInputError
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.model import Model
 from design.model.actuators.second_order import SecondOrder
 from design.model.lags import Lag
-from design.types import (
-    MAX_VALUE,
-    require_between,
-    require_scale,
-)
 
 Unlimited = Ideal | FirstOrder | SecondOrder
 
@@ -25,17 +21,6 @@ class RateLimited:
     The command's steps become ramps, steep as the limits allow: the first while the reference's
     magnitude grows, the second while it falls. A command that changes before its ramp is over
     turns the ramp; one that reverses passes zero.
-
-    Attributes
-    ----------
-    accel_limit_m_s2, decel_limit_m_s2
-        Largest rates of the reference, > 0 [m/s^2].
-    speed_m_s
-        Full speed: what a command of 1 stands for, > 0 [m/s].
-    then
-        What follows the ramps; its sets are those of the reference's latest change.
-    dead_time_s
-        Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
     """
 
     kind: ClassVar[str] = "rate_limited"
@@ -44,10 +29,13 @@ class RateLimited:
     PROOF_WORK: ClassVar[float] = 8.0
     """Work of proving an impulse at one frequency [units of `design.solvers.budget`]."""
 
+    # Largest rates of the reference, > 0 [m/s^2]
     accel_limit_m_s2: float
     decel_limit_m_s2: float
-    speed_m_s: float
+    speed_m_s: float  # Full speed: what a command of 1 stands for, > 0 [m/s]
+    # What follows the ramps; its sets are those of the reference's latest change
     then: Unlimited = field(default_factory=Ideal)
+    # Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual
     dead_time_s: float = 0.0
 
     def __post_init__(self) -> None:

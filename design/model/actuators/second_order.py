@@ -3,13 +3,9 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from design.checks import MAX_VALUE, require_between, require_scale
 from design.model.actuators.model import Model
 from design.model.lags import Lag
-from design.types import (
-    MAX_VALUE,
-    require_between,
-    require_scale,
-)
 
 MIN_DAMPING_RATIO = 0.1
 
@@ -18,18 +14,10 @@ MAX_DAMPING_RATIO = 5.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SecondOrderSet:
-    """One direction of a second-order actuator.
+    """One direction of a second-order actuator."""
 
-    Attributes
-    ----------
-    natural_frequency_rad_s
-        Undamped natural frequency, > 0 [rad/s].
-    damping_ratio
-        Share of critical damping, 0.1 to 5 [-].
-    """
-
-    natural_frequency_rad_s: float
-    damping_ratio: float
+    natural_frequency_rad_s: float  # Undamped natural frequency, > 0 [rad/s]
+    damping_ratio: float  # Share of critical damping, 0.1 to 5 [-]
 
     def __post_init__(self) -> None:
         require_scale("natural_frequency_rad_s", self.natural_frequency_rad_s)
@@ -46,17 +34,7 @@ class SecondOrderSet:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SecondOrder:
-    """Second-order actuator with a set of parameters for either direction (Kim 2011, 3.14-3.26).
-
-    Attributes
-    ----------
-    accel, decel
-        Parameters for steps that increase and decrease the magnitude of the command.
-    model
-        How the two sets share the actuator.
-    dead_time_s
-        Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual.
-    """
+    """Second-order actuator with a set of parameters for either direction (Kim 2011, 3.14-3.26)."""
 
     kind: ClassVar[str] = "second_order"
     """Its ``kind`` on the wire."""
@@ -64,9 +42,11 @@ class SecondOrder:
     PROOF_WORK: ClassVar[float] = 3.5
     """Work of proving an impulse at one frequency [units of `design.solvers.budget`]."""
 
+    # Parameters for steps that increase and decrease the magnitude of the command
     accel: SecondOrderSet
     decel: SecondOrderSet
-    model: Model = "superposed"
+    model: Model = "superposed"  # How the two sets share the actuator
+    # Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual
     dead_time_s: float = 0.0
 
     def __post_init__(self) -> None:

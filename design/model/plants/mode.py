@@ -4,7 +4,7 @@ import cmath
 import math
 from dataclasses import dataclass
 
-from design.types import require_between, require_scale
+from design.checks import require_between, require_scale
 
 MAX_DAMPING_RATIO = 0.99
 """A swing has decayed to 3e-10 there by the time at which `zv` answers it; from 0.9936 on, to less
@@ -13,18 +13,10 @@ than the rounding of a command. Kinds that end below it have bounds of their own
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mode:
-    """One vibration mode, driven by the acceleration of its support.
+    """One vibration mode, driven by the acceleration of its support."""
 
-    Attributes
-    ----------
-    natural_frequency_rad_s
-        Undamped natural frequency, > 0 [rad/s].
-    damping_ratio
-        Share of critical damping, 0 to 0.99 [-].
-    """
-
-    natural_frequency_rad_s: float
-    damping_ratio: float = 0.0
+    natural_frequency_rad_s: float  # Undamped natural frequency, > 0 [rad/s]
+    damping_ratio: float = 0.0  # Share of critical damping, 0 to 0.99 [-]
 
     def __post_init__(self) -> None:
         require_scale("natural_frequency_rad_s", self.natural_frequency_rad_s)

@@ -20,15 +20,9 @@ A shaper turns the fastest mode by thousands of periods then: its residual has e
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Modes:
-    """Several vibration modes of one plant, all driven by the acceleration of its support.
+    """Several vibration modes of one plant, all driven by the acceleration of its support."""
 
-    Attributes
-    ----------
-    modes
-        Two to six, no two alike, in any order.
-    """
-
-    modes: tuple[Mode, ...]
+    modes: tuple[Mode, ...]  # Two to six, no two alike, in any order
 
     def __post_init__(self) -> None:
         if not 1 < len(self.modes) <= MAX_MODES:

@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass
 
+from design.checks import require_between, require_scale
 from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
-from design.types import require_between, require_scale
 
 STANDARD_GRAVITY_M_S2 = 9.80665
 """Standard acceleration of free fall [m/s^2] (3rd CGPM, 1901)."""
@@ -12,21 +12,11 @@ STANDARD_GRAVITY_M_S2 = 9.80665
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pendulum:
-    """A load on a cable under a trolley, at small angles.
+    """A load on a cable under a trolley, at small angles."""
 
-    Attributes
-    ----------
-    cable_length_m
-        From the suspension to the centre of the load, > 0 [m].
-    damping_ratio
-        Share of critical damping, 0 to 0.99 [-].
-    gravity_m_s2
-        Acceleration of free fall, > 0 [m/s^2].
-    """
-
-    cable_length_m: float
-    damping_ratio: float = 0.0
-    gravity_m_s2: float = STANDARD_GRAVITY_M_S2
+    cable_length_m: float  # From the suspension to the centre of the load, > 0 [m]
+    damping_ratio: float = 0.0  # Share of critical damping, 0 to 0.99 [-]
+    gravity_m_s2: float = STANDARD_GRAVITY_M_S2  # Acceleration of free fall, > 0 [m/s^2]
 
     def __post_init__(self) -> None:
         require_scale("cable_length_m", self.cable_length_m)

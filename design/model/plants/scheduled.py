@@ -13,14 +13,9 @@ MAX_FREQUENCY_RANGE = 10.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scheduled:
-    """A plant of one mode whose frequency is anywhere in a range: of a length, a mass, a stiffness.
+    """A plant of one mode, of which a length, a mass or a stiffness is anywhere in a range."""
 
-    Attributes
-    ----------
-    first, last
-        The plant at either end of the range, of equal damping ratio.
-    """
-
+    # The plant at either end of the range, of equal damping ratio
     first: Mode | Pendulum | SpringMass
     last: Mode | Pendulum | SpringMass
 

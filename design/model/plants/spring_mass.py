@@ -3,27 +3,17 @@
 import math
 from dataclasses import dataclass
 
+from design.checks import require_between, require_scale
 from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
-from design.types import require_between, require_scale
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpringMass:
-    """A load held by a spring, of which the mass may be known better than the frequency.
+    """A load held by a spring, of which the mass may be known better than the frequency."""
 
-    Attributes
-    ----------
-    mass_kg
-        Of the load, > 0 [kg].
-    stiffness_n_m
-        Of what holds it, > 0 [N/m].
-    damping_ratio
-        Share of critical damping, 0 to 0.99 [-].
-    """
-
-    mass_kg: float
-    stiffness_n_m: float
-    damping_ratio: float = 0.0
+    mass_kg: float  # Of the load, > 0 [kg]
+    stiffness_n_m: float  # Of what holds it, > 0 [N/m]
+    damping_ratio: float = 0.0  # Share of critical damping, 0 to 0.99 [-]
 
     def __post_init__(self) -> None:
         require_scale("mass_kg", self.mass_kg)

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from design.types import MAX_VALUE, ComplexArray, FloatArray
+from design.checks import MAX_VALUE
+from design.types import ComplexArray, FloatArray
 
 PERIOD_RAD = 2 * math.pi
 

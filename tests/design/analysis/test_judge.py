@@ -23,7 +23,7 @@ from design.moves.maneuvers import maneuver
 from design.pipeline import design
 from design.sampling.sampled_design import sampled_design
 from design.shapers.registry import SHAPERS
-from tests.second_route import residual_by_integration
+from tests.integration_route import residual_by_integration
 
 CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81)
 TWO_MODES = Modes(

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from design.analysis.residual import residual_vibration
-from design.analysis.sensitivity import residual_curve
+from design.analysis.residuals_of_many import residual_curve
 from design.analysis.vectors import evenly_spaced_vectors, residual_vectors
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
@@ -17,7 +17,8 @@ from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.response.simulation import ringing_after
-from tests.second_route import claims_by_formula, residual_by_integration
+from tests.integration_route import residual_by_integration
+from tests.second_route import claims_by_formula
 from tests.shaper_table import CRANE, FIRST_ORDER, IDEAL, THESIS
 
 OSCILLATING = SecondOrder(
@@ -77,7 +78,6 @@ def test_an_unshaped_step_leaves_one(name: str, z: float) -> None:
     assert residual_vibration(step, mode, ACTUATORS[name]) == 1
 
 
-@settings(derandomize=True, deadline=None)
 @given(phase=st.floats(0.01, 20.0))
 def test_two_half_steps_leave_the_cosine_of_half_their_phase(phase: float) -> None:
     halves = Impulses(times_s=np.array([0.0, phase]), amplitudes=np.array([0.5, 0.5]))
@@ -85,7 +85,6 @@ def test_two_half_steps_leave_the_cosine_of_half_their_phase(phase: float) -> No
     assert result == pytest.approx(abs(math.cos(phase / 2)), abs=1e-14)  # a few roundings
 
 
-@settings(derandomize=True, deadline=None)
 @given(z=st.floats(0.0, 0.5))
 def test_a_damped_zv_shaper_with_the_right_decay_leaves_nothing(z: float) -> None:
     mode = Mode(natural_frequency_rad_s=2.0, damping_ratio=z)
@@ -97,7 +96,7 @@ def test_a_damped_zv_shaper_with_the_right_decay_leaves_nothing(z: float) -> Non
     assert residual_vibration(shaper, mode, Ideal()) <= 1e-14  # a few roundings
 
 
-@settings(derandomize=True, deadline=None, max_examples=200)
+@settings(max_examples=200)
 @given(impulses=IMPULSES, mode=MODES, which=st.integers(0, 2))
 def test_the_residual_is_the_textbook_sum(impulses: Impulses, mode: Mode, which: int) -> None:
     actuator = lags(1.0)[which]
@@ -108,7 +107,6 @@ def test_the_residual_is_the_textbook_sum(impulses: Impulses, mode: Mode, which:
     assert result == pytest.approx(expected, rel=1e-12, abs=1e-13 * max(1.0, growth) / growth)
 
 
-@settings(derandomize=True, deadline=None)
 @given(impulses=IMPULSES, mode=MODES, which=st.integers(0, 2))
 def test_the_formula_agrees_with_the_simulated_ringing(
     impulses: Impulses, mode: Mode, which: int
@@ -132,7 +130,6 @@ def test_the_formula_agrees_with_integrating_actuator_and_payload(name: str, act
     )
 
 
-@settings(derandomize=True, deadline=None)
 @given(impulses=IMPULSES, mode=MODES, which=st.integers(0, 2), scale=st.floats(0.1, 10.0))
 def test_scaling_time_changes_no_residual(
     impulses: Impulses, mode: Mode, which: int, scale: float
@@ -149,7 +146,6 @@ def test_scaling_time_changes_no_residual(
     )
 
 
-@settings(derandomize=True, deadline=None)
 @given(impulses=IMPULSES, mode=MODES, which=st.integers(0, 2), delay=st.floats(0.0, 5.0))
 def test_neither_waiting_nor_mirroring_changes_the_residual(
     impulses: Impulses, mode: Mode, which: int, delay: float

@@ -5,6 +5,7 @@ import io
 import json
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -194,3 +195,52 @@ def test_a_specification_that_was_changed_in_the_file_is_refused(name: str) -> N
 
 def test_every_format_is_named_as_its_row() -> None:
     assert [export.name for export in EXPORTS.values()] == list(FORMATS) == list(EXPORTS)
+
+
+def read(name: str, data: bytes) -> None:
+    """Read a whole file."""
+    _, runs = rows_of(name, io.BytesIO(data))
+    list(runs)
+
+
+def test_a_csv_file_that_is_none_of_ours_has_a_code_for_what_is_wrong() -> None:
+    lines = write("csv", 20).decode().splitlines(keepends=True)
+    heading = next(number for number, line in enumerate(lines) if not line.startswith("#"))
+    with refused("unsound_head", "file"):
+        read("csv", "".join(lines[1:]).encode())
+    with refused("wrong_heading", "file"):
+        read("csv", "".join([*lines[:heading], f"x{lines[heading]}"]).encode())
+    with refused("unreadable_cells"):
+        read("csv", "".join([*lines[: heading + 1], '"1.0\n']).encode())
+
+
+def test_a_parquet_file_that_is_none_of_ours_has_a_code_for_what_is_wrong() -> None:
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    def read_changed(table: Any) -> None:
+        changed = io.BytesIO()
+        parquet.write_table(table, changed)
+        read("parquet", changed.getvalue())
+
+    whole = parquet.read_table(io.BytesIO(write("parquet", 20)))
+    odd = pa.array(["odd"] * whole.num_rows).dictionary_encode()
+    with refused("not_parquet_file", "file"):
+        read("parquet", b"nothing of the kind")
+    with refused("columns_unlike_head", "file"):
+        read_changed(whole.drop_columns(["reason"]))
+    with refused("unknown_status", "status"):
+        read_changed(whole.set_column(whole.column_names.index("status"), "status", odd))
+
+
+def test_a_mat_file_that_is_none_of_ours_has_a_code_for_what_is_wrong() -> None:
+    from scipy.io import loadmat, savemat
+
+    data = write("mat", 20)
+    held = loadmat(io.BytesIO(data))
+    part = io.BytesIO()
+    savemat(part, {name: held[name] for name in held if name[0] != "_" and name != "reasons"})
+    with refused("not_mat_file", "file"):
+        read("mat", b"nothing of the kind")
+    with refused("table_incomplete", "file", says="without reasons"):
+        read("mat", data[:116] + part.getvalue()[116:])  # under our text in front

@@ -43,7 +43,7 @@ def brute_force(alpha: float, beta: float, shortest: FloatArray) -> float:
     return best
 
 
-@settings(derandomize=True, deadline=None, max_examples=400)
+@settings(max_examples=400)
 @given(
     alpha=st.floats(0.01, 2.0),
     beta=st.floats(-3.1, 3.1),

@@ -2,9 +2,8 @@
 
 import math
 from dataclasses import replace
-from functools import cache
 from itertools import product
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,27 +12,21 @@ from design.analysis.residual import residual_vibration
 from design.analysis.residuals_of_many import residuals_of_cases
 from design.fields import Axis
 from design.maps.field_map import field_map
-from design.maps.map_case import Map, MapCase, Move, Quantity, Recipe
+from design.maps.map_case import MapCase, Move
 from design.model.actuators.ideal import Ideal
-from design.model.actuators.registry import Actuator
-from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
 from design.model.plants.pendulum import Pendulum
 from design.moves.maneuvers import maneuver
 from design.moves.playback import motion
-from design.pictures.design_sheet import figure_bytes
-from design.pictures.map_sheet import map_sheet
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from tests.design.test_switched import SWITCHED, random_case
+from tests.integration_route import residual_by_integration
+from tests.map_cases import CORNER, FREQUENCY, LENGTH, PULSES, case
 from tests.refusals import refused
-from tests.second_route import claims_by_formula, residual_by_integration
+from tests.second_route import claims_by_formula
 from tests.shaper_table import CRANE, THESIS
-
-LENGTH = Axis(path=("plant", "cable_length_m"), values=np.linspace(0.5, 1.2, 7))
-CORNER = Axis(
-    path=("actuator", "accel", "natural_frequency_rad_s"), values=np.linspace(12.0, 40.0, 5)
-)
 
 
 @pytest.mark.parametrize("model", ["superposed", "switched"])
@@ -83,35 +76,6 @@ def test_a_cell_without_a_shaper_is_not_a_number() -> None:
     found = residuals(case("numzv", max_duration_periods=0.335), CORNER, LENGTH)
     assert np.isnan(found).any()
     assert not np.isnan(found).all()
-
-
-PULSES = Axis(path=("move", "pulse_s"), values=np.linspace(0.2, 3.0, 15))
-FREQUENCY = 3.5017852589786254  # of the crane, sqrt(9.81 / 0.8)
-
-
-def case(
-    name: str,
-    actuator: Actuator = THESIS,
-    *,
-    each: bool = True,
-    move: Move | None = None,
-    quantity: Quantity = "residual",
-    designed_for: Literal["superposed", "switched"] | None = None,
-    speed_m_s: float | None = None,
-    **options: Any,
-) -> MapCase:
-    kind = SHAPERS[name]
-    recipe = Recipe(
-        kind=kind, options=kind.options(**options), each=each, designed_for=designed_for
-    )
-    return MapCase(
-        plant=CRANE,
-        actuator=actuator,
-        shaper=recipe,
-        move=move,
-        quantity=quantity,
-        speed_m_s=speed_m_s,
-    )
 
 
 def residuals(of: MapCase, x: Axis, y: Axis | None = None) -> Any:
@@ -264,66 +228,6 @@ def test_times_of_a_move_include_those_of_its_stop() -> None:
     assert times[4:] == pytest.approx([3 + turn / FREQUENCY, 3 + 2 * turn / FREQUENCY], abs=0.05)
 
 
-@cache
-def settling_s(one: SecondOrderSet) -> float:
-    """From when on a step response stays within 20 % of its end, by simulation."""
-    from scipy.signal import step
-
-    w, z = one.natural_frequency_rad_s, one.damping_ratio
-    times, velocity = step(([w * w], [1, 2 * z * w, w * w]), T=np.linspace(0, 20 / w, 4001))
-    return float(times[np.flatnonzero(np.abs(velocity - 1) > 0.2)[-1] + 1])
-
-
-def fastest_branch(actuator: SecondOrder) -> tuple[float, tuple[int, int, int]]:
-    """Search every branch for the fastest whose steps settle to 80 %, by the step responses."""
-    settling = [settling_s(one) for one in (actuator.accel, actuator.decel)]
-    s = 1j * FREQUENCY
-    accel, decel = (
-        one.natural_frequency_rad_s**2
-        / (
-            s * s
-            + 2 * one.damping_ratio * one.natural_frequency_rad_s * s
-            + one.natural_frequency_rad_s**2
-        )
-        for one in (actuator.accel, actuator.decel)
-    )
-    ratio = decel / accel
-    found = []
-    for sign, n, m in product((1, -1), range(-1, 5), range(-1, 6)):
-        half = sign * math.acos(abs(ratio) / 2)
-        t2 = (half + float(np.angle(ratio)) + 2 * math.pi * n) / FREQUENCY
-        t3 = (2 * half + 2 * math.pi * m) / FREQUENCY
-        if t2 >= settling[0] and t3 - t2 >= settling[1]:
-            found.append((t3, (n, m, sign)))
-    return min(found)
-
-
-def test_the_branch_is_the_fastest_of_all_that_settle() -> None:
-    # Kim 2011, fig. 3-15.
-    corners = np.linspace(1.5, 20.0, 8)
-    x = Axis(path=("actuator", "accel", "natural_frequency_rad_s"), values=corners)
-    y = Axis(path=("actuator", "decel", "natural_frequency_rad_s"), values=corners)
-    of = case("numzv", quantity="branch", settle=True, max_duration_periods=5.0)
-    found = field_map(of, x, y).values
-    seen = set()
-    for (row, decel), (column, accel) in product(
-        enumerate(corners.tolist()), enumerate(corners.tolist())
-    ):
-        branch = found[row, column]
-        if np.isnan(branch).any():
-            continue
-        drive = replace(
-            THESIS,
-            accel=replace(THESIS.accel, natural_frequency_rad_s=accel),
-            decel=replace(THESIS.decel, natural_frequency_rad_s=decel),
-        )
-        _, expected = fastest_branch(drive)
-        assert tuple(branch) == expected
-        seen.add(expected)
-    assert (0, 0, 1) in seen
-    assert len(seen) > 2
-
-
 @pytest.mark.parametrize(
     ("of", "x", "code", "field"),
     [
@@ -385,44 +289,3 @@ def test_two_axes_over_one_field_and_a_map_too_large_are_refused() -> None:
         field_map(case("numzv"), wide, high)
     with refused("too_many_cells", "x.points", says=r"of a map of at most 500 cells"):
         field_map(case("numzv", move=Move(pulse_s=3.0)), wide)
-
-
-def test_a_picture_of_a_map_has_units_and_equal_bytes() -> None:
-    of = case("numzvd", each=False)
-    found = field_map(of, CORNER, LENGTH)
-    figure = map_sheet(of, CORNER, LENGTH, found)
-    assert figure.axes[0].get_xlabel() == "accel natural frequency [rad/s]"
-    assert figure.axes[0].get_ylabel() == "cable length [m]"
-    assert figure.axes[-1].get_ylabel() == "residual vibration [%]"
-    first, second = (
-        figure_bytes(map_sheet(of, CORNER, LENGTH, found), "png") for _ in range(2)
-    )  # fmt: skip
-    assert first == second
-
-
-PICTURED: dict[str, tuple[MapCase, Axis, Axis | None, int]] = {
-    "times, curves": (case("numzvd", quantity="times_s"), LENGTH, None, 1),
-    "times, panels": (case("numzv", quantity="times_s"), LENGTH, CORNER, 3),
-    "branch": (case("numzv", quantity="branch", settle=True), LENGTH, CORNER, 4),
-    "alpha": (MapCase(plant=CRANE, actuator=THESIS, quantity="alpha"), LENGTH, CORNER, 2),
-    "beta": (MapCase(plant=CRANE, actuator=THESIS, quantity="beta_rad"), LENGTH, None, 1),
-    "moves": (case("umzv", each=False, move=Move(pulse_s=2.0)), PULSES, CORNER, 2),
-    "one cell": (
-        case("umzv"),
-        Axis(path=LENGTH.path, values=np.array([0.8])),
-        Axis(path=CORNER.path, values=np.array([20.0])),
-        2,
-    ),
-    "nothing": (case("numzv", max_duration_periods=0.2), LENGTH, CORNER, 2),
-    "no curve": (case("numzv", max_duration_periods=0.2), LENGTH, None, 1),
-}
-
-
-@pytest.mark.parametrize("name", PICTURED)
-def test_each_quantity_is_drawn_with_a_title_and_units(name: str) -> None:
-    of, x, y, panels = PICTURED[name]
-    found: Map = field_map(of, x, y)
-    figure = map_sheet(of, x, y, found)
-    assert len(figure.axes) == panels  # that of the colours included
-    assert figure.get_suptitle()
-    assert figure_bytes(figure, "png").startswith(b"\x89PNG")

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from design.model.impulses import Impulses
@@ -50,14 +50,12 @@ def test_a_step_to_the_opposite_level_decreases_whatever_the_rounding() -> None:
 AMPLITUDES = st.lists(st.sampled_from([-1.0, -0.5, 0.25, 0.5, 1.0]), min_size=1, max_size=8)
 
 
-@settings(derandomize=True, deadline=None)
 @given(amplitudes=AMPLITUDES)
 def test_the_rule_holds_step_by_step_on_random_commands(amplitudes: list[float]) -> None:
     impulses = of(amplitudes)
     assert impulses.accelerates.tolist() == increases(impulses)
 
 
-@settings(derandomize=True, deadline=None)
 @given(amplitudes=AMPLITUDES, scale=st.floats(1e-3, 1e3))
 def test_a_mirrored_or_scaled_command_accelerates_at_the_same_steps(
     amplitudes: list[float], scale: float

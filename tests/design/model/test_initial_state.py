@@ -21,11 +21,11 @@ from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.moves.maneuvers import Maneuver, maneuver
 from design.shapers.kind import ShaperKind
-from design.shapers.options import PeakOptions
+from design.shapers.peak_options import PeakOptions
 from design.shapers.registry import SHAPERS
-from tests.design.moves.test_maneuvers import any_actuator, levels
+from tests.design.moves.cranes import any_actuator, levels
+from tests.integration_route import integrate
 from tests.refusals import refused
-from tests.second_route import integrate
 from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, THESIS
 
 UMZV, UMZVC, NUMZV, NUMZVD = (SHAPERS[name] for name in ("umzv", "umzvc", "numzv", "numzvd"))

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from design.model.plants.mode import Mode
@@ -17,7 +17,6 @@ FREQUENCIES = st.floats(1e-2, 1e3)
 DAMPING_RATIOS = st.floats(0.0, 0.99)
 
 
-@settings(derandomize=True, deadline=None)
 @given(w=FREQUENCIES, z=DAMPING_RATIOS)
 def test_the_pole_is_the_upper_root_of_the_characteristic_polynomial(w: float, z: float) -> None:
     pole = Mode(natural_frequency_rad_s=w, damping_ratio=z).pole_rad_s
@@ -27,7 +26,6 @@ def test_the_pole_is_the_upper_root_of_the_characteristic_polynomial(w: float, z
     assert abs(pole - expected) <= 1e-13 * w
 
 
-@settings(derandomize=True, deadline=None)
 @given(w=FREQUENCIES, z=DAMPING_RATIOS, scale=st.floats(0.1, 10.0))
 def test_frequency_scales_pole_and_period_inversely(w: float, z: float, scale: float) -> None:
     one = Mode(natural_frequency_rad_s=w, damping_ratio=z)

@@ -21,7 +21,7 @@ from design.model.plants.mode import Mode
 from design.moves.playback import motion
 from design.response.simulated_history import simulated_history
 from tests.design.test_switched import random_case
-from tests.second_route import integrate
+from tests.integration_route import integrate
 from tests.shaper_table import CRANE, THESIS
 
 TWO_SETS = SecondOrder(

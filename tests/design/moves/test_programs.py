@@ -12,8 +12,8 @@ from design.model.plants.mode import Mode
 from design.moves.maneuvers import maneuver
 from design.moves.programs import Program, program
 from design.shapers.registry import SHAPERS
+from tests.integration_route import residual_by_integration
 from tests.refusals import refused
-from tests.second_route import residual_by_integration
 
 MODE = Mode(natural_frequency_rad_s=2 * np.pi)
 ASYMMETRIC = FirstOrder(accel_time_constant_s=0.03, decel_time_constant_s=0.06, model="switched")

@@ -15,7 +15,7 @@ from design.model.plants.pendulum import Pendulum
 from design.moves.shaped_commands import shaped_command
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
-from tests.second_route import residual_by_integration
+from tests.integration_route import residual_by_integration
 
 CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81)
 SYMMETRIC = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1)

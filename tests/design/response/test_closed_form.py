@@ -15,7 +15,8 @@ from design.model.plants.mode import Mode
 from design.response.closed_form import History, history
 from design.response.simulation import ringing_after
 from design.types import FloatArray
-from tests.second_route import claims_by_formula, gain_and_slope, integrate
+from tests.integration_route import integrate
+from tests.second_route import claims_by_formula, gain_and_slope
 from tests.shaper_table import CRANE, FIRST_ORDER, IDEAL, THESIS
 
 COMMAND = Impulses(

@@ -1,4 +1,4 @@
-"""Impulses on a sample grid: published figures, brute force, exactness, invariance."""
+"""Shapers on a sample grid: published figures, brute force, invariance."""
 
 import itertools
 import math
@@ -11,14 +11,13 @@ from design.analysis.certificate import certify
 from design.analysis.residual import residual_vibration
 from design.analysis.residuals_of_many import vectors_of_many
 from design.analysis.vectors import residual_vectors
-from design.claims import Quantity, zeros
+from design.claims import zeros
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
-from design.model.plants.registry import Plant
 from design.pipeline import design
 from design.sampling.exact_positive import exact_positive
 from design.sampling.sample_grid import nearest, round_with_carry, split
@@ -26,52 +25,22 @@ from design.sampling.sampled import Sampled, sample
 from design.sampling.sampled_design import sampled_design
 from design.sampling.unity_grid import unity_on_grid
 from design.shapers.registry import SHAPERS
-from design.types import FloatArray
+from tests.design.sampling.on_samples import (
+    EXACT,
+    PRINTER,
+    RESIDUAL,
+    SAMPLE_S,
+    SWITCHED,
+    WITH_SLOPE,
+    assert_on_grid,
+    designed,
+    percent,
+    positive_shaper,
+    shaper,
+)
 from tests.refusals import refused
 from tests.second_route import claims_by_formula, largest_in_band_by_formula
-from tests.shaper_table import CRANE, FIRST_ORDER, THESIS
-
-PRINTER = Mode(natural_frequency_rad_s=2 * math.pi * 7.3, damping_ratio=0.05)
-SAMPLE_S = 0.01
-"""The case of the published figures: 7.3 Hz, damping ratio .05, 10 ms."""
-
-EXACT = 1e-12
-"""What counts as zero: rounding of a few terms of size one, with a wide margin [-]."""
-
-SWITCHED = replace(THESIS, model="switched")
-
-
-def shaper(times: list[float], amplitudes: list[float]) -> Impulses:
-    return Impulses(times_s=np.array(times), amplitudes=np.array(amplitudes))
-
-
-RESIDUAL: tuple[Quantity, ...] = ("residual",)
-WITH_SLOPE: tuple[Quantity, ...] = ("residual", "slope")
-
-
-def positive_shaper(mode: Mode, steps: int) -> Impulses:
-    """ZV (2 steps), ZVD (3), ZVDD (4), from the damped half period and its decay."""
-    root = math.sqrt(1 - mode.damping_ratio**2)
-    half_s = math.pi / (mode.natural_frequency_rad_s * root)
-    decay = math.exp(-math.pi * mode.damping_ratio / root)
-    heights = [math.comb(steps - 1, index) * decay**index for index in range(steps)]
-    total = sum(heights)
-    return shaper([half_s * index for index in range(steps)], [a / total for a in heights])
-
-
-def designed(kind: str, plant: Plant, actuator: Actuator) -> Impulses:
-    return design(plant, actuator, SHAPERS[kind]).impulses
-
-
-def percent(impulses: Impulses, mode: Mode = PRINTER, actuator: Actuator | None = None) -> float:
-    return 100 * residual_vibration(impulses, mode, actuator or Ideal())
-
-
-def assert_on_grid(impulses: Impulses, sample_time_s: float) -> None:
-    samples = np.rint(impulses.times_s / sample_time_s)
-    assert impulses.times_s.tolist() == (samples * sample_time_s).tolist()
-    assert np.all(np.diff(samples) >= 1)
-
+from tests.shaper_table import CRANE, THESIS
 
 # Published figures, to the three digits that are given.
 
@@ -97,150 +66,6 @@ def test_the_search_leaves_a_fifth_where_the_nearest_samples_leave_a_third() -> 
     assert found.impulses.amplitudes.tolist() == [1.0, -1.0, 1.0]
     assert 100 * found.residual == pytest.approx(19.043, abs=5e-4)  # as measured
     assert found.continuous_residual < EXACT
-
-
-# Appendix C.
-
-
-def test_carrying_the_error_is_equations_7_and_8() -> None:
-    # In samples of .02 s: t2 3.3 -> 3, error .3; t3 7.4 + .3 -> 8 (nearest would be 7).
-    by_hand = round_with_carry(shaper([0.0, 0.066, 0.148], [1.0, -1.0, 1.0]), 0.02)
-    assert by_hand.times_s.tolist() == [0.0, 3 * 0.02, 8 * 0.02]
-    # t2 3.7 -> 4, error -.3; t3 7.6 - .3 -> 7; error .6 by (8), carried on: t4 9.2 + .6 -> 10.
-    four = round_with_carry(shaper([0.0, 0.074, 0.152, 0.184], [1.0, -1.0, 1.0, -1.0]), 0.02)
-    assert four.times_s.tolist() == [0.0, 4 * 0.02, 7 * 0.02, 10 * 0.02]
-
-
-def test_the_case_of_figure_5_is_within_its_5_percent_and_needs_no_carrying() -> None:
-    # UMZV of the thesis's crane at .02 s lies at 14.95 and 29.90 samples.
-    umzv = designed("umzv", CRANE, Ideal())
-    digital = round_with_carry(umzv, 0.02)
-    assert digital.times_s.tolist() == [0.0, 15 * 0.02, 30 * 0.02]
-    assert digital.times_s.tolist() == nearest(umzv, 0.02).times_s.tolist()
-    assert percent(digital, CRANE.mode) == pytest.approx(0.5787, abs=5e-5)  # as measured
-
-
-def test_carrying_the_error_leaves_more_on_average_than_the_nearest_samples() -> None:
-    # UMZV, undamped, periods of 40 to 400 samples. To first order t2 off by d leaves least with t3
-    # off by d/2; equation 8 sends it the other way.
-    rng = np.random.default_rng(5)
-    squares = {"carried": 0.0, "nearest": 0.0, "search": 0.0}
-    for period in rng.uniform(40, 400, 300).tolist():
-        mode = Mode(natural_frequency_rad_s=2 * math.pi / period)
-        umzv = shaper([0.0, period / 6, period / 3], [1.0, -1.0, 1.0])
-        results = {
-            "carried": round_with_carry(umzv, 1.0),
-            "nearest": nearest(umzv, 1.0),
-            "search": unity_on_grid(umzv, mode, Ideal(), 1.0, slope=False),
-        }
-        for name, result in results.items():
-            # In units of the phase of half a sample, by which all of them scale.
-            squares[name] += (percent(result, mode) / 100 * period / math.pi) ** 2 / 300
-    # Of 200,000 periods: .999 carried, .866 nearest; of 300 within some 3 %.
-    assert math.sqrt(squares["carried"]) == pytest.approx(1.0, abs=0.05)
-    assert math.sqrt(squares["nearest"]) == pytest.approx(0.866, abs=0.05)
-    assert squares["search"] < squares["nearest"]
-
-
-# Exactness of positive shapers.
-
-
-@pytest.mark.parametrize("seed", range(60))
-def test_a_positive_shaper_is_exact_on_any_grid(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    mode = Mode(
-        natural_frequency_rad_s=float(rng.uniform(1, 50)), damping_ratio=float(rng.uniform(0, 0.3))
-    )
-    steps = 2 + seed % 3
-    slope = steps > 2
-    continuous = positive_shaper(mode, steps)
-    # From three samples in the half period upwards.
-    sample_time_s = float(continuous.times_s[1] / rng.uniform(3, 100))
-    exact = exact_positive(continuous, mode, Ideal(), sample_time_s, slope=slope)
-    left = claims_by_formula(exact, mode, Ideal())
-    assert left["residual"] <= EXACT
-    assert not slope or left["slope"] <= 20 * EXACT  # terms grow with the phase, up to 10 rad
-    assert exact.amplitudes.min() > 0
-    assert exact.amplitudes.sum() == pytest.approx(1.0, abs=EXACT)
-    assert_on_grid(exact, sample_time_s)
-
-
-@pytest.mark.parametrize("actuator", [FIRST_ORDER, THESIS, SWITCHED])
-def test_a_positive_shaper_is_exact_behind_any_actuator(actuator: Actuator) -> None:
-    mode = replace(CRANE, damping_ratio=0.05).mode
-    for steps in (2, 3):
-        claims = certify(
-            exact_positive(positive_shaper(mode, steps), mode, actuator, 0.04, slope=steps == 3),
-            mode,
-            actuator,
-            zeros(WITH_SLOPE),
-        ).claims
-        assert claims[0].holds
-        assert claims[1].holds == (steps == 3)
-
-
-@pytest.mark.parametrize("half_period", [3.0, 3.5, 6.5, 20.0, 20.5, 50.0 + 1e-8, 50.5 - 1e-8])
-def test_no_share_is_so_small_that_it_counts_as_a_step_that_does_not_accelerate(
-    half_period: float,
-) -> None:
-    # Where some or all impulses fall on samples, amplitudes beside them come out as rounding.
-    mode = Mode(natural_frequency_rad_s=math.pi / half_period)
-    actuator = FirstOrder(accel_time_constant_s=1.0, decel_time_constant_s=0.3, model="switched")
-    for steps in (2, 3, 4):
-        exact = exact_positive(positive_shaper(mode, steps), mode, actuator, 1.0, slope=steps > 2)
-        assert exact.accelerates.all()
-        assert residual_vibration(exact, mode, actuator) <= EXACT
-
-
-def test_a_robust_shaper_keeps_its_impulses_where_only_the_residual_is_asked() -> None:
-    zvd = positive_shaper(PRINTER, 3)
-    exact = exact_positive(zvd, PRINTER, Ideal(), SAMPLE_S)
-    near = split(zvd, SAMPLE_S)
-    assert exact.times_s.tolist() == near.times_s.tolist()
-    assert np.max(np.abs(exact.amplitudes - near.amplitudes)) < 0.01  # the split leaves .4 %
-    assert percent(exact) <= 100 * EXACT
-
-
-def test_a_shaper_of_negative_steps_is_the_mirror_image() -> None:
-    zv = positive_shaper(PRINTER, 2)
-    mirrored = replace_amplitudes(zv, -zv.amplitudes)
-    exact = exact_positive(zv, PRINTER, THESIS, SAMPLE_S)
-    mirror = exact_positive(mirrored, PRINTER, THESIS, SAMPLE_S)
-    assert mirror.amplitudes.tolist() == (-exact.amplitudes).tolist()
-
-
-def replace_amplitudes(impulses: Impulses, amplitudes: FloatArray) -> Impulses:
-    return Impulses(times_s=impulses.times_s, amplitudes=amplitudes)
-
-
-def test_what_no_amplitudes_make_zero_is_shared_and_says_what_it_leaves() -> None:
-    # Two steps a tenth of a period apart cannot cancel.
-    near = shaper([0.0, 0.0137], [0.5, 0.5])
-    with refused("no_positive_on_samples", says=r"one sign on 4 samples .* 0\.001 s"):
-        exact_positive(near, PRINTER, Ideal(), 0.001)
-    found = sample(near, PRINTER, Ideal(), 0.001, RESIDUAL)
-    assert found.method == "split"
-    assert found.residual == residual_vibration(found.impulses, PRINTER, Ideal())
-    assert found.residual == pytest.approx(found.continuous_residual, rel=0.01)
-    assert found.residual > 0.5
-
-
-def test_a_shaper_that_claims_nothing_is_shared() -> None:
-    zv = positive_shaper(PRINTER, 2)
-    found = sample(zv, PRINTER, Ideal(), SAMPLE_S, ())
-    assert found.method == "split"
-    assert 100 * found.residual == pytest.approx(0.583, abs=5e-4)
-
-
-def test_the_split_keeps_sum_and_mean_time() -> None:
-    rng = np.random.default_rng(3)
-    for _ in range(50):
-        impulses = shaper(sorted(rng.uniform(-1, 3, 5).tolist()), rng.uniform(-1, 1, 5).tolist())
-        shared = split(impulses, 0.07)
-        for power in (0, 1):
-            assert shared.amplitudes @ shared.times_s**power == pytest.approx(
-                impulses.amplitudes @ impulses.times_s**power, abs=EXACT
-            )
 
 
 # The search on whole samples.
@@ -454,33 +279,10 @@ def test_a_sample_time_must_leave_every_impulse_a_sample_of_its_own() -> None:
     assert sample(umzv, PRINTER, Ideal(), 0.0208, RESIDUAL).residual < 0.5
 
 
-def test_carrying_an_error_must_not_bring_two_impulses_together() -> None:
-    # 1.5 -> 2, error -.5; 2.6 - .5 -> 2.
-    with refused(
-        "impulses_share_a_sample",
-        "sample_time_s",
-        says=r"no two impulses .* here \[0, 2, 2\], got 1\.0",
-    ):
-        round_with_carry(shaper([0.0, 1.5, 2.6], [1.0, -1.0, 1.0]), 1.0)
-
-
-def test_a_positive_shaper_must_not_be_shorter_than_a_sample() -> None:
-    zv = positive_shaper(PRINTER, 2)
-    rule = r"sample_time_s must be at most the duration of the shaper, 0\.0685789, got 0\.07"
-    with refused("sample_time_too_long", "sample_time_s", says=rule):
-        sample(zv, PRINTER, Ideal(), 0.07, RESIDUAL)
-
-
 def test_a_sample_time_must_not_drown_in_rounding() -> None:
     zv = positive_shaper(PRINTER, 2)
     with refused("sample_time_too_short", "sample_time_s", says=r"at least 6\.85789e-08"):
         sample(zv, PRINTER, Ideal(), 1e-9, RESIDUAL)
-
-
-def test_amplitudes_of_both_signs_are_not_solved_for() -> None:
-    umzv = designed("umzv", PRINTER, Ideal())
-    with refused("signs_mixed", "amplitudes"):
-        exact_positive(umzv, PRINTER, Ideal(), SAMPLE_S)
 
 
 @pytest.mark.parametrize("actuator", [Ideal(), THESIS], ids=["ideal", "thesis"])

@@ -23,8 +23,9 @@ from design.sampling.sample_grid import split
 from design.sampling.sampled import Sampled, sample
 from design.sampling.sampled_design import sampled_design
 from design.shapers.registry import SHAPERS
+from tests.integration_route import residual_by_integration
 from tests.refusals import refused
-from tests.second_route import claims_by_formula, residual_by_integration
+from tests.second_route import claims_by_formula
 from tests.shaper_table import CRANE, FIRST_ORDER, IDEAL, THESIS
 
 PRINTER = Mode(natural_frequency_rad_s=2 * math.pi * 7.3, damping_ratio=0.05)

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from design.analysis.damping_curve import DampingRange
 from design.analysis.sensitivity import sensitivity
-from design.analysis.sensitivity_range import DampingRange, SensitivityRange
+from design.analysis.sensitivity_range import SensitivityRange
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal

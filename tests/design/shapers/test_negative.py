@@ -18,8 +18,8 @@ from design.pipeline import design
 from design.shapers.negative import NegativeOptions
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
+from tests.integration_route import residual_by_integration
 from tests.refusals import refused
-from tests.second_route import residual_by_integration
 from tests.shaper_table import IDEAL, THESIS
 
 
@@ -163,3 +163,11 @@ def test_no_random_start_finds_a_faster_shaper_of_partial_sums(z: float) -> None
             found.append(float(end[3]))
     assert found
     assert min(found) == pytest.approx(made, abs=1e-7)
+
+
+def test_an_impulse_that_a_slower_start_makes_too_strong_is_refused() -> None:
+    kind = SHAPERS["sna_zv"]
+    slow = FirstOrder(accel_time_constant_s=1.0, decel_time_constant_s=0.01)
+    mode = Mode(natural_frequency_rad_s=2 * math.pi)
+    with refused("negative_impulse_too_strong"):
+        design(mode, slow, kind, kind.options(negative_amplitude=0.5))

@@ -33,12 +33,9 @@ from design.tables.compute import compute_rows
 from design.tables.specification import TableSpecification
 from design.types import FloatArray
 from tests.acceptance.test_random_designs import random_case
+from tests.integration_route import residual_by_integration
 from tests.refusals import refused
-from tests.second_route import (
-    claims_by_formula,
-    largest_in_band_by_formula,
-    residual_by_integration,
-)
+from tests.second_route import claims_by_formula, largest_in_band_by_formula
 from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, LIMITED, PLANTS, THESIS
 
 SWITCHED = replace(THESIS, model="switched")

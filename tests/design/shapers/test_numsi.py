@@ -199,3 +199,9 @@ def test_what_no_shaper_does_is_refused_with_how_near_one_came() -> None:
 def test_values_outside_their_bounds_are_refused(field: str, value: float, code: str) -> None:
     with refused(code, field):
         UnityBandOptions(**{field: value})  # type: ignore[arg-type]
+
+
+def test_switches_that_settle_for_longer_than_a_shaper_may_take_are_refused() -> None:
+    kind = SHAPERS["num_si"]
+    with refused("switches_exceed_duration"):
+        design(CRANE, THESIS, kind, kind.options(settle=True, max_duration_periods=0.1))

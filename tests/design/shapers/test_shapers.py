@@ -20,14 +20,15 @@ from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
 from design.pipeline import design
-from design.shapers.options import PeakOptions, SettleOptions
+from design.shapers.peak_options import PeakOptions
 from design.shapers.registry import SHAPERS
+from design.shapers.settle_options import SettleOptions
 from design.types import FloatArray
+from tests.integration_route import residual_by_integration
 from tests.second_route import (
     claims_by_formula,
     ideal_derivative_by_formula,
     largest_in_band_by_formula,
-    residual_by_integration,
 )
 from tests.shaper_table import CRANE, DAMPED, FIRST_ORDER, IDEAL, PLANTS, SHAPER_TABLE, THESIS
 
@@ -123,7 +124,6 @@ def test_an_undamped_umzv_switches_at_a_sixth_and_a_third_of_the_period() -> Non
     assert made == pytest.approx(CRANE.mode.period_s * np.array([0, 1 / 6, 1 / 3]), rel=1e-15)
 
 
-@settings(derandomize=True, deadline=None)
 @given(accel=TIME_CONSTANTS, decel=TIME_CONSTANTS)
 def test_an_undamped_umzvc_is_the_published_closed_form(accel: float, decel: float) -> None:
     w = 3.5
@@ -148,7 +148,7 @@ def test_with_an_instant_stop_the_published_umzvc_is_out_of_order_above_root_two
         assert (made[-1] < math.pi / w) == ordered
 
 
-@settings(derandomize=True, deadline=None, max_examples=50)
+@settings(max_examples=50)
 @given(w1=st.floats(8, 60), w2=st.floats(8, 60), z1=st.floats(0.5, 1.5), z2=st.floats(0.5, 1.5))
 def test_an_undamped_numzv_is_the_published_closed_form(
     w1: float, w2: float, z1: float, z2: float

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from design.analysis.exclusion import excludes
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.plants.mode import Mode
@@ -17,13 +16,12 @@ from design.pipeline import Design, design
 from design.shapers.registry import SHAPERS
 from design.shapers.specified_insensitivity import BandOptions
 from design.solvers.budget import MAX_WORK_PER_DESIGN, Budget
-from design.solvers.clarabel import ConeProgram, solve
-from design.solvers.outcome import Status
 from design.types import ComplexArray, FloatArray
 from tests.refusals import refused
 from tests.shaper_table import THESIS
 
 SYMMETRIC = FirstOrder(accel_time_constant_s=0.03, decel_time_constant_s=0.03)
+
 UNIT = Mode(natural_frequency_rad_s=2 * math.pi)
 """One undamped second: times are in periods."""
 
@@ -263,52 +261,6 @@ def test_a_duration_too_short_is_named_with_what_can_be_met_instead() -> None:
     longer, tolerance = (float(part.split()[0]) for part in instead.split("or a tolerance of "))
     assert si(max_duration_periods=longer).impulses.duration_s <= longer
     assert si(max_duration_periods=0.9, tolerance=tolerance).impulses.duration_s <= 0.9
-
-
-def test_an_obstacle_excludes_what_it_should_and_no_more() -> None:
-    # Undamped, one frequency, V -> 0: p = cos u stays above 0 until a quarter period.
-    one, along = np.array([1.0]), np.array([1.0 + 0j])
-    assert excludes(1j, one, along, 1.4, 0.1, None)
-    assert not excludes(1j, one, along, 1.5, 0.1, None)
-    # cos u = 0.1 at 1.4706: the bound is exact there.
-    edge = math.acos(0.1)
-    assert excludes(1j, one, along, edge * (1 - 1e-10), 0.1, None)
-    assert not excludes(1j, one, along, edge * (1 + 1e-10), 0.1, None)
-    # Commands in [0, 1]: p(0) - fall = cos D on the way down, too; in [0, 2] twice the fall.
-    assert excludes(1j, one, along, edge * (1 - 1e-10), 0.1, (0.0, 1.0))
-    assert not excludes(1j, one, along, edge * (1 + 1e-10), 0.1, (0.0, 1.0))
-    twice = math.acos(0.55)
-    assert excludes(1j, one, along, twice * (1 - 1e-10), 0.1, (0.0, 2.0))
-    assert not excludes(1j, one, along, twice * (1 + 1e-10), 0.1, (0.0, 2.0))
-
-
-def test_a_cone_program_with_a_known_answer() -> None:
-    # Two vectors one against the other: half of each leaves nothing.
-    found = solve(
-        ConeProgram(
-            offset=np.zeros(1, dtype=complex),
-            rows=np.array([[1.0 + 0j, -1.0]]),
-            lowest=0.0,
-            highest=math.inf,
-            unit_sum=True,
-        )
-    )
-    assert found.status is Status.SOLVE_SUCCEEDED
-    assert found.unknowns == pytest.approx([0.5, 0.5], abs=1e-6)
-    assert found.largest == pytest.approx(0, abs=1e-7)
-
-
-def test_an_impossible_cone_program_is_told_as_such() -> None:
-    found = solve(
-        ConeProgram(
-            offset=np.zeros(1, dtype=complex),
-            rows=np.array([[1.0 + 0j]]),
-            lowest=0.0,
-            highest=0.5,
-            unit_sum=True,
-        )
-    )
-    assert found.status is Status.INFEASIBLE
 
 
 def test_a_command_far_beyond_its_range_has_no_structure_and_steps_of_a_grid_instead() -> None:

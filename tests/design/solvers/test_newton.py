@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from design.formulations.equations import Expressions
+from design.formulations.expressions import Expressions
 from design.formulations.unity_magnitude import ZERO_VIBRATION
 from design.solvers import near_root, newton
 

@@ -17,8 +17,8 @@ from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.pipeline import Design, design
-from design.shapers.options import SettleOptions
 from design.shapers.registry import SHAPERS
+from design.shapers.settle_options import SettleOptions
 from design.solvers.budget import Budget
 from design.solving.ramps import solve_behind_limits
 from tests.expm_route import outcome, slope

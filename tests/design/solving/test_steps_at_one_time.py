@@ -17,12 +17,13 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
+from design.model.merging import merged
 from design.model.plants.mode import Mode
 from design.moves.playback import motion
 from design.response.closed_form import travel
 from service.dispatch import respond
+from tests.integration_route import residual_by_integration
 from tests.refusals import refused
-from tests.second_route import residual_by_integration
 
 MODE = Mode(natural_frequency_rad_s=3.0, damping_ratio=0.02)
 FIRST = FirstOrder(accel_time_constant_s=0.3, decel_time_constant_s=0.05)
@@ -83,10 +84,10 @@ CASES = {
 @pytest.mark.parametrize("case", CASES)
 def test_a_command_is_merged_to_one_step_for_each_change(case: str) -> None:
     given, plain = CASES[case]
-    found = given.merge()
+    found = merged(given)
     assert found.times_s == pytest.approx(plain.times_s, abs=1e-15)
     assert found.amplitudes == pytest.approx(plain.amplitudes, abs=1e-15)
-    assert plain.merge() is plain
+    assert merged(plain) is plain
 
 
 @pytest.mark.parametrize("drive", DRIVES, ids=lambda drive: f"{drive.kind} {drive.model}")
@@ -124,7 +125,7 @@ def test_the_residual_is_the_one_of_an_integration(drive: Actuator) -> None:
 
 def test_steps_that_all_cancel_are_no_command() -> None:
     with refused("amplitudes_cancel", "amplitudes"):
-        steps([1.0, 1.0], [0.5, -0.5]).merge()
+        merged(steps([1.0, 1.0], [0.5, -0.5]))
 
 
 LISTED: dict[str, Any] = {"kind": "list", "times_s": [0, 2, 2], "velocity_m_s": [0.5, 1, 0.5]}

@@ -20,8 +20,9 @@ from design.model.actuators.model import Model
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.pipeline import Design, design
-from design.shapers.options import PeakOptions, SettleOptions
+from design.shapers.peak_options import PeakOptions
 from design.shapers.registry import SHAPERS
+from design.shapers.settle_options import SettleOptions
 from design.solvers.branches import spread_starts
 from design.solvers.newton import roots
 from design.tables import compute, kernel, starts
@@ -29,6 +30,7 @@ from design.tables.compiled import compiled
 from design.tables.compute import compute_rows, compute_with_counts
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL
 from design.tables.specification import TableSpecification
+from tests.patience import PATIENT_S
 from tests.shaper_table import CRANE, THESIS
 from tests.table_cases import random_table
 
@@ -153,7 +155,7 @@ def test_compiled_rows_are_the_same_to_the_bit_on_any_kind_of_machine(tmp_path: 
             capture_output=True,
             text=True,
             check=True,
-            timeout=300,
+            timeout=PATIENT_S,
         ).stdout
         for changes in ({}, plain)
     ]

@@ -1,5 +1,6 @@
 """Between the rows: exact on them, within the bound between them, refused beyond."""
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -10,7 +11,7 @@ from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from design.tables.interpolation import Interpolant, interpolant
-from design.tables.rows import Rows, TableHead
+from design.tables.rows import INFEASIBLE, Rows, TableHead
 from tests.designed_tables import CRANE, designed_table
 from tests.refusals import refused
 from tests.second_route import claims_by_formula
@@ -184,3 +185,18 @@ def test_a_list_of_designs_is_no_grid(crane: tuple[TableHead, Rows]) -> None:
     )
     with refused("not_a_grid", "rows", says="all 45 points of a grid, each once"):
         interpolant(head, part)
+
+
+def test_what_cannot_be_interpolated_has_a_code_for_why(crane: tuple[TableHead, Rows]) -> None:
+    head, rows = crane
+    others = tuple(column for column in head.columns if column.kind != "field")
+    foreign = tuple(
+        replace(column, name=f"other.{column.kind}") if column.kind == "field" else column
+        for column in head.columns
+    )
+    with refused("no_fields", "fields"):
+        interpolant(replace(head, columns=others), rows)
+    with refused("fields_not_interpolated", "fields"):
+        interpolant(replace(head, columns=foreign), rows)
+    with refused("no_verified_row", "rows"):
+        interpolant(head, replace(rows, status=np.full_like(rows.status, INFEASIBLE)))

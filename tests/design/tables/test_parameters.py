@@ -12,7 +12,7 @@ from design.formulations.gaps import settling_gaps_rad
 from design.formulations.lag_parameters import lag_parameters
 from design.model.actuators.model import Model
 from design.model.plants.pendulum import Pendulum
-from design.shapers.options import SettleOptions
+from design.shapers.settle_options import SettleOptions
 from design.tables.kernel import rows_of_problems
 from design.tables.parameters import row_parameters
 from design.tables.specification import TableSpecification

@@ -14,7 +14,7 @@ from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.tables.proofs import proven
-from tests.second_route import residual_by_integration
+from tests.integration_route import residual_by_integration
 
 MODELS: tuple[Model, ...] = ("superposed", "switched")
 

@@ -181,3 +181,18 @@ def huge(points: int) -> Axis:
 def test_bad_input_is_named(changes: dict[str, Any], field: str, code: str) -> None:
     with refused(code, field):
         table(**changes)
+
+
+def test_a_list_without_designs_is_refused() -> None:
+    with refused("no_designs", "designs"):
+        table(axes=(), listed=np.empty((0, 1)), listed_paths=(CABLE,))
+
+
+def test_columns_of_rows_whose_impulses_are_not_counted_are_refused() -> None:
+    kind = SHAPERS["num_si"]
+    axis = Axis(path=CABLE, values=np.array([0.8]))
+    columns = ("times_s", "amplitudes")
+    one = table(kind=kind, options=kind.options(), axes=(axis,), columns=columns)
+    assert one.impulses is None
+    with refused("impulses_not_counted", "impulses"):
+        columns_of(one)

@@ -12,9 +12,7 @@ import pytest
 
 from service.cli import demo
 from service.problems import OVERLOADED, Problem
-
-HUNG_S = 600.0
-"""Ends a demo that hangs; none is judged by it."""
+from tests.patience import PATIENT_S
 
 
 def test_the_demo_designs_prints_draws_and_stops(tmp_path: Path) -> None:
@@ -24,7 +22,7 @@ def test_the_demo_designs_prints_draws_and_stops(tmp_path: Path) -> None:
         capture_output=True,
         text=True,
         check=False,
-        timeout=HUNG_S,
+        timeout=PATIENT_S,
     )
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
     assert done.stdout.endswith("The service has stopped with status 0.\n")
@@ -59,11 +57,24 @@ def overloaded() -> Iterator[str]:
         thread.join()
 
 
+class Clock:
+    """A clock that moves when somebody sleeps, by as much each time, however long that was."""
+
+    def __init__(self, step_s: float) -> None:
+        self._now_s, self._step_s = 0.0, step_s
+
+    def monotonic(self) -> float:
+        return self._now_s
+
+    def sleep(self, seconds: float) -> None:
+        del seconds
+        self._now_s += self._step_s
+
+
 def test_a_slow_start_is_told_with_the_reason_that_the_service_gives(
     overloaded: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(demo, "SLOW_START_S", 0.0)
-    monkeypatch.setattr(demo, "START_WAIT_S", 0.3)
+    monkeypatch.setattr(demo, "time", Clock(step_s=demo.SLOW_START_S))
     with subprocess.Popen(["sleep", "600"]) as server:
         try:
             with pytest.raises(demo.DemoError, match=r"not ready in .* s: 503, no worker is ready"):

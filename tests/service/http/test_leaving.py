@@ -8,7 +8,7 @@ import pytest
 
 from service.workers.costs import SLICE_S
 from tests.conftest import CRANE, Running, running_service
-from tests.processes import HUNG_S, until, workers
+from tests.processes import until, workers
 from tests.service.http.test_server import ENDLESS, at_work
 
 BATCH = "\n".join(
@@ -32,7 +32,7 @@ def asking(service: Running, path: str, body: bytes) -> socket.socket:
 )
 def test_the_work_of_a_client_that_leaves_ends(tmp_path: Path, path: str, body: bytes) -> None:
     log = tmp_path / "log"
-    with running_service(log, job_workers=0, workers=1, time_limit_s=HUNG_S) as service:
+    with running_service(log, job_workers=0, workers=1) as service:
         before = workers(service)
         with asking(service, path, body):
             # By then no part of a batch is split any more, whose worker ends for that reason.
@@ -48,9 +48,7 @@ def test_the_work_of_a_client_that_leaves_ends(tmp_path: Path, path: str, body: 
 def test_a_batch_ends_at_its_own_limit_and_says_so_on_each_line(tmp_path: Path) -> None:
     lines = b"\n".join([json.dumps(CRANE).encode(), *BATCH.splitlines()[:20]])
     with (
-        running_service(
-            tmp_path / "log", job_workers=0, workers=1, time_limit_s=HUNG_S, batch_limit_s=3
-        ) as service,
+        running_service(tmp_path / "log", job_workers=0, workers=1, batch_limit_s=3) as service,
         service.client() as client,
     ):
         answer = client.post("/v1/designs/batch", content=lines)

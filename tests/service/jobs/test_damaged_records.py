@@ -17,7 +17,8 @@ from service.jobs.schema import JOBS
 from service.jobs.soundness import RULES, damage_of
 from service.jobs.store import Store
 from tests.job_stores import HOUR_S, done, job
-from tests.service.jobs.test_job_runner import inline, run, table
+from tests.patience import PATIENT_S
+from tests.service.jobs.test_runner import inline, run, table
 
 WRONG: list[Any] = ["many", "", -1, -0.5, 1e999, 10**15, b"\xff\xfe", "x\ud7ff", None]
 """What may come to stand in a column of SQLite, which takes anything anywhere."""
@@ -40,7 +41,7 @@ def store(file: Path) -> Any:
 
 def edit(file: Path, one: str, column: str, value: Any) -> bool:
     """Put a value into a job's record, and return whether it could be."""
-    with sqlite3.connect(file, timeout=60) as connection:
+    with sqlite3.connect(file, timeout=PATIENT_S) as connection:
         given, values = ("?", [value]) if value != BYTES else (BYTES, [])
         try:
             connection.execute(f"UPDATE jobs SET {column} = {given} WHERE id = ?", [*values, one])
@@ -144,7 +145,7 @@ def test_a_specification_that_is_not_what_was_stored_fails_its_job_alone(
     store.version = strange.version
     store.add(strange)
     store.add(good)
-    with sqlite3.connect(file, timeout=60) as connection:
+    with sqlite3.connect(file, timeout=PATIENT_S) as connection:
         if gone:
             connection.execute("DELETE FROM specifications WHERE job = ?", [strange.id])
         connection.execute(
@@ -183,7 +184,7 @@ def computed(store: Store) -> tuple[str, list[bytes]]:
 
 
 def put(file: Path, number: int, blob: Any, *, hashed: bool = True) -> None:
-    with sqlite3.connect(file, timeout=60) as connection:
+    with sqlite3.connect(file, timeout=PATIENT_S) as connection:
         connection.execute("UPDATE chunks SET blob = ? WHERE number = ?", (blob, number))
         if not hashed:
             connection.execute("UPDATE chunks SET sha256 = NULL")

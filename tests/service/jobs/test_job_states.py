@@ -1,27 +1,26 @@
 """What becomes of a job in each state, whatever is asked of it, over both databases."""
 
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
 
 from service.jobs.adding import KeyReusedError
-from service.jobs.claims import Turn, shares
 from service.jobs.contents import GoneError
 from service.jobs.erasing import ERASED_AT_ONCE
 from service.jobs.plan import wire_job
 from service.jobs.records import ChunkClaim, Job
 from service.jobs.store import MAX_FAILURES, Store
-from tests.job_stores import HOUR_S, change_jobs, count_chunks, done, job, silent_for
-
-
-@pytest.fixture(autouse=True)
-def _empty(store: Store) -> None:
-    for held in store.jobs(1000):
-        store.cancel(held.id)
-        store.delete(held.id)
-    erase(store)
+from tests.job_stores import (
+    HOUR_S,
+    change_jobs,
+    count_chunks,
+    done,
+    erase,
+    job,
+    silent_for,
+    state_of,
+)
 
 
 def to_waiting(store: Store, one: str) -> None:
@@ -63,13 +62,6 @@ WAYS: dict[str, Callable[[Store, str], None]] = {
     "gone": to_gone,
 }
 
-
-def erase(store: Store) -> None:
-    """Erase what there is to erase, as the service's cleaner does."""
-    for one in store.jobs_to_erase():
-        store.erase(one)
-
-
 AFTER = {
     # state:     cancel,             delete,            resume,             claims
     "waiting": (("cancelled", True), ("waiting", False), ("waiting", True), 3),
@@ -79,11 +71,6 @@ AFTER = {
     "cancelled": (("cancelled", True), ("gone", True), ("cancelled", False), 0),
     "gone": (("gone", False), ("gone", False), ("gone", False), 0),
 }
-
-
-def state_of(store: Store, one: str) -> str:
-    found = store.job(one)
-    return "gone" if found is None else found.state
 
 
 @pytest.mark.parametrize("state", list(WAYS))
@@ -144,54 +131,6 @@ def test_a_job_costs_the_same_whatever_its_size(store: Store, url: str) -> None:
     found = store.job(huge.id)
     assert found is not None
     assert (found.rows, found.chunks, found.done) == (10**10, 10**6, 0)
-
-
-def test_chunks_given_back_and_those_of_the_silent_come_before_new_ones(
-    store: Store, url: str
-) -> None:
-    new = job(rows=9, chunk_rows=1)
-    store.add(new)
-    held = store.claim("a", 4)
-    store.give_back("a", [held[2]])
-    silent_for(url, 2 * HOUR_S)
-    store.beat("a", [held[0]])
-    numbers = [claim.number for claim in store.claim("b", 9)]
-    assert numbers == [2, 1, 3, 4, 5, 6, 7, 8]
-
-
-def test_a_small_job_is_served_beside_a_huge_one_and_all_in_turn(store: Store) -> None:
-    huge, small, other = job(10**6, 1), job(1, 1), job(10**6, 1)
-    store.add(huge)
-    assert {claim.job for claim in store.claim("w", 4)} == {huge.id}
-    store.add(small)
-    store.add(other)
-    got = [claim.job for claim in store.claim("w", 5)]
-    assert (got.count(small.id), got.count(other.id)) == (1, 4)
-    got = [claim.job for claim in store.claim("w", 6)]
-    assert (got.count(huge.id), got.count(other.id)) == (3, 3)
-
-
-def turn(name: str, **values: float) -> Turn:
-    given = {"running": 0, "free": 9, "served": 0.0, "created": 0.0, **values}
-    return Turn(job=name, **given)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
-    ("turns", "most", "given"),
-    [
-        ([], 3, {}),
-        ([turn("a")], 0, {}),
-        ([turn("a", free=2)], 5, {"a": 2}),
-        ([turn("a", free=0), turn("b")], 2, {"b": 2}),
-        ([turn("a", running=2), turn("b")], 2, {"b": 2}),
-        ([turn("a", running=2), turn("b")], 4, {"b": 3, "a": 1}),
-        ([turn("a", served=2.0), turn("b", served=1.0)], 1, {"b": 1}),
-        ([turn("a", created=2.0), turn("b", created=1.0)], 1, {"b": 1}),
-        ([turn("a", created=2.0), turn("b", created=1.0)], 4, {"a": 2, "b": 2}),
-    ],
-)
-def test_shares_are_fair(turns: list[Turn], most: int, given: dict[str, int]) -> None:
-    assert shares(turns, most) == given
 
 
 def newer(store: Store) -> Store:
@@ -327,81 +266,6 @@ def test_a_key_begins_one_job_of_one_specification(store: Store) -> None:
     assert store.cancel(first.id)
     assert store.delete(first.id)
     assert store.add(again, "key") == again.id
-
-
-def at_once(work: Callable[[int], None], times: int) -> None:
-    threads = [threading.Thread(target=work, args=(number,)) for number in range(times)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-
-
-@pytest.fixture
-def stores(store: Store) -> Iterator[list[Store]]:
-    opened = [Store(store.url, stalled_s=HOUR_S, version="1") for _ in range(4)]
-    yield opened
-    for one in opened:
-        one.close()
-
-
-def test_of_many_that_begin_with_one_key_at_once_one_does(stores: list[Store]) -> None:
-    got: list[str] = []
-    at_once(lambda number: got.append(stores[number].add(job(), "key")), len(stores))
-    (only,) = stores[0].jobs(9)
-    assert got == [only.id] * len(stores)
-
-
-def test_many_at_once_compute_many_jobs_and_each_chunk_once(stores: list[Store]) -> None:
-    jobs = [job(rows, 1) for rows in (1, 30, 60)]
-    for new in jobs:
-        stores[0].add(new)
-    recorded: list[ChunkClaim] = []
-
-    def work(number: int) -> None:
-        mine, name = stores[number], str(number)
-        while claims := mine.claim(name, 3):
-            mine.beat(name, claims)
-            # One of two goes back, as long as another worker could take it.
-            kept = claims[1:] or claims
-            mine.give_back(name, set(claims) - set(kept))
-            for claim in kept:
-                if mine.finish(name, claim, done(b"%d" % claim.number)):
-                    recorded.append(claim)
-            mine.settle()
-
-    at_once(work, len(stores))
-    assert len(recorded) == len(set(recorded)) == 91
-    for new in jobs:
-        assert state_of(stores[0], new.id) == "done"
-        wanted = [b"%d" % number for number in range(new.rows)]
-        assert list(stores[0].blobs(new.id)) == wanted
-
-
-def test_jobs_cancelled_deleted_and_resumed_under_claims_leave_nothing(
-    stores: list[Store], url: str
-) -> None:
-    jobs = [job(200, 1) for _ in range(8)]
-    for new in jobs:
-        stores[0].add(new)
-
-    def work(number: int) -> None:
-        mine, name = stores[number], str(number)
-        for new in jobs:
-            if number % 2:
-                for claim in mine.claim(name, 5):
-                    mine.fail(name, claim, "it broke")
-            else:
-                mine.fail_job(new.id, "enough")
-                mine.resume(new.id)
-                mine.cancel(new.id)
-                mine.delete(new.id)
-
-    at_once(work, len(stores))
-    at_once(lambda number: erase(stores[number]), len(stores))
-    for new in jobs:
-        assert state_of(stores[0], new.id) == "gone"
-        assert count_chunks(url, new.id) == 0
 
 
 def test_what_is_told_of_a_job_needs_no_specification(store: Store) -> None:

@@ -15,10 +15,10 @@ from service.jobs.asking import Asking, UnansweredError
 from service.jobs.records import Done
 from service.jobs.store import Store
 from tests.harmed_stores import HARMS, delete, hold_locked
+from tests.job_stores import HOUR_S
 from tests.job_stores import job as job_of
+from tests.patience import PATIENT_S
 from tests.postgres import running_cluster
-
-HOUR_S = 3600.0
 
 READS: dict[str, Callable[[Store, str], Any]] = {
     "job": lambda store, job: store.job(job),
@@ -132,25 +132,29 @@ def test_a_lock_in_postgresql_holds_up_writers_for_a_while_and_no_reader(
 
 
 def test_calls_beyond_the_bound_are_refused_at_once_and_served_when_there_is_room() -> None:
-    let_go = threading.Event()
+    begun, let_go = threading.Event(), threading.Event()
+
+    def hold() -> bool:
+        begun.set()
+        return let_go.wait(PATIENT_S)
 
     async def asked() -> None:
         asking = Asking("test", threads=1, most=3)
-        waiting = [asyncio.create_task(asking.ask(let_go.wait)) for _ in range(3)]
-        await asyncio.sleep(0)
+        waiting = [asyncio.create_task(asking.ask(hold)) for _ in range(3)]
+        assert await asyncio.to_thread(begun.wait, PATIENT_S)  # the first
         with pytest.raises(UnansweredError, match="too many"):
-            await asking.ask(let_go.wait)
+            await asking.ask(hold)
         waiting[2].cancel()  # its place is free at once: it had not begun
         await asyncio.wait([waiting[2]])
-        waiting[2] = asyncio.create_task(asking.ask(let_go.wait))
+        waiting[2] = asyncio.create_task(asking.ask(hold))
         await asyncio.sleep(0)
         waiting[0].cancel()  # its place is not: its thread is still at it
         await asyncio.wait([waiting[0]])
         with pytest.raises(UnansweredError, match="too many"):
-            await asking.ask(let_go.wait)
+            await asking.ask(hold)
         let_go.set()
         assert await asyncio.gather(*waiting[1:]) == [True, True]
-        assert await asking.ask(let_go.wait)
+        assert await asking.ask(hold)
         asking.close()
 
     asyncio.run(asked())

@@ -1,0 +1,30 @@
+"""Wire form of a curve over the damping ratio."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from design.analysis.damping_curve import MAX_CURVE_POINTS, DampingRange
+from schemas.base import PlantDamping, Wire
+
+
+class DampingIn(Wire):
+    """Which damping ratios the plant may have."""
+
+    from_: Annotated[PlantDamping, Field(alias="from", description="Least damping ratio [-].")]
+    to: Annotated[PlantDamping, Field(description="Largest damping ratio [-].")]
+    points: Annotated[int, Field(ge=2, le=MAX_CURVE_POINTS, description="Points of the curve.")] = (
+        101
+    )
+
+    def to_design(self) -> DampingRange:
+        """Build the design record."""
+        return DampingRange(start=self.from_, stop=self.to, points=self.points)
+
+
+class DampingOut(Wire):
+    """What is left over the plant's damping ratio, its natural frequency as given."""
+
+    damping_ratio: list[float]
+    residual: list[float]
+    worst: Annotated[float, Field(description="Largest residual of the curve's points [-].")]

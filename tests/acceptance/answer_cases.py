@@ -1,0 +1,105 @@
+"""What random requests of every operation share: plants, drives, shapers, and how near is equal."""
+
+import dataclasses
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.impulses import Impulses
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
+from design.model.plants.registry import Plant
+from design.shapers.registry import SHAPERS
+from tests.random_cases import random_actuator, random_options, random_plant
+
+EVERY_DRIVE = ("ideal", "first_order", "second_order", "rate_limited")
+
+NOTHING = 1e-9
+"""Limit of a residual that is claimed to be zero [-]."""
+
+AGREE = 2e-9
+"""What two routes to one residual may differ by, over one and over itself [-]."""
+
+JSON = dict[str, Any]
+
+
+def plant_as_json(plant: Mode | Pendulum) -> JSON:
+    """Return the request's form of a plant of one mode."""
+    if isinstance(plant, Pendulum):
+        return {
+            "kind": "pendulum",
+            "cable_length_m": plant.cable_length_m,
+            "damping_ratio": plant.damping_ratio,
+            "gravity_m_s2": plant.gravity_m_s2,
+        }
+    return {
+        "kind": "mode",
+        "natural_frequency_rad_s": plant.natural_frequency_rad_s,
+        "damping_ratio": plant.damping_ratio,
+    }
+
+
+def actuator_as_json(actuator: Actuator) -> JSON:
+    """Return the request's form of an actuator."""
+    told: JSON = {"kind": actuator.kind}
+    if isinstance(actuator, RateLimited):
+        names = ("accel_limit_m_s2", "decel_limit_m_s2", "speed_m_s")
+        return {
+            **told,
+            **{name: getattr(actuator, name) for name in names},
+            "then": actuator_as_json(actuator.then),
+        }
+    if isinstance(actuator, Ideal):
+        return told
+    told["model"] = actuator.model
+    if actuator.kind == "first_order":
+        for name in ("accel_time_constant_s", "decel_time_constant_s"):
+            told[name] = getattr(actuator, name)
+        return told
+    for name in ("accel", "decel"):
+        part = getattr(actuator, name)
+        told[name] = {
+            "natural_frequency_rad_s": part.natural_frequency_rad_s,
+            "damping_ratio": part.damping_ratio,
+        }
+    return told
+
+
+def random_subject(
+    rng: np.random.Generator, served: tuple[str, ...]
+) -> tuple[Mode, Actuator, JSON]:
+    """Draw a plant of one mode and a drive; return both as records and in the request's form."""
+    plant: Plant = random_plant(rng)
+    one = plant if isinstance(plant, Pendulum) else plant.modes[0]
+    actuator = random_actuator(rng, one.mode.natural_frequency_rad_s, served)
+    told = {"plant": plant_as_json(one), "actuator": actuator_as_json(actuator)}
+    return one.mode, actuator, told
+
+
+def random_shaper(rng: np.random.Generator, name: str) -> JSON:
+    """Draw a kind's parameters."""
+    options, _ = random_options(rng, SHAPERS[name].options)
+    fields = () if options is None else dataclasses.fields(options)
+    return {"kind": name, **{field.name: getattr(options, field.name) for field in fields}}
+
+
+def full_speed(rng: np.random.Generator, actuator: Actuator) -> float:
+    """Return the speed of a request: that of the limits where there are any."""
+    if isinstance(actuator, RateLimited):
+        return actuator.speed_m_s
+    return float(np.exp(rng.uniform(math.log(0.05), math.log(2.0))))
+
+
+def impulses_of(told: JSON) -> Impulses:
+    """Return the record of impulses in an answer."""
+    return Impulses(times_s=np.array(told["times_s"]), amplitudes=np.array(told["amplitudes"]))
+
+
+def apart(what: str, told: float, other: float) -> Iterator[str]:
+    if not abs(told - other) <= AGREE * (1 + other):
+        yield f"{what} {told:.9g}, another route {other:.9g}"

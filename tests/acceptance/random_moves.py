@@ -1,0 +1,157 @@
+"""Random moves through the wire, each played by another route."""
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from design.claims import ZERO_LIMITS
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.registry import Actuator
+from design.model.impulses import Impulses
+from design.model.plants.mode import Mode
+from design.shapers.registry import SHAPERS
+from tests import expm_route
+from tests.acceptance.answer_cases import (
+    AGREE,
+    JSON,
+    NOTHING,
+    apart,
+    full_speed,
+    impulses_of,
+    random_shaper,
+    random_subject,
+)
+
+MOVED = ("umzv", "umzvd", "umzvc", "numzv", "numzvd")
+"""Kinds that moves take."""
+
+SLOPES_AGREE = 3e-7
+"""The same of slopes, one of them differenced [-]."""
+
+
+def random_move(rng: np.random.Generator) -> tuple[str, JSON, Callable[[JSON], Iterator[str]]]:
+    """Draw a move, and return what finds the faults of its answer."""
+    name = MOVED[int(rng.integers(len(MOVED)))]
+    kind = SHAPERS[name]
+    mode, actuator, told = random_subject(rng, kind.actuators)
+    shaper = random_shaper(rng, name)
+    # At the longest search and the cruise speed that are usual, so that most moves exist.
+    for usual in ("max_velocity_ratio", "max_duration_periods"):
+        shaper.pop(usual, None)
+    speed = full_speed(rng, actuator)
+    periods = float(np.exp(rng.uniform(math.log(0.3), math.log(20.0))))
+    way = periods * mode.period_s
+    request: JSON = {**told, "shaper": shaper, "speed_m_s": speed}
+    sign = -1.0 if rng.random() < 0.5 else 1.0
+    if rng.random() < 0.5:
+        request["distance_m"] = sign * way * speed
+    else:
+        request["pulse_s"] = way
+        request["speed_m_s"] = sign * speed
+    request["joint"] = bool(rng.random() < 0.2)
+    initial = (0.0, 0.0)
+    if rng.random() < 0.15:
+        deflection, rate = 0.2 * speed * rng.normal(size=2)
+        deflection /= mode.natural_frequency_rad_s
+        if told["plant"]["kind"] == "pendulum":
+            length = told["plant"]["cable_length_m"]
+            request["initial"] = {
+                "angle_rad": deflection / length,
+                "angle_rate_rad_s": rate / length,
+            }
+        else:
+            request["initial"] = {"deflection_m": deflection, "deflection_rate_m_s": rate}
+        initial = (float(sign * deflection / speed), float(sign * rate / speed))
+    if rng.random() < 0.3:
+        request["sample_time_s"] = float(mode.period_s / rng.uniform(20, 300))
+
+    def faults(answer: JSON) -> Iterator[str]:
+        yield from wrong_in_move(answer, mode, actuator, request, initial)
+
+    return name, request, faults
+
+
+def wrong_in_move(
+    answer: JSON, mode: Mode, actuator: Actuator, request: JSON, initial: tuple[float, float]
+) -> Iterator[str]:
+    """Yield what is wrong with a move."""
+    command = impulses_of(answer["command"])
+    speed = answer["speed_m_s"] if "speed_m_s" in answer else abs(request["speed_m_s"])
+    levels = np.cumsum(command.amplitudes)
+    if levels.min() < -1e-9 or levels.max() > 1 + 1e-9:
+        yield f"levels from {levels.min():.6g} to {levels.max():.6g}"
+    played = expm_route.outcome(command, mode, actuator, initial)
+    yield from apart("residual", answer["residual"], played.residual)
+    way = answer["direction"] * speed * played.travel
+    if abs(way - answer["distance_m"]) > 1e-9 * abs(way):
+        yield f"goes {way!r} m, told {answer['distance_m']!r}"
+    if "distance_m" in request and abs(way - request["distance_m"]) > 1e-9 * abs(way):
+        yield f"goes {way!r} m, asked {request['distance_m']!r}"
+    slope = _slope(command, mode, actuator, initial, request)
+    found = {"residual": played.residual, "slope": slope}
+    yield from _wrong_claims(answer, found, command, mode, initial, request)
+    codes = [one["code"] for one in answer["warnings"]]
+    program = answer["program"]
+    if program is not None:
+        held = np.diff(np.array(program["velocity_m_s"]) / answer["direction"] / speed, prepend=0.0)
+        used = np.abs(held) > 1e-13
+        steps = Impulses(times_s=np.array(program["times_s"])[used], amplitudes=held[used])
+        left = expm_route.outcome(steps, mode, actuator, initial).residual
+        yield from apart("residual of the program", program["residual"], left)
+        if ("program_residual" in codes) != (program["residual"] > NOTHING):
+            yield f"a program that leaves {program['residual']:.3g} has warnings {codes}"
+        yield from _without_its_figure(answer, "program_residual", program["residual"])
+
+
+def _slope(
+    command: Impulses,
+    mode: Mode,
+    actuator: Actuator,
+    initial: tuple[float, float],
+    request: JSON,
+) -> float:
+    power = -2 if request["plant"]["kind"] == "pendulum" else 0
+    return expm_route.slope(command, mode, actuator, initial, initial_power=power)
+
+
+def _wrong_claims(
+    answer: JSON,
+    found: dict[str, float],
+    command: Impulses,
+    mode: Mode,
+    initial: tuple[float, float],
+    request: JSON,
+) -> Iterator[str]:
+    certificate = answer["certificate"]
+    ideal = certificate["actuator"] == "ideal"
+    if not certificate["verified"]:
+        yield "not verified"
+    codes = [one["code"] for one in answer["warnings"]]
+    if ideal != ("actuator_ignored" in codes):
+        yield f"a certificate for {certificate['actuator']} has warnings {codes}"
+    of_whom = found
+    if ideal:
+        of_whom = {
+            "residual": expm_route.outcome(command, mode, Ideal(), initial).residual,
+            "slope": _slope(command, mode, Ideal(), initial, request),
+        }
+    below = True
+    for claim in certificate["claims"]:
+        name, value = claim["quantity"], claim["value"]
+        margin = AGREE if name == "residual" else SLOPES_AGREE
+        if abs(of_whom[name] - value) > margin * (1 + value):
+            yield f"claims {name} {value:.3g}, another route {of_whom[name]:.3g}"
+        if value > claim["limit"] * (1 + 1e-9):
+            yield f"claims {name} {value:.3g} above {claim['limit']:.3g}"
+        below &= found[name] < ZERO_LIMITS[name] / 2
+    if ideal and below:
+        yield f"warns of {found}, which is below every limit"
+    if ideal and found["residual"] > NOTHING:
+        yield from _without_its_figure(answer, "actuator_ignored", answer["residual"])
+
+
+def _without_its_figure(answer: JSON, code: str, share: float) -> Iterator[str]:
+    for one in answer["warnings"]:
+        if one["code"] == code and f"{100 * share:.4g} %" not in one["detail"]:
+            yield f"{code} without its figure {share:.4g}: {one['detail']}"

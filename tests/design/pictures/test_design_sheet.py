@@ -1,0 +1,330 @@
+"""The design sheet: what it shows is what was designed, and its bytes repeat."""
+
+import io
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from itertools import combinations
+from typing import Literal
+from xml.etree import ElementTree
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from matplotlib.lines import Line2D
+from matplotlib.text import Text
+
+from design.analysis.residual import residual_vibration
+from design.analysis.sensitivity import Sensitivity, sensitivity
+from design.analysis.sensitivity_range import SensitivityRange
+from design.model.actuators.first_order import FirstOrder
+from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.impulses import Impulses
+from design.model.plants.mode import Mode
+from design.model.plants.pendulum import Pendulum
+from design.pictures.design_sheet import design_sheet, figure_bytes
+from design.pictures.sensitivity_panel import draw_sensitivity
+from design.pictures.time_panels import draw_payload
+from design.pictures.vector_panel import vibration_vectors
+from design.pipeline import Design, design
+from design.shapers.registry import SHAPERS
+from design.types import FloatArray
+from tests.design.model.actuators.test_rate_limited import random_case
+
+CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81).mode
+CRANE_DRIVE = SecondOrder(
+    accel=SecondOrderSet(natural_frequency_rad_s=20.0, damping_ratio=0.8),
+    decel=SecondOrderSet(natural_frequency_rad_s=50.0, damping_ratio=1.5),
+)
+LAG = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.04)
+RAMPS = RateLimited(accel_limit_m_s2=4.0, decel_limit_m_s2=3.0, speed_m_s=0.4)
+WHOLE_RANGE = SensitivityRange()
+ROUNDING = 1e-13
+"""Sums of a few numbers of magnitude one, each right to double precision."""
+
+CASES: dict[str, tuple[str, Mode, Actuator]] = {
+    "numzvd behind the thesis's actuator": ("numzvd", CRANE, CRANE_DRIVE),
+    "numzv behind the thesis's actuator": ("numzv", CRANE, CRANE_DRIVE),
+    "umzvd behind the thesis's actuator": ("umzvd", CRANE, CRANE_DRIVE),
+    "umzv behind the thesis's actuator": ("umzv", CRANE, CRANE_DRIVE),
+    "damped": ("numzvd", Mode(natural_frequency_rad_s=3.5, damping_ratio=0.2), LAG),
+    # Long numbers: a narrow last pulse, its vectors one upon the other.
+    "odd": (
+        "umzvd",
+        Mode(natural_frequency_rad_s=470.56, damping_ratio=0.2847),
+        FirstOrder(accel_time_constant_s=0.00081336, decel_time_constant_s=0.0010490),
+    ),
+    "ideal": ("umzvd", CRANE, Ideal()),
+    "slow": ("numzvd", Mode(natural_frequency_rad_s=0.5), CRANE_DRIVE),
+    # Crowded switches and every warning there is.
+    "fast": ("numzvd", Mode(natural_frequency_rad_s=60.0, damping_ratio=0.02), CRANE_DRIVE),
+}
+
+
+@cache
+def _sheet(
+    name: str, mode: Mode, actuator: Actuator, wanted: SensitivityRange = WHOLE_RANGE
+) -> tuple[Figure, Design, Sensitivity]:
+    made = design(mode, actuator, SHAPERS[name])
+    curve = sensitivity(made.impulses, mode, actuator, wanted)
+    return design_sheet(name, (mode,), actuator, made, curve), made, curve
+
+
+def _panel(figure: Figure, name: str) -> Axes:
+    return next(axes for axes in figure.axes if axes.get_label() == name)
+
+
+def _line(figure: Figure, panel: str, gid: str) -> tuple[FloatArray, FloatArray]:
+    found = _panel(figure, panel).findobj(lambda artist: artist.get_gid() == gid)
+    line = found[0]
+    assert isinstance(line, Line2D)
+    return np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+
+
+def _has(figure: Figure, panel: str, gid: str) -> bool:
+    def named(artist: Artist) -> bool:
+        return artist.get_gid() == gid
+
+    return bool(_panel(figure, panel).findobj(named))
+
+
+def _words(figure: Figure) -> str:
+    return "\n".join(text.get_text() for text in _texts(figure))
+
+
+def _texts(figure: Figure) -> Iterator[Text]:
+    """Every text but the tick labels, of which matplotlib keeps some that it does not show."""
+    every_axis = [axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
+    ticks = {text for axis in every_axis for text in axis.findobj(Text) if text != axis.label}
+    for text in figure.findobj(Text):
+        if isinstance(text, Text) and text.get_text() and text not in ticks:
+            yield text
+
+
+@pytest.fixture(scope="module", name="crane_sheet")
+def _crane_sheet() -> tuple[Figure, Design, Sensitivity]:
+    return _sheet("numzvd", CRANE, CRANE_DRIVE)
+
+
+def test_every_axis_has_its_unit(crane_sheet: tuple[Figure, Design, Sensitivity]) -> None:
+    figure, _, _ = crane_sheet
+    units = {axes.get_label(): axes.get_ylabel().split("[")[1] for axes in figure.axes}
+    assert units == {
+        "impulses": "-]",
+        "command": "share of full speed]",
+        "payload": "share of unshaped]",
+        "vectors": "share of unshaped]",
+        "sensitivity": "%]",
+    }
+    time_axis = _panel(figure, "payload")
+    assert time_axis.get_xlabel() == "time [s]"
+    for above in ("impulses", "command"):
+        assert time_axis.get_shared_x_axes().joined(time_axis, _panel(figure, above))
+    assert _panel(figure, "vectors").get_xlabel().endswith("[share of unshaped]")
+    assert _panel(figure, "sensitivity").get_xlabel().endswith("[-]")
+
+
+def test_the_header_tells_shaper_plant_actuator_duration_residual_and_proof(
+    crane_sheet: tuple[Figure, Design, Sensitivity],
+) -> None:
+    words = _words(crane_sheet[0])
+    for fact in ("numzvd", "3.502 rad/s", "decel 50 rad/s, damping 1.5"):
+        assert fact in words
+    for fact in ("1.321 s", "below 1e-7 %", "✓ verified", "residual and slope"):
+        assert fact in words
+
+
+def test_a_shaper_verified_for_an_ideal_actuator_says_so_behind_another() -> None:
+    words = _words(_sheet("umzv", CRANE, CRANE_DRIVE)[0])
+    assert "7.34 %" in words
+    for fact in ("ideal drive only", "not proven for this one"):
+        assert fact in words
+        assert fact not in _words(_sheet("umzv", CRANE, Ideal())[0])
+    assert "✓ verified" not in words
+
+
+def test_the_first_warning_is_on_the_sheet_and_the_others_are_counted() -> None:
+    figure, made, _ = _sheet(*CASES["fast"])
+    assert f"{made.warnings[0].detail}; {len(made.warnings) - 1} more" in _words(figure)
+
+
+@pytest.mark.parametrize("image_format", ["png", "svg"])
+def test_two_drawings_have_equal_bytes(image_format: Literal["png", "svg"]) -> None:
+    _, made, curve = _sheet("numzvd", CRANE, CRANE_DRIVE)
+    first, second = (design_sheet("numzvd", (CRANE,), CRANE_DRIVE, made, curve) for _ in range(2))
+    image = figure_bytes(first, image_format)
+    assert figure_bytes(second, image_format) == image
+    assert figure_bytes(first, image_format) == image
+
+
+def test_threads_and_the_users_settings_change_no_byte_and_find_their_settings_again(
+    crane_sheet: tuple[Figure, Design, Sensitivity],
+) -> None:
+    _, made, curve = crane_sheet
+
+    def svg() -> bytes:
+        return figure_bytes(design_sheet("numzvd", (CRANE,), CRANE_DRIVE, made, curve), "svg")
+
+    alone = svg()
+    with mpl.rc_context({"lines.linewidth": 9.0, "svg.hashsalt": "another"}):
+        before = dict(mpl.rcParams)
+        with ThreadPoolExecutor(3) as threads:
+            images = [future.result() for future in [threads.submit(svg) for _ in range(3)]]
+        assert dict(mpl.rcParams) == before
+    assert images == [alone] * 3
+
+
+def test_the_png_opens_at_its_size(crane_sheet: tuple[Figure, Design, Sensitivity]) -> None:
+    pixels = imread(io.BytesIO(figure_bytes(crane_sheet[0], "png")), format="png")
+    assert pixels.shape[:2] == (1200, 1650)
+
+
+def test_the_svg_is_xml_with_a_group_for_each_panel_and_no_date(
+    crane_sheet: tuple[Figure, Design, Sensitivity],
+) -> None:
+    image = figure_bytes(crane_sheet[0], "svg")
+    root = ElementTree.fromstring(image)
+    assert root.tag == "{http://www.w3.org/2000/svg}svg"
+    ids = {element.get("id") for element in root.iter()}
+    assert {"impulses", "command", "payload", "vectors", "sensitivity"} <= ids
+    assert b"<dc:date>" not in image
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_sensitivity_drawn_is_the_one_given(case: str) -> None:
+    figure, _, curve = _sheet(*CASES[case])
+    ratios, residuals = _line(figure, "sensitivity", "residual")
+    np.testing.assert_array_equal(ratios, curve.frequency_ratios)
+    np.testing.assert_array_equal(residuals, 100 * curve.residuals)
+
+
+def test_the_band_and_its_width_are_told(crane_sheet: tuple[Figure, Design, Sensitivity]) -> None:
+    figure, _, _ = crane_sheet
+    assert _has(figure, "sensitivity", "band")
+    _, tolerance = _line(figure, "sensitivity", "tolerance")
+    np.testing.assert_allclose(tolerance, 5.0, rtol=1e-15)
+    assert "insensitivity 0.8671 to 1.1257, width 0.2587" in _words(figure)
+
+
+def test_a_design_above_tolerance_has_no_band_and_the_sheet_says_so() -> None:
+    figure, _, curve = _sheet("umzv", CRANE, CRANE_DRIVE)
+    assert curve.insensitivity is None
+    assert not _has(figure, "sensitivity", "band")
+    assert _has(figure, "sensitivity", "tolerance")
+    assert "no insensitivity: nominal 7.34 % is above tolerance" in _words(figure)
+
+
+@pytest.mark.parametrize(
+    ("times", "amplitudes", "tolerance", "note", "edges"),
+    [
+        ([0.0, 1.0], [0.3, 0.3], 0.7, "insensitivity: no edge from 0.001 to 100 times", 0),
+        ([0.0, 0.3], [1.0, -0.55], 0.8, "no lower edge down to 0.001 times", 1),
+    ],
+)
+def test_an_edge_that_is_none_is_told_and_not_drawn(
+    times: list[float], amplitudes: list[float], tolerance: float, note: str, edges: int
+) -> None:
+    steps = Impulses(times_s=np.array(times), amplitudes=np.array(amplitudes))
+    mode = Mode(natural_frequency_rad_s=1.0)
+    curve = sensitivity(steps, mode, Ideal(), SensitivityRange(tolerance=tolerance))
+    figure = Figure()
+    draw_sensitivity(figure.add_subplot(), curve, residual_vibration(steps, mode, Ideal()))
+    (axes,) = figure.axes
+    assert note in _words(figure)
+    drawn = [line for line in axes.lines if line.get_linewidth() == pytest.approx(0.9)]
+    assert len(drawn) == edges
+
+
+def test_a_band_beyond_the_range_asked_for_does_not_widen_it() -> None:
+    inside = SensitivityRange(from_ratio=1.05, to_ratio=1.1)
+    figure, _, _ = _sheet("numzvd", CRANE, CRANE_DRIVE, inside)
+    assert _panel(figure, "sensitivity").get_xlim() == (1.05, 1.1)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_vectors_add_up_whatever_the_drive_does(seed: int) -> None:
+    impulses, mode, limited = random_case(seed)
+    for actuator in (limited, limited.then):
+        total = vibration_vectors(impulses, mode, actuator).sum()
+        expected = residual_vibration(impulses, mode, actuator)
+        assert abs(total) == pytest.approx(expected, rel=1e-9, abs=ROUNDING)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_vector_diagram_is_open_by_the_residual(case: str) -> None:
+    figure, made, _ = _sheet(*CASES[case])
+    across, up = _line(figure, "vectors", "corners")
+    assert (across[0], up[0]) == (0, 0)
+    assert abs(np.hypot(across[-1], up[-1]) - made.residual) < ROUNDING
+
+
+def test_numzvd_closes_the_vector_diagram_where_umzv_leaves_a_gap() -> None:
+    for name, gap in (("numzvd", 0.0), ("umzv", 0.07337)):
+        figure, made, _ = _sheet(name, CRANE, CRANE_DRIVE)
+        across, up = _line(figure, "vectors", "corners")
+        assert across.size == made.impulses.times_s.size + 1
+        assert abs(np.hypot(across[-1], up[-1]) - gap) < 1e-5
+        assert _has(figure, "vectors", "gap") == (gap > 0)
+
+
+def test_vectors_of_a_damped_mode_sum_to_the_residual_wherever_time_starts() -> None:
+    mode = Mode(natural_frequency_rad_s=4.0, damping_ratio=0.3)
+    amplitudes = np.array([0.6, -0.9, 1.1])
+    for start_s in (0.0, 7.0):
+        impulses = Impulses(
+            times_s=start_s + np.array([0.0, 0.2, 0.9]),
+            amplitudes=amplitudes,
+        )
+        vectors = vibration_vectors(impulses, mode, CRANE_DRIVE)
+        expected = residual_vibration(impulses, mode, CRANE_DRIVE)
+        assert abs(abs(vectors.sum()) - expected) < ROUNDING
+        assert vectors[0].imag == 0
+
+
+def test_the_payload_drawn_rings_on_by_the_residual_and_no_more() -> None:
+    for name in ("numzvd", "umzv"):
+        figure, made, _ = _sheet(name, CRANE, CRANE_DRIVE)
+        times, deflection = _line(figure, "payload", "shaped")
+        # The slowest actuator pole is at 16 rad/s: after 1 s it has left 1e-6 of a step.
+        late = deflection[times > made.impulses.times_s[-1] + 1.0]
+        assert abs(np.abs(late).max() - made.residual) < 1e-4
+
+
+@pytest.mark.parametrize("damping_ratio", [0.0, 0.2, 0.5])
+@pytest.mark.parametrize("actuator", [Ideal(), LAG, RAMPS], ids=lambda drive: drive.kind)
+def test_a_payload_rings_within_its_envelope_and_touches_it(
+    actuator: Actuator, damping_ratio: float
+) -> None:
+    mode = Mode(natural_frequency_rad_s=3.0, damping_ratio=damping_ratio)
+    halves = Impulses(times_s=np.array([0.0, 0.4]), amplitudes=np.array([0.5, 0.5]))
+    times = np.linspace(0.0, 4.0, 8001)
+    axes = Figure().add_subplot()
+    left = residual_vibration(halves, mode, actuator)
+    draw_payload(axes, halves, mode, actuator, left, times)
+    (shaped,) = [line for line in axes.lines if line.get_gid() == "shaped"]
+    late = times > 2.4  # transients have e^-20 left
+    envelope = left * np.exp(-3.0 * damping_ratio * (times[late] - 0.4))
+    shares = np.abs(np.asarray(shaped.get_ydata()))[late] / envelope
+    assert shares.max() == pytest.approx(1.0, abs=1e-6)  # a maximum between two of the times
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_no_text_meets_another_or_leaves_the_page(case: str) -> None:
+    figure, _, _ = _sheet(*CASES[case])
+    figure.draw_without_rendering()
+    boxes = [(text.get_text(), text.get_window_extent()) for text in _texts(figure)]
+    assert len(boxes) > 30
+    for (one, first), (other, second) in combinations(boxes, 2):
+        assert not first.overlaps(second), (one, other)
+    for text, box in boxes:
+        assert figure.bbox.x0 <= box.x0, text
+        assert box.x1 <= figure.bbox.x1, text
+        assert figure.bbox.y0 <= box.y0, text
+        assert box.y1 <= figure.bbox.y1, text

@@ -1,0 +1,61 @@
+"""Runs of the command `table`."""
+
+import sqlite3
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from tests.conftest import CRANE
+from tests.processes import until
+
+COMMAND = (sys.executable, "-m", "service", "table")
+
+SMALL: dict[str, Any] = {
+    "design": {**CRANE, "shaper": {"kind": "numzv"}},
+    "axes": [{"field": "/plant/cable_length_m", "from": 0.5, "to": 1.0, "points": 40}],
+    "chunk_rows": 4,
+}
+
+
+def table(*arguments: object, **options: Any) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(
+        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, check=False, **options
+    )
+
+
+def chunks_done(store: Path) -> int:
+    """Return how many chunks a store holds; none while it is being made."""
+    if not store.exists():
+        return 0
+    connection = sqlite3.connect(f"file:{store}?mode=ro", uri=True)
+    try:
+        query = "SELECT count(*) FROM chunks WHERE state = 'done'"
+        return int(connection.execute(query).fetchone()[0])
+    except sqlite3.OperationalError:
+        return 0
+    finally:
+        connection.close()
+
+
+@contextmanager
+def begun(spec: Path, path: Path, **options: Any) -> "Iterator[subprocess.Popen[str]]":
+    """Begin a long table, and wait until some of it is in its store."""
+    already = chunks_done(path.with_name(f".{path.name}.job"))
+    process = subprocess.Popen(
+        [*COMMAND, str(spec), "-o", str(path)], stderr=subprocess.PIPE, text=True, **options
+    )
+    try:
+        store = path.with_name(f".{path.name}.job")
+        until(
+            lambda: chunks_done(store) != already or process.poll() is not None,
+            "no chunk is done",
+        )
+        assert process.poll() is None
+        yield process
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
