@@ -108,7 +108,7 @@ def certify(
             raise
     if unverified is None:
         raise SolverFailedError(
-            f"no solution of {kind.name} was found, and none was excluded",
+            f"no solution of {kind.name} was found; that there is none is not proven",
             code="none_found_nor_excluded",
         )
     raise SolverFailedError(

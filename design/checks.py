@@ -22,12 +22,12 @@ def require_positive(name: str, value: float) -> None:
         raise InvalidInputError(name, value, "finite and > 0", code="not_positive")
 
 
-SMALLEST, LARGEST = 1e-12, 1e12
+MIN_VALUE, MAX_VALUE = 1e-12, 1e12
 """Bounds of any frequency, time or length in SI units: beyond them squares overflow."""
 
 
 def require_scale(name: str, value: float) -> None:
-    """Check that ``SMALLEST <= value <= LARGEST``.
+    """Check that ``MIN_VALUE <= value <= MAX_VALUE``.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def require_scale(name: str, value: float) -> None:
         If it is not.
     """
     require_positive(name, value)
-    require_between(name, value, SMALLEST, LARGEST)
+    require_between(name, value, MIN_VALUE, MAX_VALUE)
 
 
 def require_between(name: str, value: float, lowest: float, highest: float) -> None:

@@ -3,7 +3,7 @@
 from typing import Annotated, Self
 
 from design.analysis.sensitivity import Sensitivity
-from schemas.base import Wire, left_out_if_none
+from schemas.base import Wire, leave_out_none
 from schemas.damping import DampingOut
 from schemas.insensitivity import InsensitivityOut
 
@@ -15,7 +15,8 @@ class SensitivityOut(Wire):
     residual: list[float]
     insensitivity: InsensitivityOut | None
     damping: Annotated[
-        DampingOut | None, left_out_if_none("Where a range of damping is asked for.")
+        DampingOut | None,
+        leave_out_none("Curve over the damping ratio, where a range is asked for."),
     ]
 
     @classmethod

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from design.analysis.damping_curve import MOST_POINTS
+from design.analysis.damping_curve import MAX_CURVE_POINTS
 from design.analysis.sensitivity_range import RATIO_BOUNDS, SensitivityRange
 from schemas.base import Wire
 from schemas.damping import DampingIn
@@ -13,11 +13,13 @@ Ratio = Annotated[float, Field(ge=RATIO_BOUNDS[0], le=RATIO_BOUNDS[1])]
 
 
 class SensitivityIn(Wire):
-    """What part of the curve is wanted."""
+    """Range of the sensitivity curve that is wanted."""
 
     from_ratio: Annotated[Ratio, Field(description="First frequency ratio [-].")] = 0.5
     to_ratio: Annotated[Ratio, Field(description="Last frequency ratio [-].")] = 1.5
-    points: Annotated[int, Field(ge=2, le=MOST_POINTS, description="Points of the curve.")] = 201
+    points: Annotated[int, Field(ge=2, le=MAX_CURVE_POINTS, description="Points of the curve.")] = (
+        201
+    )
     tolerance: Annotated[
         float, Field(gt=0, lt=1, description="Residual of the insensitivity [-].")
     ] = 0.05

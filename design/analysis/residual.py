@@ -18,7 +18,7 @@ def residual_vibration(
     """Return the residual vibration over that of an unshaped step [-].
 
     The amplitude of free vibration, extrapolated back to the last step, over the amplitude that
-    an unshaped unit step leaves through the acceleration set. The actuator's own transient is
+    an unshaped unit step has through the acceleration set. The actuator's own transient is
     not part of it. A whole move (amplitudes sum to 0) is measured by the same unit, and so is what
     is left of a swing that the payload made at the first step already.
 

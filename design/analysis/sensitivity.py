@@ -58,7 +58,7 @@ def sensitivity(
     residuals = np.abs(vectors)
     if not np.isfinite(residuals).all():
         raise SolverFailedError(
-            "the sensitivity curve leaves the range of numbers", code="curve_overflows"
+            "the sensitivity curve exceeds the range of numbers", code="curve_overflows"
         )
     return Sensitivity(
         frequency_ratios=np.linspace(wanted.from_ratio, wanted.to_ratio, wanted.points),

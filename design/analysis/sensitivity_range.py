@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from design.analysis.damping_curve import MOST_POINTS, DampingRange
+from design.analysis.damping_curve import MAX_CURVE_POINTS, DampingRange
 from design.checks import require_between
 from design.errors import InvalidInputError
 
@@ -18,7 +18,7 @@ class SensitivityRange:
     from_ratio: float = 0.5
     to_ratio: float = 1.5
     points: int = 201  # Number of points, 2 to 20,001
-    # Residual at which the insensitivity is told, 0 to 1, both excluded [-]
+    # Residual at which the insensitivity is reported, 0 to 1, both excluded [-]
     tolerance: float = 0.05
     # Range of a curve over the damping ratio; None for no such curve
     damping: DampingRange | None = None
@@ -33,7 +33,7 @@ class SensitivityRange:
                 f"greater than from_ratio, {self.from_ratio!r}",
                 code="ratios_reversed",
             )
-        require_between("points", self.points, 2, MOST_POINTS)
+        require_between("points", self.points, 2, MAX_CURVE_POINTS)
         if not 0 < self.tolerance < 1:
             raise InvalidInputError(
                 "tolerance", self.tolerance, "between 0 and 1, both excluded", code="out_of_range"

@@ -1,4 +1,4 @@
-"""What one unshaped step leaves: the unit of every residual."""
+"""The residual of one unshaped step: the unit of every other."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from design.model.ramps import ramp_factors
 
 
 def unshaped_gain(mode: Mode, actuator: Actuator) -> float:
-    """Return what an unshaped step leaves over an ideal actuator's [-].
+    """Return the residual of an unshaped step over that of an ideal one [-].
 
     Limits are no part of it: a ramp of whole periods leaves nothing, and nothing is no unit.
 
@@ -23,7 +23,7 @@ def unshaped_gain(mode: Mode, actuator: Actuator) -> float:
     Returns
     -------
     float
-        Share of what a step through an ideal actuator leaves [-].
+        Share of the residual of a step through an ideal actuator [-].
     """
     return 1 / abs(actuator.accel_lag.denominator(mode.pole_rad_s))
 
@@ -49,9 +49,9 @@ def unshaped_ramp_residual(mode: Mode, actuator: RateLimited) -> float:
 
 
 def unshaped_deflection_s(mode: Mode, actuator: Actuator) -> float:
-    """Return the amplitude an unshaped step leaves, over its speed [s].
+    """Return the residual amplitude of an unshaped step over its speed [s].
 
-    Times a residual and the speed it is the amplitude of what remains, extrapolated back likewise.
+    Times a residual and the speed it is the amplitude of what remains, extrapolated back as above.
     A vector V rings as ``d = -Im(V exp(s t)) / Im(s)``: the damped frequency it is, not w.
 
     Parameters

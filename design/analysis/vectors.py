@@ -11,7 +11,7 @@ from design.model.impulses import Impulses
 from design.model.ramps import ramp_factors
 from design.types import ComplexArray
 
-SMALLEST_DENOMINATOR = 1e-12
+MIN_DENOMINATOR = 1e-12
 """Where a sensitivity curve meets a set's own pole, ``|1/G|`` is taken as this [-]."""
 
 
@@ -116,7 +116,7 @@ def join_over_accel(
         Shape (m,) [-].
     """
     # On the pole of the deceleration set itself the vibration grows without bound: cut, finite.
-    below = np.where(np.abs(decel) < SMALLEST_DENOMINATOR, SMALLEST_DENOMINATOR, decel)
+    below = np.where(np.abs(decel) < MIN_DENOMINATOR, MIN_DENOMINATOR, decel)
     by_set = sums[:, :2] + poles_rad_s[:, None] * sums[:, 2:] if sums.shape[1] > 2 else sums  # noqa: PLR2004
     joined: ComplexArray = by_set[:, 0] + accel / below * by_set[:, 1]
     return joined

@@ -6,10 +6,10 @@ from design.errors import InvalidInputError
 from design.model.actuators.rate_limited import RateLimited
 from design.model.plants.mode import Mode
 
-LONGEST_RAMP_RAD = 6 * math.pi
+MAX_RAMP_RAD = 6 * math.pi
 """Longest ramp to full speed, three periods: the formulations integrate no longer ones [rad]."""
 
-LIMITS = ("accel_limit_m_s2", "decel_limit_m_s2")
+LIMIT_FIELDS = ("accel_limit_m_s2", "decel_limit_m_s2")
 """Fields of the limits, in the order of the ramps that they make."""
 
 
@@ -28,12 +28,12 @@ def require_workable_ramps(mode: Mode, actuator: RateLimited) -> None:
     InvalidInputError
         If a ramp lasts for more than three periods.
     """
-    for name, ramp_s in zip(LIMITS, actuator.unit_ramps_s, strict=True):
+    for name, ramp_s in zip(LIMIT_FIELDS, actuator.unit_ramps_s, strict=True):
         turn = mode.natural_frequency_rad_s * ramp_s
-        if turn > LONGEST_RAMP_RAD:
+        if turn > MAX_RAMP_RAD:
             raise InvalidInputError(
                 f"actuator.{name}",
                 f"a ramp of {turn:.3g} rad of the plant's swing",
-                f"such that a ramp to or from full speed takes at most {LONGEST_RAMP_RAD:.5g} rad",
+                f"such that a ramp to or from full speed takes at most {MAX_RAMP_RAD:.5g} rad",
                 code="ramp_too_long",
             )

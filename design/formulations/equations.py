@@ -33,7 +33,7 @@ class Ratios:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Problem:
+class GapProblem:
     """A minimum-time problem over the gaps between impulses."""
 
     model: Model  # The family

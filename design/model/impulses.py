@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from design.checks import LARGEST
+from design.checks import MAX_VALUE
 from design.model.impulse_faults import require_numbers, require_shapes
 from design.types import BoolArray, FloatArray
 
@@ -31,8 +31,8 @@ class Impulses:
     # Which steps increase the magnitude of the command, shape (n,), derived. They drive the
     # actuator by its acceleration set, the others by its deceleration set. The sums are compared
     # with a margin of rounding, so that a step from 0.3 to -0.3 does not fall on either side by
-    # chance: it decreases. Those at one time do so together, and one of no height leaves the set in
-    # force that was.
+    # chance: it decreases. Those at one time do so together, and one of no height does not change
+    # the set in force.
     accelerates: BoolArray = field(init=False)
 
     def __post_init__(self) -> None:
@@ -44,7 +44,9 @@ class Impulses:
         gaps = times[1:] - times[:-1]
         shortest = float(gaps.min()) if gaps.size else np.inf
         ordered = shortest >= 0
-        if not (ordered and times[0] >= -LARGEST and times[-1] <= LARGEST and 0 < total <= LARGEST):
+        if not (
+            ordered and times[0] >= -MAX_VALUE and times[-1] <= MAX_VALUE and 0 < total <= MAX_VALUE
+        ):
             require_numbers(self.times_s, self.amplitudes)
         margin = ROUNDING * total
         if shortest > self._instant_s and heights.min() > margin:

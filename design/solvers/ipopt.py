@@ -3,7 +3,7 @@
 import functools
 import threading
 
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.expressions import Model
 from design.solvers.buffered import Buffered
 from design.solvers.ipopt_options import OPTIONS, STATUS
@@ -19,7 +19,7 @@ _one_at_a_time = threading.Lock()
 """One CasADi function used by two threads crashes the process."""
 
 
-class _Program:
+class _NonlinearProgram:
     """The solver of one problem family."""
 
     def __init__(self, model: Model) -> None:
@@ -38,7 +38,7 @@ class _Program:
             ("x",),
         )
 
-    def __call__(self, problem: Problem, start: FloatArray) -> Outcome:
+    def __call__(self, problem: GapProblem, start: FloatArray) -> Outcome:
         """Solve one problem of the family from one start."""
         inputs = self._solver.inputs
         inputs["x0"][:] = start
@@ -55,12 +55,12 @@ class _Program:
 
 
 @functools.cache
-def _program(model: Model) -> _Program:
-    return _Program(model)
+def _program(model: Model) -> _NonlinearProgram:
+    return _NonlinearProgram(model)
 
 
 def work_of(model: Model, iterations: int) -> float:
-    """Return the work of so many iterations [units].
+    """Return the work of a number of iterations [units].
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def _iteration_work(model: Model) -> float:
     return ITERATION_WORK + INSTRUCTION_WORK * instructions_of(model)
 
 
-def solve(problem: Problem, start: FloatArray) -> Outcome:
+def solve(problem: GapProblem, start: FloatArray) -> Outcome:
     """Minimise the duration from one start.
 
     The solver of the problem's family is built at its first use in this process.

@@ -36,7 +36,7 @@ async def read_body(request: Request, *, limit_bytes: int, media_types: tuple[st
     ProblemError
         If it is longer or late, or its ``content-type`` is not accepted.
     ClientDisconnect
-        If the client leaves before the body is whole.
+        If the client is gone before the body is whole.
     """
     media_type = request.headers.get("content-type", media_types[0]).split(";")[0].strip().lower()
     if media_type not in media_types:

@@ -37,12 +37,12 @@ def _share_of(host: str) -> str:
 
 
 async def while_connected(request: Request, work: Awaitable[Answered]) -> Answered:
-    """Return the result of work, which ends when the client leaves.
+    """Return the result of work, which ends when the client is gone.
 
     Parameters
     ----------
     request, work
-        The request, whose body has been read; work that is cancelled when the client leaves.
+        The request, whose body has been read; work that is cancelled when the client is gone.
 
     Returns
     -------
@@ -59,7 +59,7 @@ async def while_connected(request: Request, work: Awaitable[Answered]) -> Answer
 
 
 class _Connection:
-    """Cancels the task that has entered it when the client leaves; as `asyncio.timeout` does."""
+    """Cancels the task that has entered it when the client is gone; as `asyncio.timeout` does."""
 
     def __init__(self, request: Request) -> None:
         self._request = request

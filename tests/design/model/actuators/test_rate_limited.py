@@ -40,7 +40,7 @@ ALONE = RateLimited(accel_limit_m_s2=1.0, decel_limit_m_s2=2.5, speed_m_s=0.2)
 MODELS: list[Model] = ["superposed", "switched"]
 
 
-def followed(seed: int, w: float) -> Unlimited:
+def actuator_that_follows(seed: int, w: float) -> Unlimited:
     rng = np.random.default_rng(seed)
     model = MODELS[seed % 2]
     corners = (w * rng.uniform(1.5, 20.0, 2)).tolist()
@@ -69,7 +69,7 @@ def random_case(seed: int) -> tuple[Impulses, Mode, RateLimited]:
         accel_limit_m_s2=limits[0],
         decel_limit_m_s2=limits[1],
         speed_m_s=1.0,
-        then=followed(seed, w),
+        then=actuator_that_follows(seed, w),
     )
     size = int(rng.integers(1, 7))
     amplitudes = rng.uniform(-1, 1, size) if seed % 3 else (-1.0) ** np.arange(size)
@@ -234,10 +234,12 @@ def test_moves_meet_their_distance_behind_limits(
     assert move.certificate.verified
     assert move.residual <= 1e-9
     assert move.distance_m == pytest.approx(distance_m, abs=1e-12)
-    assert 0.2 * travelled(move.command, drive) == pytest.approx(abs(distance_m), abs=1e-9)
+    assert 0.2 * travel_by_quadrature(move.command, drive) == pytest.approx(
+        abs(distance_m), abs=1e-9
+    )
 
 
-def travelled(command: Impulses, actuator: Actuator) -> float:
+def travel_by_quadrature(command: Impulses, actuator: Actuator) -> float:
     """Integrate the velocity by Gauss nodes between its kinks, 20 ms at a time."""
     changes = reference(command, actuator)
     end = command.times_s[-1] + 8.0
