@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import cast
 
-from benchmarks.loops import LONGEST_WAIT_S, NO_ANSWER, Outcome
-from benchmarks.wire import END_OF_HEAD, LENGTH, LONGEST_IDLE_S
+from benchmarks.loops import MAX_WAIT_S, NO_ANSWER, Outcome
+from benchmarks.wire import END_OF_HEAD, LENGTH, MAX_IDLE_S
 
 RETRY = b"\r\nretry-after:"
 CLOSES = b"\r\nconnection: close"
@@ -37,18 +37,18 @@ class Crowd:
 
     async def closed_loop(self, *, clients: int, seconds: float) -> list[Outcome]:
         """Let each client ask once more when it is answered; return what became of all."""
-        with self._measured() as told:
+        with self._collect() as told:
             self._again = time.perf_counter() + seconds
             for _ in range(clients):
                 self._ask(time.perf_counter(), next(self._requests))
-            await self._all_answered(seconds)
+            await self._wait_for_all(seconds)
         return told
 
     async def open_loop(self, *, rate_hz: float, seconds: float) -> list[Outcome]:
         """Ask at even spacing, whether answers come or not; return what became of all."""
         count = max(round(rate_hz * seconds), 1)
         requests = list(itertools.islice(self._requests, count))
-        with self._measured() as told:
+        with self._collect() as told:
             start = time.perf_counter()
             for number, request in enumerate(requests):
                 planned_s = start + number / rate_hz
@@ -56,7 +56,7 @@ class Crowd:
                 if wait_s > 0:
                     await asyncio.sleep(wait_s)
                 self._ask(planned_s, request)
-            await self._all_answered(0.0)
+            await self._wait_for_all(0.0)
         return told
 
     def close(self) -> None:
@@ -66,7 +66,7 @@ class Crowd:
         self._idle.clear()
 
     @contextmanager
-    def _measured(self) -> Iterator[list[Outcome]]:
+    def _collect(self) -> Iterator[list[Outcome]]:
         """Collect outcomes meanwhile, and no garbage."""
         self.told, self._again = [], 0.0
         gc.collect()
@@ -76,7 +76,7 @@ class Crowd:
         finally:
             gc.enable()
 
-    async def _all_answered(self, seconds: float) -> None:
+    async def _wait_for_all(self, seconds: float) -> None:
         """Wait for what is under way.
 
         Raises
@@ -84,7 +84,7 @@ class Crowd:
         TimeoutError
             If some is not answered long after.
         """
-        deadline = time.perf_counter() + seconds + LONGEST_WAIT_S
+        deadline = time.perf_counter() + seconds + MAX_WAIT_S
         while self._under_way:
             if time.perf_counter() > deadline:
                 raise TimeoutError(f"{self._under_way} requests are not answered")
@@ -110,11 +110,13 @@ class Crowd:
                 lambda: _Connection(self), "127.0.0.1", self._port
             )
         except OSError:
-            self.ended(NO_ANSWER, planned_s, planned_s, told_to_retry=False)
+            self.take_outcome(NO_ANSWER, planned_s, planned_s, told_to_retry=False)
             return
         connection.send(planned_s, request)
 
-    def ended(self, status: int, planned_s: float, sent_s: float, *, told_to_retry: bool) -> None:
+    def take_outcome(
+        self, status: int, planned_s: float, sent_s: float, *, told_to_retry: bool
+    ) -> None:
         """Take what became of a request, and ask once more in a closed loop."""
         now = time.perf_counter()
         self._under_way -= 1
@@ -154,7 +156,7 @@ class _Connection(asyncio.Protocol):
         """Whether the server keeps it open for another request."""
         transport = self._transport
         open_yet = transport is not None and not transport.is_closing()
-        return open_yet and now - self._since_s < LONGEST_IDLE_S
+        return open_yet and now - self._since_s < MAX_IDLE_S
 
     def send(self, planned_s: float, request: bytes) -> None:
         """Send a request."""
@@ -186,7 +188,7 @@ class _Connection(asyncio.Protocol):
             self.abort()
         else:
             self._crowd.rests(self)
-        self._crowd.ended(
+        self._crowd.take_outcome(
             int(read[9:12]), self._planned_s, self._sent_s, told_to_retry=RETRY in head
         )
 
@@ -194,4 +196,4 @@ class _Connection(asyncio.Protocol):
         """Say that a request is not answered, if one is under way."""
         if self._busy:
             self._busy = False
-            self._crowd.ended(NO_ANSWER, self._planned_s, self._sent_s, told_to_retry=False)
+            self._crowd.take_outcome(NO_ANSWER, self._planned_s, self._sent_s, told_to_retry=False)

@@ -16,7 +16,7 @@ from design.formulations.published_times import ZVD_POLYNOMIALS
 from design.maps.field_map import field_map
 from design.maps.map_case import MapCase
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
-from design.model.commands import convolved, pulse
+from design.model.commands import convolve, pulse
 from design.model.impulses import Impulses
 from design.model.plants.pendulum import Pendulum
 from design.moves.maneuvers import maneuver
@@ -38,13 +38,13 @@ SEED = 2 * math.pi * np.array(ZVD_POLYNOMIALS)[:, 0]
 def zero_vibration(t: ca.MX | ca.SX, w: ca.MX | ca.SX | float) -> ca.MX | ca.SX:
     """Write V(w) of five impulses behind the thesis's actuator, undamped, as a user would."""
 
-    def set_at(lag_w: float, lag_z: float) -> tuple[ca.SX, ca.SX]:
+    def response_of_set(lag_w: float, lag_z: float) -> tuple[ca.SX, ca.SX]:
         x = w * CRANE.mode.natural_frequency_rad_s / lag_w
         size = (1 - x * x) ** 2 + (2 * lag_z * x) ** 2
         return (1 - x * x) / size, -2 * lag_z * x / size
 
     real, imag = 0, 0
-    sets = set_at(20.0, 0.8), set_at(50.0, 1.5)
+    sets = response_of_set(20.0, 0.8), response_of_set(50.0, 1.5)
     times = ca.vertcat(0, t)
     for index in range(5):
         gain, phase = sets[index % 2]
@@ -126,7 +126,7 @@ def figures() -> Iterator[Figure]:
 def _curves(shaper: Impulses) -> Iterator[Figure]:
     """Measure a sensitivity curve and a simulation of a whole move."""
     pole = CRANE.mode.pole_rad_s
-    move, times = convolved(pulse(2.0), shaper), np.linspace(0, 6, 10_000)
+    move, times = convolve(pulse(2.0), shaper), np.linspace(0, 6, 10_000)
     seconds = alternating_medians({
         "curve": lambda: np.abs(
             evenly_spaced_vectors(shaper, 0.5 * pole, 1.5 * pole, 1000, ACTUATOR)

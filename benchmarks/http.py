@@ -87,7 +87,7 @@ async def load(port: int, seconds: float) -> list[Outcome]:
     return [one for of_a_client in told for one in of_a_client]
 
 
-def measured(port: int) -> list[Outcome]:
+def measure(port: int) -> list[Outcome]:
     """Return what became of the requests of some seconds, after a warm-up."""
     uvloop.run(load(port, WARM_S))
     return uvloop.run(load(port, SECONDS))
@@ -96,11 +96,11 @@ def measured(port: int) -> list[Outcome]:
 def figures() -> Iterator[Figure]:
     """Measure."""
     with running(sys.executable, "-m", "service", "serve") as port:
-        told = measured(port)
+        told = measure(port)
     with running(
         sys.executable, "-m", "uvicorn", "benchmarks.http:echo", "--no-access-log"
     ) as port:
-        echoes = len(measured(port)) / SECONDS
+        echoes = len(measure(port)) / SECONDS
     answered = with_status(told, 200)
     failures = len(told) - len(answered)
     designs = len(answered) / SECONDS

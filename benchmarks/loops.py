@@ -15,7 +15,7 @@ Ask = Callable[[], Awaitable[Answer]]
 NO_ANSWER = 0
 """In place of a status, where the connection was lost or the wait too long."""
 
-LONGEST_WAIT_S = 120.0
+MAX_WAIT_S = 120.0
 """After which a request counts as not answered [s]."""
 
 
@@ -34,7 +34,7 @@ async def outcome(ask: Ask, planned_s: float) -> Outcome:
     """Send one request and tell what became of it."""
     answer = Answer(status=NO_ANSWER, sent_s=planned_s)
     try:
-        async with asyncio.timeout(LONGEST_WAIT_S):
+        async with asyncio.timeout(MAX_WAIT_S):
             answer = await ask()
     except (OSError, TimeoutError):
         pass  # told by its status

@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks.designs import ACTUATOR
 from benchmarks.measure import Figure, alternating_medians, ratio
 from design.formulations.formulation import ClosedForm
-from design.formulations.humps import humped
+from design.formulations.humps import follow_from_undamped
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
@@ -24,7 +24,7 @@ from design.shapers.ei import ToleranceOptions
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
 
-LONGEST_CLOSED_FORM_S = 50e-6
+MAX_CLOSED_FORM_S = 50e-6
 DAMPED = Mode(natural_frequency_rad_s=3.5, damping_ratio=0.05)
 UNDAMPED = Mode(natural_frequency_rad_s=3.5)
 
@@ -97,11 +97,11 @@ def closed_forms() -> Iterator[Figure]:
         what="shapers in closed form, mode to impulses / a textbook's NumPy lines for ZVD",
         value=f"{each} us; {lines} us; `zvd` {ratio(seconds, 'zvd', 'textbook ZVD'):.1f} times",
         limit="50 us each",
-        met=took[slowest] <= LONGEST_CLOSED_FORM_S,
+        met=took[slowest] <= MAX_CLOSED_FORM_S,
     )
     cold, um_ei = [], SHAPERS["um_ei"]
     for number in range(60):
-        humped.cache_clear()
+        follow_from_undamped.cache_clear()
         mode = Mode(natural_frequency_rad_s=3.5, damping_ratio=0.2 * (number + 1) / 60)
         case = um_ei.case((mode,), Ideal(), ToleranceOptions(tolerance=0.05))
         run = functools.partial(um_ei.formulate, case)

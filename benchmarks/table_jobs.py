@@ -124,10 +124,10 @@ def wait_for(address: str, workers: int) -> None:
 
     with Client(address, timeout=60, set_as_default=False) as client:
         client.wait_for_workers(workers, timeout=60)
-        client.run(imported)
+        client.run(import_kernel)
 
 
-def imported() -> None:
+def import_kernel() -> None:
     """Import what a chunk needs."""
     import service.jobs.work  # noqa: F401
 

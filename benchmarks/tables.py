@@ -15,7 +15,7 @@ from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.plants.mode import Mode
 from design.shapers.registry import SHAPERS
 from design.tables.compute import compute_rows
-from design.tables.kernel import rows_of_problems, solved
+from design.tables.kernel import rows_of_problems, solve_rows
 from design.tables.parameters import row_parameters
 from design.tables.proofs import proven
 from design.tables.specification import TableSpecification
@@ -155,7 +155,7 @@ def kernel(table: TableSpecification) -> int:
     for start in range(0, ROWS, table.chunk_rows):
         parameters = row_parameters(table, table.field_values(start, start + table.chunk_rows))
         rows = rows_of_problems(parameters.lags, parameters.max_duration_periods, settle=False)
-        gaps, ends = solved(rows, 5, switched=False)
+        gaps, ends = solve_rows(rows, 5, switched=False)
         times = np.zeros((len(gaps), 5))
         np.cumsum(gaps, axis=1, out=times[:, 1:])
         w = parameters.natural_frequencies_rad_s

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 LENGTH = re.compile(rb"\r\ncontent-length: *(\d+)", re.IGNORECASE)
 END_OF_HEAD = b"\r\n\r\n"
 
-LONGEST_IDLE_S = 2.0
+MAX_IDLE_S = 2.0
 """A connection that was idle for longer is not used again: the server closes it at 5 s [s]."""
 
 
@@ -122,7 +122,7 @@ class Client:
     async def _connection(self) -> tuple[asyncio.Transport, _Reader]:
         while self._idle:
             transport, reader, since_s = self._idle.pop()
-            if not transport.is_closing() and time.perf_counter() - since_s < LONGEST_IDLE_S:
+            if not transport.is_closing() and time.perf_counter() - since_s < MAX_IDLE_S:
                 return transport, reader
             transport.abort()
         return await asyncio.get_running_loop().create_connection(

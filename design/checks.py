@@ -4,12 +4,12 @@ import math
 
 from design.errors import InvalidInputError
 
-SMALLEST, LARGEST = 1e-12, 1e12
+MIN_VALUE, MAX_VALUE = 1e-12, 1e12
 """Bounds of any frequency, time or length in SI units: beyond them squares overflow."""
 
 
 def require_scale(name: str, value: float) -> None:
-    """Check that ``SMALLEST <= value <= LARGEST``.
+    """Check that ``MIN_VALUE <= value <= MAX_VALUE``.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ def require_scale(name: str, value: float) -> None:
     """
     if not (math.isfinite(value) and value > 0):
         raise InvalidInputError(name, value, "finite and > 0", code="not_positive")
-    require_between(name, value, SMALLEST, LARGEST)
+    require_between(name, value, MIN_VALUE, MAX_VALUE)
 
 
 def require_between(name: str, value: float, lowest: float, highest: float) -> None:

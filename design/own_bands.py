@@ -1,4 +1,4 @@
-"""Bands that a promise leaves open: the widest around 1 that the impulses themselves keep."""
+"""Bands that a promise does not give: the widest around 1 that the impulses themselves keep."""
 
 from dataclasses import replace
 

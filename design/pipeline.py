@@ -25,20 +25,20 @@ class Design:
     """A verified shaper."""
 
     impulses: Impulses  # The shaper
-    # What it leaves in each mode with the actuator given, whatever it was designed for [-]
+    # Its residual in each mode with the actuator given, whatever it was designed for [-]
     residuals: tuple[float, ...]
     certificate: Certificate  # Its claims, recomputed: for the actuator given if they hold there
     # Whether they are for an ideal actuator, as they do not all hold with the one given
     for_ideal: bool
     solver: SolverReport  # How it was found
     warnings: tuple[DesignWarning, ...]  # What to know besides
-    # Of a scheduled plant, the most that it leaves at any frequency of the range, with the actuator
+    # Of a scheduled plant, its largest residual at any frequency of the range, with the actuator
     # given; None of others [-]
     worst_in_range: float | None = None
 
     @property
     def residual(self) -> float:
-        """The most that it leaves in any mode with the actuator given [-]."""
+        """Its largest residual in any mode with the actuator given [-]."""
         return max(self.residuals)
 
 

@@ -99,9 +99,9 @@ def require_over(plant: Scheduled, name: str, certificate: Certificate) -> None:
         return
     low, high = plant.band
     raise InfeasibleDesignError(
-        f"{name} leaves {over_range.value:.4g} within the range of frequencies, {low:.4g} to "
-        f"{high:.4g} of its middle, more than its tolerance {over_range.limit:g}: narrow the "
-        "range, raise the tolerance, or take a kind with more humps",
+        f"the residual of {name} is {over_range.value:.4g} within the range of frequencies, "
+        f"{low:.4g} to {high:.4g} of its middle, above its tolerance {over_range.limit:g}: "
+        "narrow the range, raise the tolerance, or take a kind with more humps",
         code="range_above_tolerance",
     )
 

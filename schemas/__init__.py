@@ -1,1 +1,1 @@
-"""Wire models: what enters and leaves the service, with units and limits. No computation."""
+"""Wire models: requests and answers of the service, with units and limits. No computation."""

@@ -4,14 +4,14 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from design.checks import LARGEST
+from design.checks import MAX_VALUE
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.model import Model
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.second_order import (
-    LARGEST_DAMPING_RATIO,
-    SMALLEST_DAMPING_RATIO,
+    MAX_DAMPING_RATIO,
+    MIN_DAMPING_RATIO,
     SecondOrder,
     SecondOrderSet,
 )
@@ -21,19 +21,25 @@ Example = dict[str, Any]
 """A request's value, as JSON has it."""
 
 TimeConstant = Annotated[
-    float, Field(ge=0, le=LARGEST, description="Time constant, 0 or at least 1e-12 [s].")
+    float, Field(ge=0, le=MAX_VALUE, description="Time constant, 0 or at least 1e-12 [s].")
 ]
 ModelIn = Annotated[
     Model,
     Field(
-        description="superposed: each step excites a response of its own; switched: one state, "
-        "moved by the set of the latest change of |command|."
+        description="superposed: each step excites a separate response; switched: one velocity "
+        "state, governed by the set of the latest change in the command's "
+        "magnitude."
     ),
 ]
 
 
 DeadTime = Annotated[
-    float, Field(ge=0, le=LARGEST, description="Delay of all that the actuator does [s].")
+    float,
+    Field(
+        ge=0,
+        le=MAX_VALUE,
+        description="Delay between the command and all that the actuator does [s].",
+    ),
 ]
 
 
@@ -76,8 +82,8 @@ class SecondOrderSetIn(WireOf[SecondOrderSet]):
     damping_ratio: Annotated[
         float,
         Field(
-            ge=SMALLEST_DAMPING_RATIO,
-            le=LARGEST_DAMPING_RATIO,
+            ge=MIN_DAMPING_RATIO,
+            le=MAX_DAMPING_RATIO,
             description="Share of critical damping [-].",
         ),
     ]
@@ -116,15 +122,15 @@ class RateLimitedIn(WireOf[RateLimited]):
 
     kind: Literal["rate_limited"]
     accel_limit_m_s2: Annotated[
-        Positive, Field(description="Of a command whose magnitude grows [m/s^2].")
+        Positive, Field(description="Limit while the magnitude of the command grows [m/s^2].")
     ]
     decel_limit_m_s2: Annotated[
-        Positive, Field(description="Of a command whose magnitude falls [m/s^2].")
+        Positive, Field(description="Limit while the magnitude of the command falls [m/s^2].")
     ]
-    speed_m_s: Annotated[Positive, Field(description="What a command of 1 stands for [m/s].")]
+    speed_m_s: Annotated[Positive, Field(description="Speed that a command of 1 stands for [m/s].")]
     then: Annotated[
         IdealIn | FirstOrderIn | SecondOrderIn,
-        Field(discriminator="kind", description="What follows the limited command."),
+        Field(discriminator="kind", description="Actuator that follows the rate-limited command."),
     ] = IdealIn(kind="ideal")
     dead_time_s: DeadTime = 0.0
 

@@ -7,9 +7,9 @@ from typing import Annotated, Any, ClassVar, Generic, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from design.checks import LARGEST
+from design.checks import MAX_VALUE
 from design.errors import InvalidInputError
-from design.model.plants.mode import LARGEST_DAMPING_RATIO
+from design.model.plants.mode import MAX_DAMPING_RATIO
 
 
 class Wire(BaseModel):
@@ -27,7 +27,7 @@ Record = TypeVar("Record")
 
 
 class WireOf(Wire, Generic[Record]):
-    """The wire form of a record of the mathematics, whose fields are its own but for `kind`.
+    """The wire form of a record of the mathematics, whose fields are its own except `kind`.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class WireOf(Wire, Generic[Record]):
         for name in type(self).model_fields:
             value = getattr(self, name)
             if isinstance(value, WireOf):
-                with named(name):
+                with name_field(name):
                     value = value.to_design()
             if name != "kind":
                 values[name] = value
@@ -64,7 +64,7 @@ def _says_nothing(value: object) -> bool:
     return value is None
 
 
-def left_out_if_none(description: str) -> Any:  # noqa: ANN401 - as pydantic's own Field
+def leave_out_none(description: str) -> Any:  # noqa: ANN401 - as pydantic's own Field
     """Return the rule of an answer's field that is left out where it is None.
 
     Whoever reads the answer finds None in its place: an answer is read back as it was.
@@ -72,15 +72,15 @@ def left_out_if_none(description: str) -> Any:  # noqa: ANN401 - as pydantic's o
     return Field(default=None, exclude_if=_says_nothing, description=description)
 
 
-Positive = Annotated[float, Field(gt=0, le=LARGEST)]
+Positive = Annotated[float, Field(gt=0, le=MAX_VALUE)]
 PlantDamping = Annotated[
     float,
-    Field(ge=0, le=LARGEST_DAMPING_RATIO, description="Share of critical damping [-]."),
+    Field(ge=0, le=MAX_DAMPING_RATIO, description="Share of critical damping [-]."),
 ]
 
 
 @contextmanager
-def named(field: str) -> Iterator[None]:
+def name_field(field: str) -> Iterator[None]:
     """Name the field in which a design record finds a fault, by its path.
 
     Raises

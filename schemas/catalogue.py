@@ -15,7 +15,9 @@ class CatalogueEntry(Wire):
     source: str
     claims: list[str]
     plants: list[str]
-    most_modes: Annotated[int, Field(description="Modes of a plant that it serves, at most.")]
+    most_modes: Annotated[
+        int, Field(description="Largest number of modes of a plant that it serves.")
+    ]
     actuators: list[str]
     parameters: Annotated[dict[str, Any], Field(description="JSON Schema of the shaper object.")]
     example: Annotated[dict[str, Any], Field(description="A request for POST /v1/designs.")]

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field
 
 from design.analysis.certificate import Certificate, Claim
-from schemas.base import Wire, left_out_if_none
+from schemas.base import Wire, leave_out_none
 
 
 class ClaimOut(Wire):
@@ -16,11 +16,13 @@ class ClaimOut(Wire):
     limit: float
     mode: Annotated[
         int | None,
-        left_out_if_none("Number of the plant's mode, from 0; left out for the first."),
+        leave_out_none("Number of the plant's mode, from 0; left out for the first mode."),
     ]
     band: Annotated[
         tuple[float, float] | None,
-        left_out_if_none("For band: its ends, ratios of the mode's frequency; left out else."),
+        leave_out_none(
+            "For band: its ends, as ratios of the mode's frequency; otherwise left out."
+        ),
     ]
 
     @classmethod
@@ -43,8 +45,8 @@ class CertificateOut(Wire):
     actuator: Annotated[
         Literal["given", "ideal"],
         Field(
-            description="What the claims are for: the actuator given, or one that follows its "
-            "command at once."
+            description="Actuator for which the claims hold: the one given, or one that follows "
+            "its command at once."
         ),
     ]
     claims: list[ClaimOut]

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from design.analysis.damping_curve import MOST_POINTS, DampingRange
+from design.analysis.damping_curve import MAX_CURVE_POINTS, DampingRange
 from schemas.base import PlantDamping, Wire
 
 
@@ -13,7 +13,9 @@ class DampingIn(Wire):
 
     from_: Annotated[PlantDamping, Field(alias="from", description="Least damping ratio [-].")]
     to: Annotated[PlantDamping, Field(description="Largest damping ratio [-].")]
-    points: Annotated[int, Field(ge=2, le=MOST_POINTS, description="Points of the curve.")] = 101
+    points: Annotated[int, Field(ge=2, le=MAX_CURVE_POINTS, description="Points of the curve.")] = (
+        101
+    )
 
     def to_design(self) -> DampingRange:
         """Build the design record."""

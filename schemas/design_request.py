@@ -25,12 +25,14 @@ class DesignRequest(Wire):
     sensitivity: Annotated[
         SensitivityIn | None, Field(description="Range of the curve; null for no curve.")
     ] = SensitivityIn()
-    fit: Annotated[FitIn | None, Field(description="Curve coefficients with the design.")] = None
+    fit: Annotated[
+        FitIn | None, Field(description="Request for curve coefficients with the design.")
+    ] = None
     trace: Annotated[
         bool,
         Field(
-            description="Report each step of the search, and what was rejected and why; of a "
-            "refusal too.",
+            description="Report each step of the search, with what was rejected and why. A "
+            "refusal has the trace as well.",
             exclude_if=_is_false,
         ),
     ] = False

@@ -5,7 +5,7 @@ from typing import Annotated, Self
 from pydantic import Field
 
 from design.pipeline import Design
-from schemas.base import Wire, left_out_if_none
+from schemas.base import Wire, leave_out_none
 from schemas.certificates import CertificateOut
 from schemas.fits import FitOut
 from schemas.impulses import ImpulsesWire
@@ -32,24 +32,30 @@ class DesignResponse(Wire):
     shaper: ShaperOut
     sampled: Annotated[
         SampledOut | None,
-        Field(description="With sample_time_s: the certificate then proves the residual told."),
+        Field(
+            description="With sample_time_s, the result of sampling: the certificate then "
+            "proves its residual."
+        ),
     ]
     residual: Annotated[
         float,
         Field(
-            description="Left with the plant and actuator given, share of an unshaped step; of "
-            "several modes the most [-]."
+            description="Residual vibration with the plant and actuator given, a share of an "
+            "unshaped step; of several modes the largest [-]."
         ),
     ]
     certificate: CertificateOut
     sensitivity: SensitivityOut | None
     modes: OfModes
-    scheduled: Annotated[RangeOut | None, left_out_if_none("Of a scheduled plant; left out else.")]
+    scheduled: Annotated[
+        RangeOut | None,
+        leave_out_none("Figures over the range of a scheduled plant; otherwise left out."),
+    ]
     fit: FitOut | None
     solver: SolverOut
     trace: Annotated[
         list[TraceStepOut] | None,
-        left_out_if_none("Steps of the search, where asked for; left out else."),
+        leave_out_none("Steps of the search, where asked for; otherwise left out."),
     ]
     warnings: Warnings
     version: str

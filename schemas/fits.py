@@ -6,7 +6,7 @@ from typing import Annotated, Self
 from pydantic import Field
 
 from design.analysis.warnings import DesignWarning
-from design.curve_fit.fit_range import HIGHEST_DEGREE, FitRange, Form
+from design.curve_fit.fit_range import MAX_DEGREE, FitRange, Form
 from design.curve_fit.fit_range import Field as PlantField
 from design.curve_fit.polynomials import Fit
 from design.errors import InvalidInputError
@@ -29,18 +29,29 @@ FIELDS: dict[str, PlantField] = {
 class FitIn(Wire):
     """Over which field to fit, and how well."""
 
-    over: Annotated[str, Field(description=f"JSON pointer, one of {', '.join(FIELDS)}.")]
+    over: Annotated[
+        str, Field(description=f"JSON pointer of the field, one of {', '.join(FIELDS)}.")
+    ]
     from_: Annotated[float, Field(alias="from", ge=0, description="Start, in the field's unit.")]
     to: Annotated[float, Field(gt=0, description="End, in the field's unit.")]
     degree: Annotated[
-        int | None, Field(ge=0, le=HIGHEST_DEGREE, description="Degree of the polynomials.")
+        int | None, Field(ge=0, le=MAX_DEGREE, description="Degree of the polynomials.")
     ] = None
     max_residual: Annotated[
         float | None,
-        Field(gt=0, lt=1, description="In place of degree: what the times may leave [-]."),
+        Field(
+            gt=0,
+            lt=1,
+            description="In place of degree: the largest residual that the fitted "
+            "times may have [-].",
+        ),
     ] = None
     form: Annotated[
-        Form, Field(description="time_in_frequency is the thesis's, for comparison.")
+        Form,
+        Field(
+            description="Form of the curves; time_in_frequency is that of the thesis, "
+            "for comparison."
+        ),
     ] = "dimensionless"
 
     def to_design(self, plant_kind: str) -> FitRange:
@@ -103,12 +114,12 @@ class VariableOut(Wire):
 
 
 class FitOut(Wire):
-    """Curve coefficients, and what they cost."""
+    """Curve coefficients, with their residual."""
 
     variable: VariableOut
     value: str
     coefficients: Annotated[
-        list[list[float]], Field(description="A row for each impulse, ascending powers of x.")
+        list[list[float]], Field(description="A row for each impulse, in ascending powers of x.")
     ]
     degree: int
     worst_timing_error_s: float

@@ -9,7 +9,7 @@ from design.model.impulses import Impulses
 from design.model.merging import merged
 from schemas.base import Wire
 
-MOST_IMPULSES = 1000
+MAX_IMPULSES = 1000
 
 
 class ImpulsesWire(Wire):
@@ -19,13 +19,13 @@ class ImpulsesWire(Wire):
         list[float],
         Field(
             min_length=1,
-            max_length=MOST_IMPULSES,
+            max_length=MAX_IMPULSES,
             description="Times, not decreasing; steps at one time are one [s].",
         ),
     ]
     amplitudes: Annotated[
         list[float],
-        Field(min_length=1, max_length=MOST_IMPULSES, description="Shares of full speed [-]."),
+        Field(min_length=1, max_length=MAX_IMPULSES, description="Shares of full speed [-]."),
     ]
 
     def to_design(self) -> Impulses:

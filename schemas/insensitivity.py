@@ -15,9 +15,11 @@ class InsensitivityOut(OutOf[Insensitivity]):
     lower_ratio: Annotated[
         float | None, Field(description="Lower edge; null where the search found none [-].")
     ]
-    upper_ratio: Annotated[float | None, Field(description="Upper edge; null likewise [-].")]
+    upper_ratio: Annotated[
+        float | None, Field(description="Upper edge; null where the search found none [-].")
+    ]
     width: Annotated[
-        float | None, Field(description="Upper less lower edge; null without either [-].")
+        float | None, Field(description="Upper edge less lower edge; null where either is [-].")
     ]
     searched_from_ratio: Annotated[
         float,
@@ -26,4 +28,4 @@ class InsensitivityOut(OutOf[Insensitivity]):
             "where the search for it ended [-]."
         ),
     ]
-    searched_to_ratio: Annotated[float, Field(description="Upper end, likewise [-].")]
+    searched_to_ratio: Annotated[float, Field(description="Upper end of the same [-].")]

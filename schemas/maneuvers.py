@@ -19,8 +19,8 @@ from schemas.warnings import WarningOut, Warnings
 class AngleSwingIn(Wire):
     """Swing of a pendulum at the first step, positive where the load is ahead in +x."""
 
-    angle_rad: Annotated[float, Field(description="From the vertical [rad].")]
-    angle_rate_rad_s: Annotated[float, Field(description="Its rate [rad/s].")]
+    angle_rad: Annotated[float, Field(description="Angle from the vertical [rad].")]
+    angle_rate_rad_s: Annotated[float, Field(description="Rate of the angle [rad/s].")]
 
     def to_design(self) -> AngleSwing:
         """Build the design record."""
@@ -30,8 +30,10 @@ class AngleSwingIn(Wire):
 class DeflectionSwingIn(Wire):
     """Swing of a mode at the first step, positive in +x."""
 
-    deflection_m: Annotated[float, Field(description="Of payload against support [m].")]
-    deflection_rate_m_s: Annotated[float, Field(description="Its rate [m/s].")]
+    deflection_m: Annotated[
+        float, Field(description="Deflection of the payload against its support [m].")
+    ]
+    deflection_rate_m_s: Annotated[float, Field(description="Rate of the deflection [m/s].")]
 
     def to_design(self) -> DeflectionSwing:
         """Build the design record."""
@@ -46,11 +48,16 @@ class ManeuverRequest(Wire):
     plant: PlantIn
     actuator: ActuatorIn
     shaper: ShaperIn
-    speed_m_s: Annotated[float, Field(description="Full speed; negative, by pulse, in -x [m/s].")]
+    speed_m_s: Annotated[
+        float, Field(description="Full speed; negative, with pulse_s, for a move in -x [m/s].")
+    ]
     pulse_s: Annotated[
-        float | None, Field(description="From the first step of the start to that of the stop [s].")
+        float | None,
+        Field(description="Time from the first step of the start to that of the stop [s]."),
     ] = None
-    distance_m: Annotated[float | None, Field(description="How far; negative in -x [m].")] = None
+    distance_m: Annotated[
+        float | None, Field(description="Distance of the move; negative in -x [m].")
+    ] = None
     initial: Annotated[
         AngleSwingIn | DeflectionSwingIn | None,
         Field(description="Swing at the first step, to be cancelled: an angle for a pendulum."),
@@ -59,7 +66,8 @@ class ManeuverRequest(Wire):
         bool, Field(description="Solve start and stop as one wherever that is faster.")
     ] = False
     sample_time_s: Annotated[
-        Positive | None, Field(description="For a program that a controller replays [s].")
+        Positive | None,
+        Field(description="Sample time of a program that a controller replays [s]."),
     ] = None
 
 
@@ -68,9 +76,9 @@ class ProgramOut(Wire):
 
     times_s: list[float]
     velocity_m_s: Annotated[
-        list[float], Field(description="Mean over the sample that follows [m/s].")
+        list[float], Field(description="Mean velocity over the sample that follows [m/s].")
     ]
-    position_m: Annotated[list[float], Field(description="Of the command, exact [m].")]
+    position_m: Annotated[list[float], Field(description="Position of the command, exact [m].")]
     residual: Annotated[
         float,
         Field(
@@ -94,15 +102,27 @@ class ManeuverResponse(Wire):
     """Answer of `POST /v1/maneuvers`."""
 
     kind: str
-    direction: Annotated[int, Field(description="+1 in +x, -1 in -x: all is mirrored.")]
-    start: Annotated[ImpulsesWire, Field(description="Shares of the speed, in the direction.")]
+    direction: Annotated[
+        int, Field(description="+1 for a move in +x; -1 for one in -x, where all is mirrored.")
+    ]
+    start: Annotated[
+        ImpulsesWire,
+        Field(
+            description="Impulses of the start, shares of the speed in the direction of the move."
+        ),
+    ]
     stop: ImpulsesWire
     command: ImpulsesWire
     pulse_s: float
     duration_s: float
-    distance_m: Annotated[float, Field(description="Of the actuator, signed, recomputed [m].")]
+    distance_m: Annotated[
+        float, Field(description="Travel of the actuator, signed, recomputed [m].")
+    ]
     residual: Annotated[
-        float, Field(description="Of the whole move, a share of one unshaped step [-].")
+        float,
+        Field(
+            description="Residual vibration of the whole move, a share of one unshaped step [-]."
+        ),
     ]
     certificate: CertificateOut
     joint: Annotated[bool, Field(description="Whether start and stop were solved as one.")]

@@ -16,7 +16,7 @@ from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
 from design.types import FloatArray
 from schemas.actuators import ActuatorIn
-from schemas.base import Positive, Wire, named
+from schemas.base import Positive, Wire, name_field
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.pointers import path_of
@@ -24,7 +24,7 @@ from schemas.samples import continuous_options
 from schemas.shapers import ShaperIn
 from schemas.warnings import WarningOut, Warnings
 
-MOST_POINTS = 2000
+MAX_MAP_AXIS_POINTS = 2000
 
 
 NOT_ON_SAMPLES = "a map holds one sampled shaper; it searches none in every cell and no move"
@@ -35,13 +35,19 @@ class AxisIn(Wire):
     """One field and its values: ``from``, ``to`` and ``points``, or ``values``."""
 
     field: Annotated[
-        str, Field(pattern="^/(plant|actuator|move)/", description="JSON pointer of a number.")
+        str,
+        Field(
+            pattern="^/(plant|actuator|move)/",
+            description="JSON pointer of the number that the axis varies.",
+        ),
     ]
     from_: Annotated[float | None, Field(alias="from")] = None
     to: float | None = None
-    points: Annotated[int, Field(ge=2, le=MOST_POINTS)] = 51
+    points: Annotated[int, Field(ge=2, le=MAX_MAP_AXIS_POINTS)] = 51
     spacing: Literal["linear", "geometric"] = "linear"
-    values: Annotated[list[float] | None, Field(min_length=1, max_length=MOST_POINTS)] = None
+    values: Annotated[list[float] | None, Field(min_length=1, max_length=MAX_MAP_AXIS_POINTS)] = (
+        None
+    )
 
     def to_design(self) -> Axis:
         """Build the design record."""
@@ -68,7 +74,8 @@ class MoveIn(Wire):
     """The move that the shaper starts and stops."""
 
     pulse_s: Annotated[
-        Positive, Field(description="From the first step of the start to that of the stop [s].")
+        Positive,
+        Field(description="Time from the first step of the start to that of the stop [s]."),
     ]
     stop: Annotated[
         Literal["solved", "mirrored"],
@@ -83,7 +90,8 @@ class MapRequest(Wire):
     actuator: ActuatorIn
     shaper: ShaperIn | None = None
     impulses: Annotated[
-        ImpulsesWire | None, Field(description="In place of shaper: a command that is held.")
+        ImpulsesWire | None,
+        Field(description="In place of shaper: a command that is held in every cell."),
     ] = None
     move: MoveIn | None = None
     quantity: Annotated[
@@ -94,20 +102,31 @@ class MapRequest(Wire):
             "every cell. alpha, beta_rad: magnitude and lag of G_decel/G_accel, without a shaper."
         ),
     ] = "residual"
-    speed_m_s: Annotated[Positive | None, Field(description="For deflection_m [m/s].")] = None
+    speed_m_s: Annotated[
+        Positive | None, Field(description="Full speed, for deflection_m [m/s].")
+    ] = None
     design: Annotated[
         Literal["once", "each"],
-        Field(description="once: for plant and actuator as given; each: anew in every cell."),
+        Field(
+            description="once: designed for plant and actuator as given; each: designed anew "
+            "in every cell."
+        ),
     ] = "once"
     designed_for: Annotated[
         Model | None,
-        Field(description="Model of the actuator in the design, if not that which judges it."),
+        Field(
+            description="Model of the actuator that the shaper is designed for, if not that "
+            "of the actuator given."
+        ),
     ] = None
     x: AxisIn
-    y: Annotated[AxisIn | None, Field(description="Left out: a curve over x.")] = None
+    y: Annotated[
+        AxisIn | None,
+        Field(description="Second axis; where it is left out, the map is a curve over x."),
+    ] = None
 
     @property
-    def plainly_held(self) -> bool:
+    def holds_one_shaper(self) -> bool:
         """Whether one shaper, without a move, is held for the plant as given.
 
         The actuator is as given too.
@@ -155,14 +174,14 @@ class MapRequest(Wire):
                 raise InvalidInputError(
                     "design", "each", "once: impulses are held", code="design_per_cell_of_impulses"
                 )
-            with named("impulses"):
+            with name_field("impulses"):
                 return self.impulses.to_design()
         if self.shaper is None:
             return None
-        with named("shaper"):
+        with name_field("shaper"):
             options = continuous_options(self.shaper, NOT_ON_SAMPLES)
         return Recipe(
-            kind=self.shaper.registered(),
+            kind=self.shaper.shaper_kind(),
             options=options,
             each=self.design == "each",
             designed_for=self.designed_for,
@@ -195,7 +214,7 @@ class MapResponse(Wire):
         list[Row] | Row | None, Field(description="Share of an unshaped step [-].")
     ] = None
     deflection_m: Annotated[
-        list[Row] | Row | None, Field(description="Its amplitude at the payload [m].")
+        list[Row] | Row | None, Field(description="Amplitude of the residual at the payload [m].")
     ] = None
     duration_s: list[Row] | Row | None = None
     alpha: list[Row] | Row | None = None
@@ -238,7 +257,7 @@ class MapResponse(Wire):
         """
         several = found.quantity in {"times_s", "branch"}
         rows = [
-            [_listed(cell) if several else _number(cell[0]) for cell in row]
+            [_list_finite(cell) if several else _number(cell[0]) for cell in row]
             for row in found.values.tolist()
         ]
         told: dict[str, Any] = {found.quantity: rows if y is not None else rows[0]}
@@ -257,5 +276,5 @@ def _number(value: float) -> float | None:
     return None if np.isnan(value) else value
 
 
-def _listed(cell: list[float]) -> list[float] | None:
+def _list_finite(cell: list[float]) -> list[float] | None:
     return [value for value in cell if not np.isnan(value)] or None

@@ -7,11 +7,11 @@ from pydantic import Field
 
 from design.errors import InvalidInputError
 from design.model.plants.mode import Mode
-from design.model.plants.modes import MOST_MODES, Modes
+from design.model.plants.modes import MAX_MODES, Modes
 from design.model.plants.pendulum import STANDARD_GRAVITY_M_S2, Pendulum
 from design.model.plants.scheduled import Scheduled
 from design.model.plants.spring_mass import SpringMass
-from schemas.base import PlantDamping, Positive, Wire, WireOf, named
+from schemas.base import PlantDamping, Positive, Wire, WireOf, name_field
 
 
 class BareMode(WireOf[Mode]):
@@ -37,14 +37,14 @@ class ModesIn(Wire):
     kind: Literal["modes"]
     modes: Annotated[
         list[BareMode],
-        Field(min_length=1, max_length=MOST_MODES, description="No two of them alike."),
+        Field(min_length=1, max_length=MAX_MODES, description="Modes, no two alike."),
     ]
 
     def to_design(self) -> Mode | Modes:
         """Build the design record."""
         built = []
         for number, one in enumerate(self.modes):
-            with named(f"modes.{number}"):
+            with name_field(f"modes.{number}"):
                 built.append(one.to_design())
         return built[0] if len(built) == 1 else Modes(modes=tuple(built))
 
@@ -55,9 +55,11 @@ class PendulumIn(WireOf[Pendulum]):
     RECORD = Pendulum
 
     kind: Literal["pendulum"]
-    cable_length_m: Annotated[Positive, Field(description="From suspension to centre of load [m].")]
+    cable_length_m: Annotated[
+        Positive, Field(description="Length from the suspension to the centre of the load [m].")
+    ]
     damping_ratio: PlantDamping = 0.0
-    gravity_m_s2: Annotated[Positive, Field(description="Free fall [m/s^2].")] = (
+    gravity_m_s2: Annotated[Positive, Field(description="Acceleration of free fall [m/s^2].")] = (
         STANDARD_GRAVITY_M_S2
     )
 
@@ -69,16 +71,21 @@ class SpringMassIn(WireOf[SpringMass]):
 
     kind: Literal["spring_mass"]
     mass_kg: Annotated[Positive, Field(description="Mass of the load [kg].")]
-    stiffness_n_m: Annotated[Positive, Field(description="Stiffness of what holds it [N/m].")]
+    stiffness_n_m: Annotated[Positive, Field(description="Stiffness of the spring [N/m].")]
     damping_ratio: PlantDamping = 0.0
 
 
 class ScheduledIn(Wire):
-    """A plant with a field anywhere in a range; the plant's own value of it is not used."""
+    """A plant with one field anywhere in a range; its value in `plant` is not used."""
 
     kind: Literal["scheduled"]
     plant: Annotated[ModeIn | PendulumIn | SpringMassIn, Field(discriminator="kind")]
-    over: Annotated[str, Field(max_length=40, description="The field, as cable_length_m.")]
+    over: Annotated[
+        str,
+        Field(
+            max_length=40, description="Field that is anywhere in a range, such as cable_length_m."
+        ),
+    ]
     from_: Annotated[Positive, Field(alias="from", description="Start, in the field's unit.")]
     to: Annotated[Positive, Field(description="End, in the field's unit.")]
 
@@ -104,7 +111,7 @@ class ScheduledIn(Wire):
                 f"a field of {self.plant.kind}: {', '.join(fields)}",
                 code="field_not_scheduled",
             )
-        with named("plant"):
+        with name_field("plant"):
             plant = self.plant.to_design()
         ends = []
         for name, value in (("from", self.from_), ("to", self.to)):

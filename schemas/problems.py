@@ -4,16 +4,17 @@ from typing import Annotated
 
 from pydantic import Field
 
-from schemas.base import Wire, left_out_if_none
+from schemas.base import Wire, leave_out_none
 from schemas.trace import TraceStepOut
 
 
 class FieldFault(Wire):
     """One field that breaks its rule."""
 
-    pointer: Annotated[str, Field(description="JSON pointer into the request.")]
+    pointer: Annotated[str, Field(description="JSON pointer of the field in the request.")]
     code: Annotated[
-        str, Field(description="Which rule it breaks, as a name: out_of_range, missing.")
+        str,
+        Field(description="Rule that the field breaks, as a name such as out_of_range or missing."),
     ]
     detail: str
 
@@ -27,8 +28,9 @@ class ProblemDocument(Wire):
     code: Annotated[
         str,
         Field(
-            description="What is wrong, as a name that does not change with the words of detail: "
-            "the code that all errors have in common, else the name of the problem."
+            description="Name of the fault, which does not change with the words of detail: the "
+            "code that all errors have in common, otherwise the name of the "
+            "problem."
         ),
     ]
     detail: str
@@ -36,5 +38,5 @@ class ProblemDocument(Wire):
     request_id: str | None = None
     trace: Annotated[
         list[TraceStepOut] | None,
-        left_out_if_none("Steps of the search, where a design asked for them; left out else."),
+        leave_out_none("Steps of the search, where a design asked for them; otherwise left out."),
     ]

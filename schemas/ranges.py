@@ -29,7 +29,7 @@ class RangeOut(Wire):
         plant
             The plant of the request.
         worst_residual
-            The most that its shaper leaves at any frequency of the range [-].
+            Largest residual of its shaper at any frequency of the range [-].
 
         Returns
         -------

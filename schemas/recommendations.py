@@ -10,16 +10,16 @@ from design.recommendations.choices import Choice
 from design.recommendations.judging import Candidate, Verdict
 from design.recommendations.recommendation import Recommendation
 from design.recommendations.requirements import (
-    FARTHEST_COMMAND,
-    LARGEST_RATIO,
-    SMALLEST_RATIO,
-    SMALLEST_TOLERANCE,
-    WIDEST_HALF_WIDTH,
+    MAX_COMMAND,
+    MAX_HALF_WIDTH,
+    MAX_RATIO,
+    MIN_RATIO,
+    MIN_TOLERANCE,
     Requirements,
     Sign,
 )
 from schemas.actuators import ActuatorIn
-from schemas.base import PlantDamping, Positive, Wire, left_out_if_none
+from schemas.base import PlantDamping, Positive, Wire, leave_out_none
 from schemas.impulses import ImpulsesWire
 from schemas.insensitivity import InsensitivityOut
 from schemas.plants import BareMode, PlantIn
@@ -34,7 +34,7 @@ class DampingRangeIn(Wire):
 
 
 class RecommendationRequest(Wire):
-    """Body of `POST /v1/recommendations`; bounds are told by the design record, with reasons."""
+    """Body of `POST /v1/recommendations`; the design record checks bounds, and says why."""
 
     plant: PlantIn
     actuator: ActuatorIn
@@ -43,35 +43,40 @@ class RecommendationRequest(Wire):
         Field(
             description="The true frequency is within 1 - half_width and 1 + half_width of the "
             "plant's; 0.15 if neither it nor the ratios are given [-].",
-            json_schema_extra={"minimum": 0, "maximum": WIDEST_HALF_WIDTH},
+            json_schema_extra={"minimum": 0, "maximum": MAX_HALF_WIDTH},
         ),
     ] = None
     lower_ratio: Annotated[
         float | None,
         Field(
             description="Least true frequency over the plant's, in place of half_width [-].",
-            json_schema_extra={"minimum": SMALLEST_RATIO, "maximum": 1},
+            json_schema_extra={"minimum": MIN_RATIO, "maximum": 1},
         ),
     ] = None
     upper_ratio: Annotated[
         float | None,
         Field(
             description="Largest true frequency, with lower_ratio [-].",
-            json_schema_extra={"minimum": 1, "maximum": LARGEST_RATIO},
+            json_schema_extra={"minimum": 1, "maximum": MAX_RATIO},
         ),
     ] = None
     tolerance: Annotated[
         float,
         Field(
             description="Largest residual over all that the plant may be [-].",
-            json_schema_extra={"minimum": SMALLEST_TOLERANCE, "exclusiveMaximum": 1},
+            json_schema_extra={"minimum": MIN_TOLERANCE, "exclusiveMaximum": 1},
         ),
     ] = 0.05
     damping: Annotated[
         DampingRangeIn | None,
-        Field(description="Range of the damping ratio, the plant's own in it; null if that holds."),
+        Field(
+            description="Range of the damping ratio, which contains that of the plant; null "
+            "if that of the plant holds."
+        ),
     ] = None
-    max_duration_s: Annotated[Positive | None, Field(description="Longest shaper [s].")] = None
+    max_duration_s: Annotated[
+        Positive | None, Field(description="Longest duration of a shaper [s].")
+    ] = None
     sign: Annotated[
         Sign, Field(description="positive: all impulses above 0; unity: +1, -1, +1, ...")
     ] = "any"
@@ -79,22 +84,28 @@ class RecommendationRequest(Wire):
         float,
         Field(
             description="Lowest level of a shaped unit step, over its height [-].",
-            json_schema_extra={"minimum": -FARTHEST_COMMAND, "maximum": 0},
+            json_schema_extra={"minimum": -MAX_COMMAND, "maximum": 0},
         ),
     ] = 0.0
     highest_command: Annotated[
         float,
         Field(
             description="Highest level of a shaped unit step, over its height [-].",
-            json_schema_extra={"minimum": 1, "maximum": 1 + FARTHEST_COMMAND},
+            json_schema_extra={"minimum": 1, "maximum": 1 + MAX_COMMAND},
         ),
     ] = 1.0
     max_high_mode_gain: Annotated[
         Positive | None,
-        Field(description="Largest share of an unshaped step left in any higher mode [-]."),
+        Field(
+            description="Largest residual in any higher mode, a share of an unshaped step "
+            "there [-]."
+        ),
     ] = None
     sample_time_s: Annotated[
-        Positive | None, Field(description="Impulses lie on a controller's samples [s].")
+        Positive | None,
+        Field(
+            description="Sample time of a controller, on whose samples the impulses then lie [s]."
+        ),
     ] = None
 
     def to_design(self) -> Requirements:
@@ -114,7 +125,7 @@ class RecommendationRequest(Wire):
         )
 
 
-def _bounded(value: float | None) -> float | None:
+def _finite_or_none(value: float | None) -> float | None:
     """Return a number that JSON knows: none for one without bound."""
     return value if value is None or math.isfinite(value) else None
 
@@ -122,11 +133,14 @@ def _bounded(value: float | None) -> float | None:
 class VerdictOut(Wire):
     """One requirement, and whether a shaper meets it."""
 
-    requirement: Annotated[str, Field(description="Its field in the request.")]
+    requirement: Annotated[str, Field(description="Field of the request.")]
     met: bool
     value: Annotated[
         float | None,
-        Field(description="Compared, in the field's unit; null of a sign, or without bound."),
+        Field(
+            description="Figure that is held against the limit, in the field's unit; null for "
+            "a sign, and where there is no bound."
+        ),
     ]
     limit: float | None
     reason: str
@@ -137,7 +151,7 @@ class VerdictOut(Wire):
         return cls.model_construct(
             requirement=verdict.requirement,
             met=verdict.met,
-            value=_bounded(verdict.value),
+            value=_finite_or_none(verdict.value),
             limit=verdict.limit,
             reason=verdict.reason,
         )
@@ -146,22 +160,27 @@ class VerdictOut(Wire):
 class CandidateOut(Wire):
     """A shaper, judged."""
 
-    name: Annotated[str, Field(description="Kind, with what tells it from others of that kind.")]
+    name: Annotated[
+        str, Field(description="Kind, with what distinguishes it from others of that kind.")
+    ]
     shaper: Annotated[
-        dict[str, Any], Field(description="As `POST /v1/designs` takes it, for designed_for.")
+        dict[str, Any],
+        Field(description="Shaper as `POST /v1/designs` takes it, for the plant designed_for."),
     ]
     impulses: ImpulsesWire
     duration_s: Annotated[float, Field(description="Time that it adds to a move [s].")]
     meets_all: bool
-    requirements: Annotated[list[VerdictOut], Field(description="Each with its reason.")]
+    requirements: Annotated[
+        list[VerdictOut], Field(description="Verdict on each requirement, with its reason.")
+    ]
     worst_residual: Annotated[
         float | None,
         Field(
             description="Largest residual over band and damping, with the actuator given, by "
-            "simulation; null where the decelerating set itself rings within both [-]."
+            "simulation; null where the decelerating set resonates within both [-]."
         ),
     ]
-    residual: Annotated[float, Field(description="Left at the plant's own frequency [-].")]
+    residual: Annotated[float, Field(description="Residual at the plant's natural frequency [-].")]
     insensitivity: Annotated[
         InsensitivityOut | None,
         Field(description="Interval of ratios at the tolerance; null where there is none."),
@@ -169,7 +188,7 @@ class CandidateOut(Wire):
     high_mode_gain: Annotated[
         float,
         Field(
-            description="Most that is left from 1.5 to 10 times the frequency, a share of the "
+            description="Largest residual from 1.5 to 10 times the frequency, a share of the "
             "unshaped step there [-]."
         ),
     ]
@@ -180,20 +199,21 @@ class CandidateOut(Wire):
     smoothing_s2: Annotated[
         float,
         Field(
-            description="Times an acceleration: how far a shaped path is from the unshaped one, "
-            "delay_s later; half the variance of the impulses' times [s^2]."
+            description="Half the variance of the impulses' times. Times an acceleration, it is "
+            "the distance of a shaped path from the unshaped one delayed by delay_s "
+            "[s^2]."
         ),
     ]
     lower_bound_s: Annotated[
         float | None,
-        left_out_if_none(
-            "No shaper of its class that keeps the tolerance over the band is as short, proven; "
-            "left out where nothing is [s]."
+        leave_out_none(
+            "No shaper of its class that keeps the tolerance over the band is as short as this; "
+            "left out where nothing is proven [s]."
         ),
     ]
     same_as: Annotated[
         str | None,
-        left_out_if_none("Name of one ahead with the same impulses."),
+        leave_out_none("Name of an earlier candidate with the same impulses."),
     ]
     warnings: Warnings
 
@@ -221,7 +241,7 @@ class CandidateOut(Wire):
             duration_s=candidate.duration_s,
             meets_all=not candidate.missed,
             requirements=[VerdictOut.from_design(one) for one in candidate.verdicts],
-            worst_residual=_bounded(made.worst_residual),
+            worst_residual=_finite_or_none(made.worst_residual),
             residual=candidate.residual,
             insensitivity=None
             if candidate.insensitivity is None
@@ -274,7 +294,7 @@ class RefusedOut(Wire):
 
 
 class BandOut(Wire):
-    """Where the tolerance is asked: ratios of the plant's frequency."""
+    """Band of the tolerance asked, as ratios of the plant's frequency."""
 
     lower_ratio: float
     upper_ratio: float
@@ -286,9 +306,13 @@ class RecommendationResponse(Wire):
     recommended: Annotated[
         CandidateOut, Field(description="The fastest shaper that meets all that is asked.")
     ]
-    why: Annotated[list[str], Field(description="Why that one, in sentences.")]
-    runners_up: Annotated[list[CandidateOut], Field(description="All others that do, by duration.")]
-    others: Annotated[list[CandidateOut], Field(description="Those that do not, by duration.")]
+    why: Annotated[list[str], Field(description="Reasons for that shaper, in sentences.")]
+    runners_up: Annotated[
+        list[CandidateOut], Field(description="All others that meet it, by duration.")
+    ]
+    others: Annotated[
+        list[CandidateOut], Field(description="Shapers that do not meet it, by duration.")
+    ]
     refused: Annotated[list[RefusedOut], Field(description="Kinds that could not be designed.")]
     band: BandOut
     designed_for: Annotated[

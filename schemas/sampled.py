@@ -17,7 +17,10 @@ class TriedOut(OutOf[Tried]):
     residual: float
     compared: Annotated[
         float,
-        Field(description="Residual, and where zero slope is claimed 0.05 |dV/d ln w| more [-]."),
+        Field(
+            description="Figure by which commands are compared: the residual, plus 0.05 |dV/d "
+            "ln w| where zero slope is claimed [-]."
+        ),
     ]
 
 
@@ -30,21 +33,30 @@ class SampledOut(Wire):
         Field(description="split, exact_positive, unity_on_grid or more_impulses_on_grid."),
     ]
     samples: Annotated[list[int], Field(description="Sample number of each impulse.")]
-    continuous_times_s: Annotated[list[float], Field(description="Before [s].")]
-    continuous_residual: Annotated[float, Field(description="Left before, likewise [-].")]
+    continuous_times_s: Annotated[
+        list[float], Field(description="Times of the impulses before sampling [s].")
+    ]
+    continuous_residual: Annotated[float, Field(description="Residual before sampling [-].")]
     split_residual: Annotated[
-        float, Field(description="Left by the linear split, which is not of unity magnitude [-].")
+        float,
+        Field(description="Residual of the linear split, which is not of unity magnitude [-]."),
     ]
     nearest_residual: Annotated[
-        float | None, Field(description="Left by nearest samples; null where two coincide [-].")
+        float | None,
+        Field(description="Residual of nearest samples; null where two impulses coincide [-]."),
     ]
     carried_residual: Annotated[
         float | None,
-        Field(description="Left with rounding errors carried on; null likewise [-]."),
+        Field(
+            description="Residual with rounding errors carried on; null where two impulses "
+            "coincide [-]."
+        ),
     ]
     tried: Annotated[
         list[TriedOut],
-        Field(description="For amplitudes of both signs, the best of each number of impulses."),
+        Field(
+            description="For amplitudes of both signs: the best command of each number of impulses."
+        ),
     ]
 
     @classmethod
@@ -61,7 +73,7 @@ class SampledOut(Wire):
         Returns
         -------
         Self
-            Both, with what each leaves.
+            Both, with their residuals.
         """
         return cls.model_construct(
             sample_time_s=sampled.sample_time_s,

@@ -7,7 +7,7 @@ from pydantic import Field
 from design.analysis.sensitivity import Sensitivity
 from design.model.plants.mode import Mode
 from schemas.actuators import ActuatorIn
-from schemas.base import Wire, left_out_if_none
+from schemas.base import Wire, leave_out_none
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.sensitivity_curves import SensitivityIn, SensitivityOut
@@ -23,11 +23,11 @@ class SensitivityRequest(SensitivityIn):
 
 
 class ModeOut(Wire):
-    """What a shaper leaves in one of several modes."""
+    """The residual of a shaper in one of several modes."""
 
     natural_frequency_rad_s: float
     damping_ratio: float
-    residual: Annotated[float, Field(description="Left in this mode [-].")]
+    residual: Annotated[float, Field(description="Residual in this mode [-].")]
     sensitivity: SensitivityOut | None
 
     @classmethod
@@ -58,9 +58,9 @@ class ModeOut(Wire):
 
 OfModes = Annotated[
     list[ModeOut] | None,
-    left_out_if_none(
-        "Of a plant of several modes, what each has; residual and sensitivity beside it are then "
-        "of the worst, all frequencies changing alike. Left out else."
+    leave_out_none(
+        "Figures of each mode of a plant of several. Residual and sensitivity beside it are "
+        "then of the worst mode, with all frequencies changing alike. Otherwise left out."
     ),
 ]
 
@@ -69,6 +69,8 @@ class SensitivityResponse(Wire):
     """Answer of `POST /v1/sensitivity`."""
 
     sensitivity: SensitivityOut
-    residual: Annotated[float, Field(description="Residual vibration at the nominal [-].")]
+    residual: Annotated[
+        float, Field(description="Residual vibration at the nominal frequency [-].")
+    ]
     modes: OfModes
     warnings: Warnings

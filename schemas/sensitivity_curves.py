@@ -4,9 +4,9 @@ from typing import Annotated, Self
 
 from pydantic import Field
 
-from design.analysis.damping_curve import MOST_POINTS
+from design.analysis.damping_curve import MAX_CURVE_POINTS
 from design.analysis.sensitivity import RATIO_BOUNDS, Sensitivity, SensitivityRange
-from schemas.base import Wire, left_out_if_none
+from schemas.base import Wire, leave_out_none
 from schemas.damping import DampingIn, DampingOut
 from schemas.insensitivity import InsensitivityOut
 
@@ -14,11 +14,13 @@ Ratio = Annotated[float, Field(ge=RATIO_BOUNDS[0], le=RATIO_BOUNDS[1])]
 
 
 class SensitivityIn(Wire):
-    """What part of the curve is wanted."""
+    """Range of the sensitivity curve that is wanted."""
 
     from_ratio: Annotated[Ratio, Field(description="First frequency ratio [-].")] = 0.5
     to_ratio: Annotated[Ratio, Field(description="Last frequency ratio [-].")] = 1.5
-    points: Annotated[int, Field(ge=2, le=MOST_POINTS, description="Points of the curve.")] = 201
+    points: Annotated[int, Field(ge=2, le=MAX_CURVE_POINTS, description="Points of the curve.")] = (
+        201
+    )
     tolerance: Annotated[
         float, Field(gt=0, lt=1, description="Residual of the insensitivity [-].")
     ] = 0.05
@@ -46,7 +48,8 @@ class SensitivityOut(Wire):
     residual: list[float]
     insensitivity: InsensitivityOut | None
     damping: Annotated[
-        DampingOut | None, left_out_if_none("Where a range of damping is asked for.")
+        DampingOut | None,
+        leave_out_none("Curve over the damping ratio, where a range is asked for."),
     ]
 
     @classmethod

@@ -20,24 +20,28 @@ class ShaperRequest(Wire):
 
     sample_time_s: Annotated[
         Positive | None,
-        Field(description="Brings the impulses to a controller's samples [s]."),
+        Field(
+            description="Sample time of a controller, to whose samples the impulses are "
+            "brought [s]."
+        ),
     ] = None
     sample_tolerance: Annotated[
         float | None,
         Field(
             ge=0,
             le=1,
-            description="With sample_time_s: two, four, six impulses are added to a shaper of "
-            "unity magnitude that leaves more (slope counted where it claims that), "
-            f"{SAMPLE_TOLERANCE} if not given; none with settle, whose gaps they would break [-].",
+            description="With sample_time_s: two, four or six impulses are added to a shaper of "
+            "unity magnitude whose residual is larger (slope counted where zero "
+            f"slope is claimed); {SAMPLE_TOLERANCE} if not given. None are added "
+            "with settle, whose gaps they would break [-].",
         ),
     ] = None
 
-    def registered(self) -> ShaperKind:
+    def shaper_kind(self) -> ShaperKind:
         """Return the registry's entry."""
         return SHAPERS[self.kind]
 
-    def options(self) -> Any:  # noqa: ANN401 - each kind has a record of its own
+    def options(self) -> Any:  # noqa: ANN401 - each kind has a separate record
         """Build the record of the kind's parameters.
 
         Returns
@@ -57,5 +61,5 @@ class ShaperRequest(Wire):
                 "left out without sample_time_s",
                 code="tolerance_without_samples",
             )
-        names = [field.name for field in dataclasses.fields(self.registered().options)]
-        return self.registered().options(**{name: getattr(self, name) for name in names})
+        names = [field.name for field in dataclasses.fields(self.shaper_kind().options)]
+        return self.shaper_kind().options(**{name: getattr(self, name) for name in names})

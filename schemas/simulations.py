@@ -7,24 +7,24 @@ import numpy as np
 from pydantic import Field
 
 from design.analysis.warnings import DesignWarning
-from design.checks import LARGEST
+from design.checks import MAX_VALUE
 from design.errors import InvalidInputError
 from design.model import commands
 from design.model.impulses import Impulses
 from design.moves.playback import Motion, Swing
 from design.types import FloatArray
 from schemas.actuators import ActuatorIn
-from schemas.base import Positive, Wire, named
+from schemas.base import Positive, Wire, name_field
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
 from schemas.warnings import WarningOut, Warnings
 
-MOST_POINTS = 20_001
+MAX_HISTORY_POINTS = 20_001
 
 Velocities = Annotated[
     list[float],
-    Field(min_length=1, max_length=MOST_POINTS, description="Velocities, each held [m/s]."),
+    Field(min_length=1, max_length=MAX_HISTORY_POINTS, description="Velocities, each held [m/s]."),
 ]
 
 
@@ -42,7 +42,7 @@ class PulseCommand(Wire):
     """Full speed for some time."""
 
     kind: Literal["pulse"]
-    pulse_s: Annotated[Positive, Field(description="From start to stop [s].")]
+    pulse_s: Annotated[Positive, Field(description="Time from start to stop [s].")]
 
     def to_design(self, speed_m_s: float) -> Impulses:  # noqa: ARG002
         """Build the design record."""
@@ -57,7 +57,7 @@ class ImpulsesCommand(Wire):
 
     def to_design(self, speed_m_s: float) -> Impulses:  # noqa: ARG002
         """Build the design record."""
-        with named("impulses"):
+        with name_field("impulses"):
             return self.impulses.to_design()
 
 
@@ -87,12 +87,12 @@ class SampledCommand(Wire):
             If the last sample is too late, or the velocities are no command.
         """
         times = self.sample_time_s * np.arange(len(self.velocity_m_s))
-        if times[-1] > LARGEST:
-            rule = f"such that the last sample is at {LARGEST:g} s at most"
+        if times[-1] > MAX_VALUE:
+            rule = f"such that the last sample is at {MAX_VALUE:g} s at most"
             raise InvalidInputError(
                 "sample_time_s", self.sample_time_s, rule, code="samples_not_served"
             )
-        return commands.listed(times, _shares(self.velocity_m_s, speed_m_s))
+        return commands.command_of_velocities(times, _shares(self.velocity_m_s, speed_m_s))
 
 
 class ListCommand(Wire):
@@ -103,7 +103,7 @@ class ListCommand(Wire):
         list[float],
         Field(
             min_length=1,
-            max_length=MOST_POINTS,
+            max_length=MAX_HISTORY_POINTS,
             description="Times, not decreasing; of velocities at one time the last counts [s].",
         ),
     ]
@@ -111,7 +111,9 @@ class ListCommand(Wire):
 
     def to_design(self, speed_m_s: float) -> Impulses:
         """Build the design record."""
-        return commands.listed(np.array(self.times_s), _shares(self.velocity_m_s, speed_m_s))
+        return commands.command_of_velocities(
+            np.array(self.times_s), _shares(self.velocity_m_s, speed_m_s)
+        )
 
 
 def _shares(velocity_m_s: list[float], speed_m_s: float) -> FloatArray:
@@ -134,14 +136,17 @@ class SimulationRequest(Wire):
     actuator: ActuatorIn
     command: CommandIn
     shaper: Annotated[
-        ShaperIn | None, Field(description="Shapes the command; designed for plant and actuator.")
+        ShaperIn | None,
+        Field(description="Shaper of the command, designed for plant and actuator."),
     ] = None
     speed_m_s: Annotated[Positive, Field(description="Full speed [m/s].")] = 1.0
     until_s: Annotated[
         Positive | None,
         Field(description="Last time [s]; three periods after the last step if not given."),
     ] = None
-    points: Annotated[int, Field(ge=2, le=MOST_POINTS, description="Times, evenly spaced.")] = 1001
+    points: Annotated[
+        int, Field(ge=2, le=MAX_HISTORY_POINTS, description="Number of times, evenly spaced.")
+    ] = 1001
 
 
 class SwingOut(Wire):
@@ -174,8 +179,8 @@ class SimulationResponse(Wire):
     residual: Annotated[
         float | None,
         Field(
-            description="After the last step, a share of one unshaped step; null where the "
-            "actuator rings with the plant [-]."
+            description="Residual vibration after the last step, a share of one unshaped step; "
+            "null where the actuator resonates with the plant [-]."
         ),
     ]
     remaining: Annotated[

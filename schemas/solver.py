@@ -18,9 +18,12 @@ class SolverOut(OutOf[SolverReport]):
     starts: int
     lower_bound_s: Annotated[
         float | None,
-        Field(description="No shaper of its class is as short; null where nothing is proven [s]."),
+        Field(
+            description="No shaper of its class is as short as this; null where nothing is "
+            "proven [s]."
+        ),
     ]
     gap: Annotated[
         float | None,
-        Field(description="(duration - lower bound) / duration; null likewise [-]."),
+        Field(description="(duration - lower bound) / duration; null where nothing is proven [-]."),
     ]

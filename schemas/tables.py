@@ -17,21 +17,21 @@ from design.tables.rows import Subject, TableHead
 from design.tables.specification import (
     COLUMNS,
     DEFAULT_COLUMNS,
-    MOST_CHUNK_ROWS,
-    MOST_ROWS,
+    MAX_CHUNK_ROWS,
+    MAX_ROWS,
     TableSpecification,
     require_rows,
 )
 from design.types import FloatArray
 from schemas.actuators import ActuatorIn
-from schemas.base import Wire, named
+from schemas.base import Wire, name_field
 from schemas.fits import FitIn
 from schemas.plants import PlantIn
 from schemas.pointers import path_of
 from schemas.samples import continuous_options
 from schemas.shapers import ShaperIn
 
-MOST_POINTS = 10_000_000
+MAX_TABLE_AXIS_POINTS = 10_000_000
 """Points of one axis; its values are held in memory."""
 
 
@@ -47,14 +47,14 @@ class TableDesign(Wire):
 
     def to_design(self) -> Subject:
         """Build the design record."""
-        with named("plant"):
+        with name_field("plant"):
             plant = self.plant.to_design()
-        with named("actuator"):
+        with name_field("actuator"):
             actuator = self.actuator.to_design()
-        with named("shaper"):
+        with name_field("shaper"):
             options = continuous_options(self.shaper, NO_TABLE_ON_SAMPLES)
         return Subject(
-            plant=plant, actuator=actuator, kind=self.shaper.registered(), options=options
+            plant=plant, actuator=actuator, kind=self.shaper.shaper_kind(), options=options
         )
 
 
@@ -62,11 +62,15 @@ class TableAxis(Wire):
     """One field and its values: ``from``, ``to`` and ``points``, or ``values``."""
 
     field: Annotated[
-        str, Field(pattern="^/(plant|actuator|shaper)/", description="JSON pointer of a number.")
+        str,
+        Field(
+            pattern="^/(plant|actuator|shaper)/",
+            description="JSON pointer of the number that the axis varies.",
+        ),
     ]
     from_: Annotated[float | None, Field(alias="from")] = None
     to: float | None = None
-    points: Annotated[int | None, Field(ge=1, le=MOST_ROWS)] = None
+    points: Annotated[int | None, Field(ge=1, le=MAX_ROWS)] = None
     spacing: Annotated[
         Spacing,
         Field(description="chebyshev: points of the second kind, both ends among them."),
@@ -96,9 +100,12 @@ class TableAxis(Wire):
                 "given with to and points, or values in their place",
                 code="range_incomplete",
             )
-        if self.points > MOST_POINTS:
+        if self.points > MAX_TABLE_AXIS_POINTS:
             raise InvalidInputError(
-                "points", self.points, f"at most {MOST_POINTS} on one axis", code="too_many_points"
+                "points",
+                self.points,
+                f"at most {MAX_TABLE_AXIS_POINTS} on one axis",
+                code="too_many_points",
             )
         return space_evenly(self.from_, self.to, self.points, self.spacing)
 
@@ -120,27 +127,30 @@ class TableRequest(Wire):
             min_length=1,
             max_length=100,
             pattern="^[^\\x00-\\x1f\\x7f]*$",
-            description="Stands in every file; names in programs are made from it, or from the "
+            description="Title in every file. Names in programs are made from it, or from the "
             "name of the file where it is not given.",
         ),
     ] = DEFAULT_TITLE
     design: TableDesign
-    axes: Annotated[list[TableAxis] | None, Field(description="They multiply.")] = None
+    axes: Annotated[
+        list[TableAxis] | None, Field(description="Axes of a grid: their points multiply.")
+    ] = None
     designs: Annotated[
         list[dict[str, Any]] | None,
         Field(description="In place of axes: objects that are each merged over design."),
     ] = None
     designs_file: Annotated[
         str | None,
-        Field(description="The same from a file, JSON Lines or CSV; on the command line only."),
+        Field(description="Designs from a file, JSON Lines or CSV; on the command line only."),
     ] = None
     columns: Annotated[
         list[str],
         Field(
-            default_factory=lambda: list(DEFAULT_COLUMNS), description=f"Of {', '.join(COLUMNS)}."
+            default_factory=lambda: list(DEFAULT_COLUMNS),
+            description=f"One or more of {', '.join(COLUMNS)}.",
         ),
     ]
-    chunk_rows: Annotated[int, Field(ge=1, le=MOST_CHUNK_ROWS)] = 10_000
+    chunk_rows: Annotated[int, Field(ge=1, le=MAX_CHUNK_ROWS)] = 10_000
     tolerances: Tolerances = Tolerances()
     fit: Annotated[
         FitIn | None, Field(description="Polynomials, for the formats that hold programs.")
@@ -171,13 +181,15 @@ class TableRequest(Wire):
             raise InvalidInputError(
                 "axes", both, "given, or designs in its place", code="axes_or_designs"
             )
-        with named("design"):
+        with name_field("design"):
             subject = self.design.to_design()
         if self.fit is not None:
-            with named("fit"):
+            with name_field("fit"):
                 plants_at_ends(subject.plant, self.fit.to_design(self.design.plant.kind))
         require_rows(math.prod(axis.size for axis in self.axes or ()))  # before any is made
-        paths, listed = _listed(self.designs, subject) if self.designs is not None else ((), None)
+        paths, listed = (
+            _listed_fields(self.designs, subject) if self.designs is not None else ((), None)
+        )
         return TableSpecification(
             plant=subject.plant,
             actuator=subject.actuator,
@@ -223,11 +235,13 @@ def with_subject(head: TableHead) -> TableHead:
 
 
 def _axis(number: int, axis: TableAxis) -> Axis:
-    with named(f"axes.{number}"):
+    with name_field(f"axes.{number}"):
         return axis.to_design()
 
 
-def _listed(designs: list[dict[str, Any]], subject: Subject) -> tuple[tuple[Path, ...], FloatArray]:
+def _listed_fields(
+    designs: list[dict[str, Any]], subject: Subject
+) -> tuple[tuple[Path, ...], FloatArray]:
     """Return the fields that listed designs vary, in order of appearance, and their values."""
     lines = [dict(_numbers(design, (), number)) for number, design in enumerate(designs)]
     parts = {"plant": subject.plant, "actuator": subject.actuator, "shaper": subject.options}
@@ -284,7 +298,7 @@ class TableSize(Wire):
 
     rows: int
     chunks: int
-    estimated_bytes: Annotated[int, Field(description="Of its numbers, uncompressed.")]
+    estimated_bytes: Annotated[int, Field(description="Size of its numbers, uncompressed [bytes].")]
 
 
 class TableJob(Wire):
@@ -292,7 +306,7 @@ class TableJob(Wire):
 
     id: str
     state: Literal["waiting", "running", "done", "failed", "cancelled"]
-    reason: Annotated[str | None, Field(description="Why it failed.")]
+    reason: Annotated[str | None, Field(description="Reason of a failure.")]
     created: Annotated[float, Field(description="Seconds since 1970.")]
     size: TableSize
     rows_done: int

@@ -14,19 +14,22 @@ class TraceStepOut(Wire):
     stage: Annotated[
         Literal["seed", "solve", "bound", "certify"],
         Field(
-            description="Looked for a start; solved from one; proved how short none is; held a "
-            "solution against its promises."
+            description="seed: looked for a start; solve: solved from a start; bound: proved a "
+            "duration that no shaper reaches; certify: held a solution against its "
+            "promises."
         ),
     ]
-    method: Annotated[str, Field(description="What did it, such as newton, ipopt, certificate.")]
+    method: Annotated[
+        str, Field(description="Method of the step, such as newton, ipopt, certificate.")
+    ]
     start: Annotated[str, Field(description="Name of the seed or other start.")]
     outcome: Annotated[
-        str, Field(description="How it ended, such as solve_succeeded, verified, rejected.")
+        str, Field(description="Outcome of the step, such as solve_succeeded, verified, rejected.")
     ]
     iterations: int
     duration_s: Annotated[
         float | None,
-        Field(description="Duration of the command that it ended with; null without one [s]."),
+        Field(description="Duration of the command found; null where none was [s]."),
     ]
     misses: Annotated[
         list[float],

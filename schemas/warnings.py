@@ -12,7 +12,7 @@ class WarningOut(OutOf[DesignWarning]):
     """Something to know of an answer that is right all the same."""
 
     code: Annotated[str, Field(description="A name that programs can rely on.")]
-    detail: Annotated[str, Field(description="The same in words, with the figure.")]
+    detail: Annotated[str, Field(description="The warning in words, with its figure.")]
 
 
-Warnings = Annotated[list[WarningOut], Field(description="What to know of the answer besides.")]
+Warnings = Annotated[list[WarningOut], Field(description="What else to know about the answer.")]

@@ -16,7 +16,7 @@ from service.problems import (
     problem_of_validation,
 )
 from service.repeated_names import RepeatedNameError
-from service.strict_json import require_names_once
+from service.strict_json import loads
 
 NOTHING: Mapping[str, object] = MappingProxyType({})
 
@@ -74,7 +74,7 @@ def respond(
     except ValidationError as error:
         return problem_of_validation(error, body)
     try:
-        require_names_once(body)
+        loads(body)  # every name stands once
     except RepeatedNameError as error:
         return problem_of_repetition(error)
     try:

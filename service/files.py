@@ -156,7 +156,7 @@ class LockedError(Exception):
 
 
 @contextmanager
-def locked(path: Path) -> Iterator[None]:
+def hold_lock(path: Path) -> Iterator[None]:
     """Hold a lock file; the lock dies with the process, however it ends.
 
     Raises

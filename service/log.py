@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 
-MOST_LINES = 10_000
+MAX_LINES = 10_000
 """Lines that wait for a slow reader of stderr, beyond which they are dropped, and counted."""
 
 GATHERED_S = 0.01
@@ -71,7 +71,7 @@ class JsonFormatter(logging.Formatter):
 
 
 class Log(logging.Handler):
-    """Writes lines in a thread of its own: a reader that does not read holds up nobody.
+    """Writes lines in a separate thread: a reader that does not read holds up nobody.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class Log(logging.Handler):
     """
 
     def __init__(self, file: int) -> None:
-        self._lines: queue.Queue[str | None] = queue.Queue(MOST_LINES)
+        self._lines: queue.Queue[str | None] = queue.Queue(MAX_LINES)
         super().__init__()
         self.setFormatter(JsonFormatter())
         self._file = file
@@ -113,7 +113,7 @@ class Log(logging.Handler):
                     self._tell_dropped()
                 if lines[-1] is None:
                     return
-                # To be woken for each line would cost who leaves it more than the line.
+                # To be woken for each line would cost the caller more than the line.
                 time.sleep(GATHERED_S)
         except BrokenPipeError:
             return  # there is nobody left to tell

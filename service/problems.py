@@ -85,8 +85,8 @@ KIND_OF: dict[type[DesignError], ProblemKind] = {
 }
 """Every error of the mathematics and its problem; a test proves the table whole."""
 
-MOST_FAULTS = 20
-"""Faults of a request that are told."""
+MAX_FAULTS = 20
+"""Faults of a request that an answer lists."""
 
 CODE_OF_TYPE = {
     "union_tag_invalid": "unknown_kind",
@@ -116,16 +116,16 @@ CODE_OF_TYPE = {
 """Codes of what the wire models refuse, by pydantic's type of fault: those that would be several
 for one meaning. Any other, as ``missing`` and ``extra_forbidden``, is its own code."""
 
-LONGEST_TEXT = 300
-"""Characters of a pointer or a rule that are told."""
+MAX_TEXT_CHARACTERS = 300
+"""Characters of a pointer or a rule that an answer repeats."""
 
-LONGEST_ECHO = 80
+MAX_ECHO_CHARACTERS = 80
 """Characters of a refused value that a message repeats."""
 
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """One error, ready to be told.
+    """One error, ready to be reported.
 
     Attributes
     ----------
@@ -221,7 +221,7 @@ def problem_of_design(error: DesignError) -> Problem:
         return invalid_fields(told, (FieldFault(pointer="", code=error.code, detail=told),))
     if isinstance(error, InvalidInputError):
         fault = FieldFault(
-            pointer=_cut(json_pointer(error.path)),
+            pointer=_shorten(json_pointer(error.path)),
             code=error.code,
             detail=f"must be {error.rule}, got {_echo(error.value)}",
         )
@@ -248,7 +248,7 @@ def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
     Returns
     -------
     Problem
-        That the text is no JSON, or a fault for each field, `MOST_FAULTS` at most.
+        That the text is no JSON, or a fault for each field, `MAX_FAULTS` at most.
     """
     faults = error.errors(include_url=False)
     if faults[0]["type"] == "json_invalid":
@@ -256,15 +256,15 @@ def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
     parsed = json.loads(body)
     named = tuple(
         FieldFault(
-            pointer=_cut(pointer(fault["loc"], parsed)),
+            pointer=_shorten(pointer(fault["loc"], parsed)),
             code=CODE_OF_TYPE.get(fault["type"], fault["type"]),
-            detail=_cut(_refusal(fault)),
+            detail=_shorten(_refusal(fault)),
         )
-        for fault in faults[:MOST_FAULTS]
+        for fault in faults[:MAX_FAULTS]
     )
     told = "; ".join(map(_sentence, named))
-    if len(faults) > MOST_FAULTS:
-        told += f"; and {len(faults) - MOST_FAULTS} more"
+    if len(faults) > MAX_FAULTS:
+        told += f"; and {len(faults) - MAX_FAULTS} more"
     return invalid_fields(told, named)
 
 
@@ -274,7 +274,7 @@ def problem_of_repetition(error: RepeatedNameError) -> Problem:
     Only one of the two values would be kept.
     """
     fault = FieldFault(
-        pointer=_cut(error.pointer), code="name_repeated", detail="must be given once"
+        pointer=_shorten(error.pointer), code="name_repeated", detail="must be given once"
     )
     return invalid_fields(_sentence(fault), (fault,))
 
@@ -329,10 +329,10 @@ def _sentence(fault: FieldFault) -> str:
     return f"{fault.pointer or 'the body'}: {fault.detail}"
 
 
-def _cut(text: str) -> str:
-    return text if len(text) <= LONGEST_TEXT else f"{text[: LONGEST_TEXT - 3]}..."
+def _shorten(text: str) -> str:
+    return text if len(text) <= MAX_TEXT_CHARACTERS else f"{text[: MAX_TEXT_CHARACTERS - 3]}..."
 
 
 def _echo(value: object) -> str:
     text = repr(value)
-    return text if len(text) <= LONGEST_ECHO else f"{text[: LONGEST_ECHO - 3]}..."
+    return text if len(text) <= MAX_ECHO_CHARACTERS else f"{text[: MAX_ECHO_CHARACTERS - 3]}..."

@@ -35,7 +35,7 @@ class Settings(BaseModel):
     ] = 600.0
     worker_memory_bytes: Annotated[
         int,
-        Field(ge=256 * 1024**2, description="What a worker may have of memory of its own [bytes]."),
+        Field(ge=256 * 1024**2, description="Memory that a worker may have for itself [bytes]."),
     ] = 2 * 1024**3
     max_body_bytes: Annotated[int, Field(ge=1, description="Largest body.")] = 1024 * 1024
     max_batch_bytes: Annotated[int, Field(ge=1, description="Largest batch.")] = 8 * 1024 * 1024
@@ -49,7 +49,9 @@ class Settings(BaseModel):
     ] = "shapersmith-data"
     database_url: Annotated[
         str,
-        Field(description="Of the job store, postgresql://...; a file in the folder if empty."),
+        Field(
+            description="Address of the job store, postgresql://...; a file in the folder if empty."
+        ),
     ] = ""
     job_workers: Annotated[
         int, Field(ge=0, le=1024, description="Processes for table jobs; 0: none run here.")

@@ -101,10 +101,12 @@ def made_up_table(rows: int, run_rows: int) -> tuple[TableHead, Iterable[Rows]]:
     head = head_of(
         CRANE, ("plant.cable_length_m", "plant.damping_ratio"), rows, (1.0, -1.0, 1.0, -1.0, 1.0)
     )
-    return head, (_run(first, min(run_rows, rows - first)) for first in range(0, rows, run_rows))
+    return head, (
+        _make_run(first, min(run_rows, rows - first)) for first in range(0, rows, run_rows)
+    )
 
 
-def _run(first: int, size: int) -> Rows:
+def _make_run(first: int, size: int) -> Rows:
     random = np.random.default_rng(first)
     results = random.lognormal(sigma=9.0, size=(size, 6))  # exponents that texts must write
     without = random.random(size) < 0.01
@@ -120,7 +122,7 @@ def _run(first: int, size: int) -> Rows:
     )
 
 
-def joined(runs: Iterable[Rows]) -> Rows:
+def join(runs: Iterable[Rows]) -> Rows:
     """Return all runs as one."""
     held = list(runs)
     return Rows(

@@ -7,8 +7,8 @@ from itertools import accumulate, pairwise
 import numpy as np
 
 from design.export.klipper_shapers import (
-    LARGEST_DAMPING_RATIOS,
-    MOST_IMPULSES,
+    MAX_DAMPING_RATIOS,
+    MAX_IMPULSES,
     klipper_impulses,
     older_klipper_impulses,
 )
@@ -50,16 +50,16 @@ def klipper_reads(line: str, *, older: bool = False) -> Impulses:
     )
     brackets = re.match(r"(\w+)\s*\((.*)\)$", shaper)
     name = shaper if brackets is None else brackets[1]
-    if name not in LARGEST_DAMPING_RATIOS or (older and brackets is not None):
+    if name not in MAX_DAMPING_RATIOS or (older and brackets is not None):
         raise RefusedError(shaper)
-    if not 0 <= damping <= LARGEST_DAMPING_RATIOS[name] or not hertz > 0:
+    if not 0 <= damping <= MAX_DAMPING_RATIOS[name] or not hertz > 0:
         raise RefusedError(line)
     if older:
         return older_klipper_impulses(name, hertz, damping)
     pairs = re.findall(r"(?:(\w+)\s*=\s*)?\s*([\d.]+)", "" if brackets is None else brackets[2])
     parameters = {key: float(value) if "." in value else int(value) for key, value in pairs}
     taken = {"mzv": {"n", "t", "tau"}, "ei": {"v_tol"}}.get(name, set())
-    if not set(parameters) <= taken or parameters.get("n", 3) > MOST_IMPULSES:
+    if not set(parameters) <= taken or parameters.get("n", 3) > MAX_IMPULSES:
         raise RefusedError(shaper)
     return klipper_impulses(
         name,
@@ -72,7 +72,7 @@ def klipper_reads(line: str, *, older: bool = False) -> Impulses:
 
 
 M593 = re.compile(r'M593 P"custom" H([\d.:]+) T([\d.:]+)\Z')
-MOST_NUMBERS = 4
+MAX_NUMBERS = 4
 
 
 def m593_numbers(line: str) -> list[list[float]]:
@@ -81,7 +81,7 @@ def m593_numbers(line: str) -> list[list[float]]:
     if match is None:
         raise RefusedError(line)
     read = [[float(one) for one in group.split(":")] for group in match.groups()]
-    if len(read[0]) != len(read[1]) or not 1 <= len(read[0]) <= MOST_NUMBERS:
+    if len(read[0]) != len(read[1]) or not 1 <= len(read[0]) <= MAX_NUMBERS:
         raise RefusedError(line)
     return read
 

@@ -18,7 +18,7 @@ def _hold(file: str, kind: str, held: Any, let_go: Any) -> None:
 
 
 @contextmanager
-def locked(file: Path, kind: str) -> Iterator[None]:
+def hold_locked(file: Path, kind: str) -> Iterator[None]:
     """Have another process hold a lock on an SQLite file."""
     context = multiprocessing.get_context("spawn")
     held, let_go = context.Event(), context.Event()
@@ -32,23 +32,23 @@ def locked(file: Path, kind: str) -> Iterator[None]:
         process.join(PATIENT_S)
 
 
-def deleted(file: Path) -> None:
+def delete(file: Path) -> None:
     """Delete a store."""
     for end in ("", "-wal", "-shm"):
         file.with_name(file.name + end).unlink(missing_ok=True)
 
 
-def emptied(file: Path) -> None:
+def empty(file: Path) -> None:
     """Put a database without any table in place of a store."""
-    deleted(file)
+    delete(file)
     file.touch()
 
 
-def damaged(file: Path) -> None:
+def damage(file: Path) -> None:
     """Put a file that is no database in place of a store."""
-    deleted(file)
+    delete(file)
     file.write_bytes(b"no database at all" * 1000)
 
 
-HARMS = [(deleted, "is gone"), (emptied, "tables are gone"), (damaged, "is damaged")]
+HARMS = [(delete, "is gone"), (empty, "tables are gone"), (damage, "is damaged")]
 """Each with what is told of it."""

@@ -43,7 +43,7 @@ def done(blob: bytes = b"rows", *, infeasible: int = 0, verified_ideal: int = 0)
     return Done(blob=blob, verified=1, infeasible=infeasible, verified_ideal=verified_ideal)
 
 
-def counted(url: str, job: str) -> int:
+def count_chunks(url: str, job: str) -> int:
     """Return how many chunks of a job have a record."""
     engine = engine_of(url)
     with engine.connect() as connection:
@@ -60,11 +60,11 @@ def state_of(store: Store, one: str) -> str:
 
 def erase(store: Store) -> None:
     """Erase what there is to erase, as the service's cleaner does."""
-    for one in store.left_over():
+    for one in store.jobs_to_erase():
         store.erase(one)
 
 
-def changed(url: str, **values: object) -> None:
+def change_jobs(url: str, **values: object) -> None:
     """Change all jobs as another version, or a person, would."""
     engine = engine_of(url)
     with engine.begin() as connection:

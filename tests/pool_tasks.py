@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 
-def told(value: object) -> object:
+def echo(value: object) -> object:
     """Return what it is given."""
     return value
 
@@ -25,20 +25,20 @@ def busy(seconds: float) -> int:
     return os.getpid()
 
 
-def noted(path: str, value: str) -> None:
+def note(path: str, value: str) -> None:
     """Add a line to a file: who was served, in order."""
     with Path(path).open("a") as file:
         file.write(f"{value}\n")
 
 
-def crashed() -> None:
+def crash() -> None:
     """End the worker as a fault of its own would."""
     os.kill(os.getpid(), signal.SIGSEGV)
 
 
-def killed_until(path: str, times: int) -> str:
+def kill_until(path: str, times: int) -> str:
     """End the worker as somebody else would, some times; then answer."""
-    noted(path, "killed")
+    note(path, "killed")
     if Path(path).read_text().count("killed") <= times:
         os.kill(os.getpid(), signal.SIGKILL)
     return "answered"
@@ -49,7 +49,7 @@ def hungry(size: int) -> int:
     return len(bytearray(size))
 
 
-def failed() -> None:
+def fail() -> None:
     """Fail."""
     raise ZeroDivisionError
 

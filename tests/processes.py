@@ -13,7 +13,7 @@ from tests.patience import PATIENT_S
 
 Found = TypeVar("Found")
 
-TICKS_A_SECOND = os.sysconf("SC_CLK_TCK")
+TICKS_PER_SECOND = os.sysconf("SC_CLK_TCK")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,7 +34,7 @@ def process(pid: int) -> Process | None:
         return None
     # The name, in brackets, may hold anything.
     fields = told.rpartition(")")[2].split()
-    used_s = (int(fields[11]) + int(fields[12])) / TICKS_A_SECOND
+    used_s = (int(fields[11]) + int(fields[12])) / TICKS_PER_SECOND
     return Process(pid=pid, parent=int(fields[1]), state=fields[0], used_s=used_s)
 
 

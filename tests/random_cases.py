@@ -18,8 +18,8 @@ from design.model.actuators.model import Model
 from design.model.actuators.rate_limited import RateLimited, Unlimited
 from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
-from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
-from design.model.plants.modes import WIDEST_SPREAD, Modes
+from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
+from design.model.plants.modes import MAX_FREQUENCY_SPREAD, Modes
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
@@ -107,7 +107,7 @@ def _damping(rng: np.random.Generator) -> float:
         return 0.0
     if share < 1 - HEAVY_SHARE:
         return float(rng.uniform(0, 0.2))
-    return float(rng.uniform(0.2, LARGEST_DAMPING_RATIO))
+    return float(rng.uniform(0.2, MAX_DAMPING_RATIO))
 
 
 def random_plant(rng: np.random.Generator, *, several: bool = False) -> Plant:
@@ -134,7 +134,7 @@ def random_modes(rng: np.random.Generator, count: int) -> Modes:
     """Draw several modes, no two of them alike."""
     while True:
         lowest = _between(rng, 0.5, 60.0)
-        widest = WIDEST_SPREAD if rng.random() < WIDE_SHARE else 10.0
+        widest = MAX_FREQUENCY_SPREAD if rng.random() < WIDE_SHARE else 10.0
         spread = [1.0, *(_between(rng, 1.05, widest) for _ in range(count - 1))]
         try:
             return Modes(

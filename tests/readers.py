@@ -97,11 +97,11 @@ def read_c(text: bytes, folder: Path) -> list[Held]:
         status, *words = line.split()
         numbers = np.array([float(word) for word in words])
         times, amplitudes, told_columns = np.split(numbers, [impulses, 2 * impulses])
-        rows.append(_held(times, amplitudes, told_columns, status))
+        rows.append(_row_held(times, amplitudes, told_columns, status))
     return rows
 
 
-def _held(times: ArrayLike, amplitudes: ArrayLike, numbers: ArrayLike, status: Any) -> Held:
+def _row_held(times: ArrayLike, amplitudes: ArrayLike, numbers: ArrayLike, status: Any) -> Held:
     code = int(status)
     found: tuple[Impulses, ...] = ()
     if code in WITH_DESIGN:
@@ -122,7 +122,7 @@ def read_st(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
             times, amplitudes, columns = (
                 told[key].values for key in ("times_s", "amplitudes", "columns")
             )
-            rows.append(_held(times, amplitudes, columns, told["status"]))
+            rows.append(_row_held(times, amplitudes, columns, told["status"]))
     except (SyntaxError, ValueError, IndexError, KeyError) as error:
         raise UnreadableError(str(error)) from None
     return rows
@@ -148,7 +148,7 @@ def read_data(name: str, text: bytes) -> list[Held]:
         times, amplitudes = times_of(head, run), amplitudes_of(head, run)
         numbers = np.hstack((run.fields, run.results))
         rows += [
-            _held(times[index], amplitudes[index], numbers[index], status)
+            _row_held(times[index], amplitudes[index], numbers[index], status)
             for index, status in enumerate(run.status.tolist())
         ]
     return rows

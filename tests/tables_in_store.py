@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 from typing import Any
 
-from service.jobs.plan import Plan, planned
+from service.jobs.plan import Plan, plan_table
 from service.jobs.service import JobService
 from service.jobs.store import Store
-from service.jobs.work import compute_chunk, packed
+from service.jobs.work import compute_chunk, pack
 from service.settings import Settings
 
 
@@ -18,10 +18,10 @@ def jobs_in(folder: Path, **settings: Any) -> JobService:
 
 def add_done(store: Store, table: object) -> str:
     """Add a table to a store, compute all of it here, and return its id."""
-    plan = planned(json.dumps(table).encode())
+    plan = plan_table(json.dumps(table).encode())
     assert isinstance(plan, Plan), plan
     job = store.add(plan.job)
-    content = packed(plan.job.specification)
+    content = pack(plan.job.specification)
     for claim in store.claim("here", plan.job.chunks):
         assert store.finish("here", claim, compute_chunk(content, plan.job.impulses, claim.number))
     store.settle()

@@ -12,7 +12,7 @@ import uvloop
 
 from benchmarks.chaos.requests import endless_fit, table_body
 from benchmarks.chaos.table_client import RefusedError, TableClient
-from benchmarks.chaos.trial import Trial, at_most, folder, none_of, served
+from benchmarks.chaos.trial import Trial, at_most, folder, none_of, serve
 from benchmarks.loops import Ask, Outcome, closed_loop, latencies, open_loop, outcome, with_status
 from benchmarks.measure import Figure
 from benchmarks.wire import Client, message
@@ -35,8 +35,8 @@ LOCKED_S = 40.0
 
 def figures(trial: Trial) -> Iterator[Figure]:
     """Measure."""
-    for story in (_quiet, _long_axes, _heavy_results, _locked):
-        with folder() as place, served(place, job_workers=1) as service:
+    for story in (_quiet, _long_axes, _heavy_results, _lock_store):
+        with folder() as place, serve(place, job_workers=1) as service:
             yield from uvloop.run(story(service, trial))
 
 
@@ -60,12 +60,12 @@ async def _long_axes(service: Running, trial: Trial) -> list[Figure]:
             refused.append(error)
     seconds = trial.span_s(LOOKED_S)
     live, (listed,) = await asyncio.gather(
-        _live(service, seconds), closed_loop(tables.listed, callers=1, seconds=seconds)
+        _live(service, seconds), closed_loop(tables.list_newest, callers=1, seconds=seconds)
     )
     client.close()
     return [
         none_of("tables of 10^7 points that were refused", refused, "; ".join(map(str, refused))),
-        *_answered("live while they are listed", live, LIVE_MS),
+        *_figures_of_answers("live while they are listed", live, LIVE_MS),
         Figure(what="the list", value=str(latencies(listed)), limit="", met=None),
     ]
 
@@ -77,25 +77,25 @@ async def _heavy_results(service: Running, trial: Trial) -> list[Figure]:
     bodies = (table_body(2, kind="num_2ei", fit=endless_fit(number)) for number in range(RESULTS))
     jobs = [await tables.begin(body) for body in bodies]
     for job in jobs:
-        await tables.ended(job)
+        await tables.wait_for_end(job)
     now = time.perf_counter()
     fetched = [asyncio.create_task(outcome(tables.result(job, "c"), now)) for job in jobs]
     live = await _live(service, trial.span_s(FETCHED_S))
     told = sorted(one.status for one in await asyncio.gather(*fetched))
     client.close()
     return [
-        *_answered(f"live while {RESULTS} heavy files are fetched", live, LIVE_MS),
+        *_figures_of_answers(f"live while {RESULTS} heavy files are fetched", live, LIVE_MS),
         Figure(what="the files' statuses", value=", ".join(map(str, told)), limit="", met=None),
     ]
 
 
-async def _locked(service: Running, trial: Trial) -> list[Figure]:
+async def _lock_store(service: Running, trial: Trial) -> list[Figure]:
     """Look, and read, while another process holds the job store."""
     client = Client(service.port)
     tables = TableClient(client)
     job = await tables.begin(table_body(10))
-    await tables.ended(job)
-    reads: Iterator[Ask] = itertools.cycle((tables.listed, lambda: tables.state(job)))
+    await tables.wait_for_end(job)
+    reads: Iterator[Ask] = itertools.cycle((tables.list_newest, lambda: tables.state(job)))
     seconds = trial.span_s(LOCKED_S)
     async with _lock(service.data / "jobs.sqlite"):
         live, read = await asyncio.gather(
@@ -104,8 +104,8 @@ async def _locked(service: Running, trial: Trial) -> list[Figure]:
         )
     client.close()
     return [
-        *_answered(f"live while the store is locked for {seconds:g} s", live, LIVE_MS),
-        *_answered("states and lists meanwhile", read, READ_MS),
+        *_figures_of_answers(f"live while the store is locked for {seconds:g} s", live, LIVE_MS),
+        *_figures_of_answers("states and lists meanwhile", read, READ_MS),
     ]
 
 
@@ -128,7 +128,7 @@ async def _live(service: Running, seconds: float) -> list[Outcome]:
     return told
 
 
-def _answered(what: str, outcomes: list[Outcome], limit_ms: float) -> list[Figure]:
+def _figures_of_answers(what: str, outcomes: list[Outcome], limit_ms: float) -> list[Figure]:
     """Return that all were answered 200, and all of them in time."""
     answered = with_status(outcomes, 200)
     failed = [one for one in outcomes if one.status != 200]

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import uvloop
 
-from benchmarks.chaos.trial import HUNG_S, Trial, designs, folder, request_bodies, served, until
+from benchmarks.chaos.trial import HUNG_S, Trial, designs, folder, request_bodies, serve, until
 from benchmarks.loops import closed_loop, with_status
 from benchmarks.measure import Figure
 from benchmarks.wire import Answer, Client
@@ -14,16 +14,16 @@ from service.workers.pool import WorkerPool
 
 CALLERS = 4
 SECONDS = 10.0
-MOST_MORE = 0.1
+MAX_SURPLUS = 0.1
 """How much more than the one with least a caller may get."""
 
 
 def figures(trial: Trial) -> Iterator[Figure]:
     """Measure."""
     seconds = trial.span_s(SECONDS)
-    with folder() as place, served(place, workers=1) as service:
-        yield _shared("over HTTP", uvloop.run(_over_http(service.port, seconds)))
-    yield _shared("straight at its pool", uvloop.run(_at_the_pool(seconds)))
+    with folder() as place, serve(place, workers=1) as service:
+        yield _fairness("over HTTP", uvloop.run(_over_http(service.port, seconds)))
+    yield _fairness("straight at its pool", uvloop.run(_at_the_pool(seconds)))
 
 
 async def _over_http(port: int, seconds: float) -> list[int]:
@@ -50,11 +50,11 @@ async def _at_the_pool(seconds: float) -> list[int]:
     return [len(with_status(mine, 200)) for mine in told]
 
 
-def _shared(how: str, answers: list[int]) -> Figure:
+def _fairness(how: str, answers: list[int]) -> Figure:
     more = max(answers) / min(answers) - 1 if min(answers) else float("inf")
     return Figure(
         what=f"{CALLERS} callers at one worker {how}: how much more the first gets than the last",
         value=f"{100 * more:.0f} % ({', '.join(map(str, answers))} answers)",
-        limit=f"<= {100 * MOST_MORE:.0f} %",
-        met=more <= MOST_MORE,
+        limit=f"<= {100 * MAX_SURPLUS:.0f} %",
+        met=more <= MAX_SURPLUS,
     )

@@ -18,8 +18,8 @@ from benchmarks.chaos.trial import (
     at_most,
     folder,
     none_of,
-    served,
-    settled,
+    serve,
+    settle,
     until,
 )
 from benchmarks.measure import Figure
@@ -113,11 +113,11 @@ KILLS: dict[str, Kill] = {
 def figures(trial: Trial) -> Iterator[Figure]:
     """Measure."""
     for what, kill in KILLS.items():
-        with folder() as place, served(place, job_workers=0) as service:
-            yield from uvloop.run(_killed(service, what, kill, trial.times))
+        with folder() as place, serve(place, job_workers=0) as service:
+            yield from uvloop.run(_kill_workers(service, what, kill, trial.times))
 
 
-async def _killed(service: Running, what: str, kill: Kill, times: int) -> list[Figure]:
+async def _kill_workers(service: Running, what: str, kill: Kill, times: int) -> list[Figure]:
     load = Load(service.port)
     await load.learn()
     full_s: list[float] = []
@@ -141,7 +141,7 @@ async def _killed(service: Running, what: str, kill: Kill, times: int) -> list[F
             "s",
             f"median {np.median(full_s or [np.inf]):.2f} s{gave_up}",
         ),
-        none_of(f"{what} killed: answers 500, or none", load.failed, load.told()),
+        none_of(f"{what} killed: answers 500, or none", load.failed, load.describe_statuses()),
         none_of(f"{what} killed: wrong answers", load.wrong),
         none_of(f"{what} killed: processes left after SIGTERM", of_service(service)),
     ]
@@ -149,7 +149,7 @@ async def _killed(service: Running, what: str, kill: Kill, times: int) -> list[F
 
 async def _once(service: Running, load: Load, kill: Kill, number: int) -> float:
     """Kill while a slow design is under way, and see it answered: it must not be killed twice."""
-    before = await settled(service, WORKERS)
+    before = await settle(service, WORKERS)
     asked = asyncio.create_task(load.slow())
 
     def at_it() -> set[int]:

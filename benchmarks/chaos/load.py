@@ -36,7 +36,7 @@ class Load:
     async def slow(self) -> None:
         """Ask for a slow design."""
         now = time.perf_counter()
-        self._outcomes.append(await outcome(lambda: self._checked(self._slow), now))
+        self._outcomes.append(await outcome(lambda: self._ask_and_check(self._slow), now))
 
     @asynccontextmanager
     async def small_ones(self) -> AsyncIterator[None]:
@@ -55,10 +55,10 @@ class Load:
     async def _small_ones(self) -> None:
         while not self._stopping:
             self._outcomes += await open_loop(
-                lambda: self._checked(next(self._next)), rate_hz=RATE_HZ, seconds=1.0
+                lambda: self._ask_and_check(next(self._next)), rate_hz=RATE_HZ, seconds=1.0
             )
 
-    async def _checked(self, asked: bytes) -> Answer:
+    async def _ask_and_check(self, asked: bytes) -> Answer:
         answer = await self._client.ask(asked)
         expected = self._undisturbed[asked]
         if answer.status == expected.status and answer.body != expected.body:
@@ -70,7 +70,7 @@ class Load:
         """The statuses that no client may see, NO_ANSWER among them."""
         return [one.status for one in self._outcomes if one.status in {500, NO_ANSWER}]
 
-    def told(self) -> str:
+    def describe_statuses(self) -> str:
         """Return how many answers had which status."""
         statuses = sorted(one.status for one in self._outcomes)
         counts = (f"{len(list(same))} {status}" for status, same in itertools.groupby(statuses))

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import uvloop
 
 from benchmarks.chaos.requests import heavy_body
-from benchmarks.chaos.trial import Trial, at_least, at_most, designs, folder, served
+from benchmarks.chaos.trial import Trial, at_least, at_most, designs, folder, serve
 from benchmarks.loops import latencies, open_loop, with_status
 from benchmarks.measure import Figure
 from benchmarks.wire import Client, message
@@ -38,7 +38,7 @@ def figures(trial: Trial) -> Iterator[Figure]:
     """Measure."""
     for what, messages in GREEDY.items():
         for source in SOURCES:
-            with folder() as place, served(place) as service:
+            with folder() as place, serve(place) as service:
                 yield from uvloop.run(
                     _beside(service, what, messages, source, trial.span_s(SECONDS))
                 )

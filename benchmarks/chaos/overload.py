@@ -12,7 +12,7 @@ from benchmarks.chaos.trial import (
     folder,
     none_of,
     request_bodies,
-    served,
+    serve,
 )
 from benchmarks.crowd import Crowd
 from benchmarks.loops import latencies, with_status
@@ -32,11 +32,11 @@ RECOVERED_S = 2.0
 
 def figures(trial: Trial) -> Iterator[Figure]:
     """Measure."""
-    with folder() as place, served(place) as service:
-        yield from uvloop.run(_flooded(service.port, trial))
+    with folder() as place, serve(place) as service:
+        yield from uvloop.run(_flood(service.port, trial))
 
 
-async def _flooded(port: int, trial: Trial) -> list[Figure]:
+async def _flood(port: int, trial: Trial) -> list[Figure]:
     requests = (message("POST", "/v1/designs", body) for body in request_bodies())
     crowd, neighbours = Crowd(port, requests), Crowd(port, requests)
 

@@ -36,7 +36,7 @@ class TableClient:
         job: str = json.loads(answer.body)["id"]
         return job
 
-    async def listed(self) -> Answer:
+    async def list_newest(self) -> Answer:
         """Ask for the newest tables."""
         return await self._client.ask(message("GET", "/v1/tables"))
 
@@ -52,7 +52,7 @@ class TableClient:
         """Return what asks for the file of one in a format."""
         return lambda: self._client.ask(message("GET", f"/v1/tables/{job}/result?format={export}"))
 
-    async def ended(self, job: str, *, hung_s: float = HUNG_S) -> str:
+    async def wait_for_end(self, job: str, *, hung_s: float = HUNG_S) -> str:
         """Wait until a table has ended, and return how.
 
         Raises

@@ -9,7 +9,7 @@ import uvloop
 
 from benchmarks.chaos.requests import table_body
 from benchmarks.chaos.table_client import TableClient
-from benchmarks.chaos.trial import HungError, Trial, at_most, folder, none_of, served
+from benchmarks.chaos.trial import HungError, Trial, at_most, folder, none_of, serve
 from benchmarks.measure import Figure
 from benchmarks.wire import Answer, Client
 from tests.conftest import Running
@@ -22,13 +22,13 @@ HUNG_S = 60.0
 def figures(trial: Trial) -> Iterator[Figure]:
     """Measure."""
     del trial
-    with folder() as place, served(place) as service:
+    with folder() as place, serve(place) as service:
         yield from uvloop.run(_beside_an_endless_one(service))
     with folder() as place:
-        with served(place, job_workers=0) as service:
-            job = uvloop.run(_begun(service))
+        with serve(place, job_workers=0) as service:
+            job = uvloop.run(_begin(service))
         _rewrite(service.data / "jobs.sqlite", job)
-        with served(place) as service:
+        with serve(place) as service:
             yield from uvloop.run(_beside_an_unknown_one(service, job))
 
 
@@ -36,7 +36,7 @@ async def _beside_an_endless_one(service: Running) -> list[Figure]:
     client = Client(service.port)
     tables = TableClient(client)
     # What is compiled at the first use is there.
-    await tables.ended(await tables.begin(table_body(2)))
+    await tables.wait_for_end(await tables.begin(table_body(2)))
     endless = await tables.begin(table_body(*ENDLESS))
     seconds, state = await _small(tables)
     cancelled = await tables.cancel(endless)
@@ -53,7 +53,7 @@ async def _beside_an_endless_one(service: Running) -> list[Figure]:
     ]
 
 
-async def _begun(service: Running) -> str:
+async def _begin(service: Running) -> str:
     client = Client(service.port)
     job = await TableClient(client).begin(table_body(100))
     client.close()
@@ -75,11 +75,11 @@ def _rewrite(path: Path, job: str) -> None:
 async def _beside_an_unknown_one(service: Running, unknown: str) -> list[Figure]:
     client = Client(service.port)
     tables = TableClient(client)
-    listed = await tables.listed()
+    listed = await tables.list_newest()
     state = await tables.state(unknown)
     seconds, ended = await _small(tables)
     cancelled = await tables.cancel(unknown)
-    listed_then = await tables.listed()
+    listed_then = await tables.list_newest()
     client.close()
     answers = {"list": listed, "state": state, "DELETE": cancelled, "list then": listed_then}
     return [
@@ -92,7 +92,7 @@ async def _small(tables: TableClient) -> tuple[float, str]:
     """Return how long a table of one row takes from its POST [s], and how it ended."""
     start = time.perf_counter()
     try:
-        ended = await tables.ended(await tables.begin(table_body(1)), hung_s=HUNG_S)
+        ended = await tables.wait_for_end(await tables.begin(table_body(1)), hung_s=HUNG_S)
     except HungError as error:
         return float("inf"), str(error)
     return time.perf_counter() - start, ended

@@ -56,17 +56,17 @@ def folder() -> Iterator[Path]:
 
 
 @contextmanager
-def served(place: Path, *, workers: int = WORKERS, **settings: Any) -> Iterator[Running]:  # noqa: ANN401
+def serve(place: Path, *, workers: int = WORKERS, **settings: Any) -> Iterator[Running]:  # noqa: ANN401
     """Serve, all workers ready, until done with; the end is sudden."""
     with running_service(place / "log", workers=workers, **settings) as service:
         try:
-            asyncio.run(settled(service, workers))
+            asyncio.run(settle(service, workers))
             yield service
         finally:
             service.process.kill()
 
 
-async def settled(service: Running, count: int) -> dict[int, float]:
+async def settle(service: Running, count: int) -> dict[int, float]:
     """Wait until there are so many workers, all started, and none at work.
 
     Returns

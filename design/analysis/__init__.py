@@ -1,1 +1,1 @@
-"""What a shaper leaves, how robust it is, and whether it holds what it claims. No solver here."""
+"""A shaper's residual, how robust it is, and whether it holds what it claims. No solver here."""

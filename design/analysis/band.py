@@ -14,7 +14,7 @@ from design.types import FloatArray
 BAND_STEP_RAD = 0.1
 """Turn of the last impulse's phase from one point of a band to the next, at most [rad]."""
 
-FEWEST_IN_BAND = 33
+MIN_BAND_POINTS = 33
 """Points at which a band is looked at, at least."""
 
 BLOCK = 100_000
@@ -36,7 +36,7 @@ def largest_in_band(
     Peaks are found between grid points. Of both ranges only the rim is looked at: the velocity
     does not depend on the plant, so that V is an analytic function of the pole s, whose size is
     largest on the rim of any region without a pole of V. In units of the unshaped step V has
-    poles where the decelerating set has; one within the region is told as an infinite residual.
+    poles where the decelerating set has; one within the region is reported as an infinite residual.
 
     Parameters
     ----------
@@ -88,7 +88,9 @@ def _largest_between(
     # Damping moves the pole by as much as frequency does, up to its ratio of frequency.
     reach = abs(along[0]) + max(start[0], end[0]) * abs(along[1])
     turns = mode.natural_frequency_rad_s * impulses.duration_s * reach
-    return largest_between(residuals, 0.0, 1.0, max(FEWEST_IN_BAND, int(turns / BAND_STEP_RAD) + 2))
+    return largest_between(
+        residuals, 0.0, 1.0, max(MIN_BAND_POINTS, int(turns / BAND_STEP_RAD) + 2)
+    )
 
 
 def _rings_within(

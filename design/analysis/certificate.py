@@ -18,7 +18,7 @@ from design.response.swinging_state import swinging_state
 from design.types import ComplexArray, FloatArray
 
 TOLERANCE_MARGIN = 1e-9
-"""Share by which a tolerance may be passed: an EI shaper lies on its own but for rounding [-]."""
+"""Share by which a tolerance may be passed: an EI shaper lies on it except for rounding [-]."""
 
 STEP_PHASE_RAD = 2e-5
 """Turn of the last impulse's phase over a step of the slope's central difference [rad].
@@ -122,7 +122,7 @@ def certify(
         derivatives += polynomial_derivatives(entire[1:], reach, highest)
     elif highest:
         derivatives.append((entire[2] - entire[1]) / (2 * step))
-    quotients = denominators.divided(derivatives)
+    quotients = denominators.divide(derivatives)
 
     def value(promise: Promise) -> float:
         if promise.band is None:
@@ -175,7 +175,7 @@ class _Denominators:
             value = value * ratios + coefficient
         return value
 
-    def divided(self, derivatives: Sequence[complex]) -> list[complex]:
+    def divide(self, derivatives: Sequence[complex]) -> list[complex]:
         """Return V and its derivatives by ln w from those of V D, by Leibniz's rule.
 
         A power m of the ratio is exp(m ln ratio): its derivative of order n is m^n times it.

@@ -67,7 +67,7 @@ def unverified_error(name: str, certificate: Certificate | None) -> SolverFailed
     """
     if certificate is None:
         return SolverFailedError(
-            f"no solution of {name} was found, and none was excluded",
+            f"no solution of {name} was found; that there is none is not proven",
             code="none_found_nor_excluded",
         )
     return SolverFailedError(

@@ -9,10 +9,10 @@ from design.checks import require_between
 from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 from design.types import FloatArray
 
-MOST_POINTS = 20_001
+MAX_CURVE_POINTS = 20_001
 """Longest curve, a bound on the work of one request."""
 
 
@@ -26,13 +26,13 @@ class DampingRange:
     points: int = 101  # Number of points, 2 to 20,001
 
     def __post_init__(self) -> None:
-        require_between("damping.from", self.start, 0.0, LARGEST_DAMPING_RATIO)
-        require_between("damping.to", self.stop, 0.0, LARGEST_DAMPING_RATIO)
+        require_between("damping.from", self.start, 0.0, MAX_DAMPING_RATIO)
+        require_between("damping.to", self.stop, 0.0, MAX_DAMPING_RATIO)
         if self.stop <= self.start:
             raise InvalidInputError(
                 "damping.to", self.stop, f"greater than from, {self.start!r}", code="range_reversed"
             )
-        require_between("damping.points", self.points, 2, MOST_POINTS)
+        require_between("damping.points", self.points, 2, MAX_CURVE_POINTS)
 
 
 def over_damping(

@@ -9,7 +9,7 @@ POLYNOMIAL_FROM = 2
 
 NODES = 17
 REACH_RAD = 1.0
-LARGEST_REACH = 0.3
+MAX_REACH = 0.3
 """Frequencies of that polynomial; the turn of the last phase from the middle one to the ends, which
 are at most a third away.
 
@@ -23,7 +23,7 @@ def polynomial_nodes(phase: float) -> tuple[float, FloatArray]:
 
     The phase is that by which the vibration turns until the last step [rad].
     """
-    reach = min(REACH_RAD / phase, LARGEST_REACH)
+    reach = min(REACH_RAD / phase, MAX_REACH)
     return reach, reach * chebyshev.chebpts1(NODES)
 
 

@@ -45,7 +45,7 @@ def drive_warnings(
             yield DesignWarning(
                 code="actuator_not_settled",
                 detail=f"the {name} set has made {100 * (1 - error):.3g} % of switch {number} "
-                f"when the next comes, {gap:.4g} s after it",
+                f"when the next one follows, {gap:.4g} s after it",
             )
     fastest = max(mode.natural_frequency_rad_s for mode in modes)
     for name, corner in actuator.corner_frequencies_rad_s.items():

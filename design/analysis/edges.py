@@ -12,15 +12,15 @@ from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.types import FloatArray
 
-LONGEST_RELATIVE_STEP = 0.02
+MAX_RELATIVE_STEP = 0.02
 """The same as a share of the ratio: a tenth of the narrowest peak of an actuator's set [-]."""
 
-MOST_ROOT_STEPS = 100
+MAX_ROOT_STEPS = 100
 
 ROOT_TOLERANCE = 1e-13
 """Change of an edge at which it is found [-]."""
 
-MOST_SCAN_POINTS = 20_000
+MAX_SCAN_POINTS = 20_000
 """Where the search for an edge gives up: some 400 turns of the last impulse away."""
 
 SCAN_BLOCK = 16
@@ -48,7 +48,7 @@ def step_outward(start: float, end: float, step: float) -> FloatArray:
     ratios: list[float] = []
     ratio = start
     while len(ratios) < SCAN_BLOCK and ratio != end:
-        stride = min(step, LONGEST_RELATIVE_STEP * ratio)
+        stride = min(step, MAX_RELATIVE_STEP * ratio)
         ratio = min(ratio + stride, end) if end > start else max(ratio - stride, end)
         ratios.append(ratio)
     return np.array(ratios)
@@ -121,7 +121,7 @@ def find_edge(
             edge = _root(excess, float(ratios[stop - 1]), float(ratios[stop]))
             return edge, edge
         scanned += ratios.size
-        if ratios[-1] == end or scanned > MOST_SCAN_POINTS:
+        if ratios[-1] == end or scanned > MAX_SCAN_POINTS:
             return None, float(ratios[-1])
         further = step_outward(float(ratios[-1]), end, step)
         ratios = np.concatenate((ratios[-2:], further))
@@ -155,7 +155,7 @@ def _root(excess: Excess, inside: float, outside: float) -> float:
     """
     low, high = excess.at(inside), excess.at(outside)
     last_side = 0
-    for _ in range(MOST_ROOT_STEPS):
+    for _ in range(MAX_ROOT_STEPS):
         ratio = (inside * high - outside * low) / (high - low)
         moved = min(abs(ratio - inside), abs(ratio - outside))
         value = excess.at(ratio)

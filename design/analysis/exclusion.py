@@ -16,13 +16,13 @@ import numpy as np
 
 from design.types import ComplexArray, FloatArray
 
-MOST_HALVINGS = 40
+MAX_HALVINGS = 40
 """An interval halved as often is 1e-12 of its width; a proof that needs more is none."""
 
-MOST_INTERVALS = 20_000
+MAX_INTERVALS = 20_000
 """Intervals open at a time: proofs that hold by a margin stay far below."""
 
-FIRST_INTERVALS_A_RADIAN = 16
+FIRST_INTERVALS_PER_RADIAN = 16
 
 ROUNDING = 1e-13
 """Relative error of a sum of exponentials, as a share of ``sum |y_k|`` [-]."""
@@ -93,14 +93,14 @@ class _Polynomial:
 
 def _first_intervals(duration_rad: float) -> tuple[FloatArray, float]:
     """Middles and half width of the intervals to begin with."""
-    count = 1 + math.ceil(FIRST_INTERVALS_A_RADIAN * duration_rad)
+    count = 1 + math.ceil(FIRST_INTERVALS_PER_RADIAN * duration_rad)
     half = duration_rad / count / 2
     return half * (2 * np.arange(count) + 1), half
 
 
 def _stays_above(p: _Polynomial, duration_rad: float, level: float) -> bool:
     middles, half = _first_intervals(duration_rad)
-    for _ in range(MOST_HALVINGS):
+    for _ in range(MAX_HALVINGS):
         values = p.at(middles)
         lowest = values - half * np.abs(p.at(middles, 1)) - half * half / 2 * p.bend
         if values.min() <= level:
@@ -108,7 +108,7 @@ def _stays_above(p: _Polynomial, duration_rad: float, level: float) -> bool:
         middles = middles[lowest <= level]
         if middles.size == 0:
             return True
-        if middles.size > MOST_INTERVALS:
+        if middles.size > MAX_INTERVALS:
             return False
         half /= 2
         middles = np.concatenate((middles - half, middles + half))
@@ -119,7 +119,7 @@ def _rise_and_fall(p: _Polynomial, duration_rad: float) -> tuple[float, float]:
     """Return upper bounds of how much p rises, and falls, in all over [0, D]."""
     middles, half = _first_intervals(duration_rad)
     rise = fall = 0.0
-    for _ in range(MOST_HALVINGS):
+    for _ in range(MAX_HALVINGS):
         slope = np.abs(p.at(middles, 1))
         # Near a slope's zero the curvature itself may be small: its bound alone would not do.
         change = half * np.abs(p.at(middles, 2)) + half * half / 2 * p.twist
@@ -132,7 +132,7 @@ def _rise_and_fall(p: _Polynomial, duration_rad: float) -> tuple[float, float]:
         middles = middles[~monotone]
         # What is left over may rise or fall by its steepest slope all along.
         open_yet = float((2 * half * steepest[~monotone]).sum())
-        if open_yet <= ROUNDING * p.size or middles.size > MOST_INTERVALS:
+        if open_yet <= ROUNDING * p.size or middles.size > MAX_INTERVALS:
             break
         half /= 2
         middles = np.concatenate((middles - half, middles + half))

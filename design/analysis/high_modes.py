@@ -16,7 +16,7 @@ mode is almost periodic in frequency, and a drive passes little there.
 STEP_RAD = 0.1
 """Turn of the last impulse's phase from one frequency to the next, at most [rad]."""
 
-LARGEST_STEP = 0.02
+MAX_STEP = 0.02
 """The same as a step of the ratio: far less than the peak of an actuator's set is wide [-]."""
 
 
@@ -42,7 +42,7 @@ def high_mode_gain(impulses: Impulses, mode: Mode, actuator: Actuator) -> float:
     """
     low, high = HIGH_MODES
     turn = mode.natural_frequency_rad_s * impulses.duration_s
-    points = int((high - low) * max(turn / STEP_RAD, 1 / LARGEST_STEP)) + 2
+    points = int((high - low) * max(turn / STEP_RAD, 1 / MAX_STEP)) + 2
     return largest_between(
         lambda ratios: residual_curve(impulses, mode, actuator, ratios), low, high, points
     )

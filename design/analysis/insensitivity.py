@@ -18,11 +18,11 @@ EDGE_MARGIN = 1e-9
 SCAN_STEP_PHASE = 2 * math.pi / 48
 """How far the last impulse's phase may turn between two points of the search for an edge [rad]."""
 
-LONGEST_TURN_RAD = 1e6
+MAX_TURN_RAD = 1e6
 """Longest command, as a turn of the plant's phase [rad]."""
 
-WIDEST_RATIOS = (1e-3, 100.0)
-"""How far an edge is looked for; none is told of an interval that reaches further [-]."""
+RATIO_LIMITS = (1e-3, 100.0)
+"""How far an edge is looked for; an interval that reaches further has none [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,7 +52,7 @@ def insensitivity(
 
     Either edge of the connected interval is bracketed by a scan outward from 1, fine against the
     turn of the last impulse and with its near-misses looked at again, and then root-found, unless
-    it is proven that there is none. The scan ends at `WIDEST_RATIOS`, or after `MOST_SCAN_POINTS`.
+    it is proven that there is none. The scan ends at `RATIO_LIMITS`, or after `MAX_SCAN_POINTS`.
 
     Parameters
     ----------
@@ -72,11 +72,11 @@ def insensitivity(
         If the command lasts for more than 1e6 rad of the mode's phase.
     """
     turn = mode.natural_frequency_rad_s * impulses.duration_s
-    if turn > LONGEST_TURN_RAD:
+    if turn > MAX_TURN_RAD:
         raise InvalidInputError(
             "impulses.times_s",
             f"{turn:.3g} rad of the plant's swing in all",
-            f"at most {LONGEST_TURN_RAD:g} rad, beyond which phases lose their digits",
+            f"at most {MAX_TURN_RAD:g} rad, beyond which phases lose their digits",
             code="phases_lose_digits",
         )
     if _never_above(impulses, actuator, tolerance):
@@ -84,23 +84,23 @@ def insensitivity(
             tolerance=tolerance,
             lower_ratio=None,
             upper_ratio=None,
-            searched_from_ratio=WIDEST_RATIOS[0],
-            searched_to_ratio=WIDEST_RATIOS[1],
+            searched_from_ratio=RATIO_LIMITS[0],
+            searched_to_ratio=RATIO_LIMITS[1],
         )
     excess = Excess(impulses, mode, actuator, tolerance * (1 + EDGE_MARGIN))
     if excess.at(1.0) > 0:
         return None
     step = SCAN_STEP_PHASE / turn if turn > 0 else math.inf
     # The first stretch on both sides at once: it nearly always holds both edges.
-    below, above = (step_outward(1.0, end, step) for end in WIDEST_RATIOS)
+    below, above = (step_outward(1.0, end, step) for end in RATIO_LIMITS)
     near = np.concatenate((below[::-1], [1.0], above))
     values = excess.over(near)
     middle = below.size
     lower, lowest = find_edge(
-        excess, near[middle + 1 :: -1], values[middle + 1 :: -1], WIDEST_RATIOS[0], step
+        excess, near[middle + 1 :: -1], values[middle + 1 :: -1], RATIO_LIMITS[0], step
     )
     upper, highest = find_edge(
-        excess, near[middle - 1 :], values[middle - 1 :], WIDEST_RATIOS[1], step
+        excess, near[middle - 1 :], values[middle - 1 :], RATIO_LIMITS[1], step
     )
     return Insensitivity(
         tolerance=tolerance,

@@ -26,7 +26,7 @@ def largest_between(
     low, high
         Ends of the interval, among the places looked at.
     points
-        Places of the first grid, so many that no peak is narrower than a step.
+        Places of the first grid, dense enough that no peak is narrower than a step.
 
     Returns
     -------

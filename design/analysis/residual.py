@@ -8,14 +8,14 @@ import numpy as np
 from design.analysis.step_contributions import step_contributions
 from design.analysis.swing import swing_over_step
 from design.model.actuators.rate_limited import RateLimited
-from design.model.actuators.registry import Actuator, unit_ramps_s
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
 from design.model.plants.mode import Mode
 from design.model.ramps import ramp_factors
 from design.types import ComplexArray
 
-SMALLEST_DENOMINATOR = 1e-12
+MIN_DENOMINATOR = 1e-12
 """Where a sensitivity curve meets a set's own pole, ``|1/G|`` is taken as this [-]."""
 
 
@@ -96,9 +96,7 @@ def join_sets(sums: ComplexArray, poles_rad_s: ComplexArray, actuator: Actuator)
     accel, decel = (
         lag.denominator(poles_rad_s) for lag in (actuator.accel_lag, actuator.decel_lag)
     )
-    vectors = join_over_accel(sums, poles_rad_s, accel, decel)
-    rise_s, _ = unit_ramps_s(actuator)
-    return vectors / ramp_factors(poles_rad_s, np.array(rise_s)) if rise_s > 0 else vectors
+    return join_over_accel(sums, poles_rad_s, accel, decel)
 
 
 def join_over_accel(
@@ -120,7 +118,7 @@ def join_over_accel(
         Shape (m,) [-].
     """
     # On the pole of the deceleration set itself the vibration grows without bound: cut, finite.
-    below = np.where(np.abs(decel) < SMALLEST_DENOMINATOR, SMALLEST_DENOMINATOR, decel)
+    below = np.where(np.abs(decel) < MIN_DENOMINATOR, MIN_DENOMINATOR, decel)
     by_set = sums[:, :2] + poles_rad_s[:, None] * sums[:, 2:] if sums.shape[1] > 2 else sums  # noqa: PLR2004
     joined: ComplexArray = by_set[:, 0] + accel / below * by_set[:, 1]
     return joined
@@ -132,7 +130,7 @@ def residual_vibration(
     """Return the residual vibration over that of an unshaped step [-].
 
     The amplitude of free vibration, extrapolated back to the last step, over the amplitude that
-    an unshaped unit step leaves through the acceleration set. The actuator's own transient is
+    an unshaped unit step has through the acceleration set. The actuator's own transient is
     not part of it. A whole move (amplitudes sum to 0) is measured by the same unit, and so is what
     is left of a swing that the payload made at the first step already.
 

@@ -22,7 +22,7 @@ from design.types import ComplexArray, FloatArray
 def residuals_of_many(
     times_s: FloatArray, amplitudes: FloatArray, poles_rad_s: ComplexArray, actuator: Actuator
 ) -> FloatArray:
-    """Return the residuals of many commands, each at a pole of its own.
+    """Return the residuals of many commands, each at a separate pole.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def vectors_of_many(
     # Times that a poor fit puts out of order are no command: judged as if ramps could overlap.
     disordered = np.any(gaps < 0, axis=1)
     if not isinstance(actuator, RateLimited):
-        # Steps that meet are one, of a sign of its own.
+        # Steps that meet are one, with the sign of their sum.
         meeting = gaps <= SAME_TIME * (times_s[:, -1:] - times_s[:, :1])
         whole = disordered | ~np.any(meeting, axis=1)
     elif changes.changes.size == amplitudes.size:

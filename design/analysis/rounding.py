@@ -63,9 +63,9 @@ def require_doubles_to_hold(
     claim = failing[0]
     phase = modes[claim.mode].natural_frequency_rad_s * impulses.duration_s
     raise InfeasibleDesignError(
-        f"the {claim.quantity.replace('_', ' ')} of mode {claim.mode} cannot be proved zero: the "
+        f"the {claim.quantity.replace('_', ' ')} of mode {claim.mode} cannot be proven zero: the "
         f"command lasts {phase / math.tau:.4g} of that mode's periods, and the rounding of "
         f"double precision makes {claim.value:.3g} of it (limit {claim.limit:g}). Modes nearer "
-        "to each other, or a kind that claims fewer derivatives, can be proved",
+        "to each other, or a kind that claims fewer derivatives, can be proven",
         code="rounding_above_claim",
     )

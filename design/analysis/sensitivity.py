@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.analysis.damping_curve import MOST_POINTS, DampingRange, over_damping
+from design.analysis.damping_curve import MAX_CURVE_POINTS, DampingRange, over_damping
 from design.analysis.insensitivity import Insensitivity, insensitivity
 from design.analysis.residual import evenly_spaced_vectors
 from design.checks import require_between
@@ -39,7 +39,7 @@ class SensitivityRange:
                 f"greater than from_ratio, {self.from_ratio!r}",
                 code="ratios_reversed",
             )
-        require_between("points", self.points, 2, MOST_POINTS)
+        require_between("points", self.points, 2, MAX_CURVE_POINTS)
         if not 0 < self.tolerance < 1:
             raise InvalidInputError(
                 "tolerance", self.tolerance, "between 0 and 1, both excluded", code="out_of_range"
@@ -89,7 +89,7 @@ def sensitivity(
     residuals = np.abs(vectors)
     if not np.isfinite(residuals).all():
         raise SolverFailedError(
-            "the sensitivity curve leaves the range of numbers", code="curve_overflows"
+            "the sensitivity curve exceeds the range of numbers", code="curve_overflows"
         )
     return Sensitivity(
         frequency_ratios=np.linspace(wanted.from_ratio, wanted.to_ratio, wanted.points),

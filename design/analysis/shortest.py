@@ -29,7 +29,7 @@ class _Cells:
     starts: FloatArray
     widths: FloatArray
     heights: FloatArray  # P at both ends, shape (2, n)
-    rates: FloatArray  # P' likewise
+    rates: FloatArray  # P', with the same shape
     bends: FloatArray  # a bound of |P''|
     jerks: FloatArray  # a bound of |P'''|
 
@@ -57,10 +57,10 @@ class _Cells:
         return found
 
 
-def excluded_rad(
+def excluded_duration_rad(
     unit_poles: ComplexArray, vectors: ComplexArray, until_rad: float, *, positive: bool
 ) -> float:
-    """Return a duration below which every command leaves vibration.
+    """Return a duration below which every command has a residual.
 
     Parameters
     ----------

@@ -54,7 +54,7 @@ class RampedProof:
     last
         Its level at the end, 0 or 1 [-].
     rests
-        When the optimum arrives at 0 or 1 and when it leaves, shape (r, 2) [rad].
+        When the optimum arrives at 0 or 1 and when it departs, shape (r, 2) [rad].
     turns
         When its slope changes; cells are cut there, where P + N is near 0, shape (n,) [rad].
     end
@@ -184,7 +184,7 @@ class RampedProof:
         return constants, resting
 
     def _falls_of_levels(self, duration: float) -> float:
-        """Return by how much N falls in steps: where the optimum leaves a rest."""
+        """Return by how much N falls in steps: where the optimum ends a rest."""
         left = self.rests[:, 1] < duration
         steps = self._levels()[1:][left] + self._pull(self.rests[left, 1])
         return float(np.maximum(-steps, 0.0).sum())

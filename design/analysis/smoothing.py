@@ -44,8 +44,8 @@ def smoothing(impulses: Impulses) -> Smoothing:
     --------
     >>> import numpy as np
     >>> zv = Impulses(times_s=np.array([0.0, 0.2]), amplitudes=np.array([0.5, 0.5]))
-    >>> told = smoothing(zv)
-    >>> round(told.delay_s, 12), round(told.smoothing_s2, 12)
+    >>> found = smoothing(zv)
+    >>> round(found.delay_s, 12), round(found.smoothing_s2, 12)
     (0.1, 0.005)
     """
     shares = impulses.amplitudes / impulses.amplitudes.sum()

@@ -1,36 +1,57 @@
-"""What one unshaped step leaves: the unit of every residual."""
+"""The residual of one unshaped step: the unit of every other."""
 
 import numpy as np
 
-from design.model.actuators.registry import Actuator, unit_ramps_s
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.model.ramps import ramp_factors
 
 
 def unshaped_gain(mode: Mode, actuator: Actuator) -> float:
-    """Return what an unshaped step leaves over an ideal actuator's [-].
+    """Return the residual of an unshaped step over that of an ideal one [-].
+
+    Limits are no part of it: a ramp of whole periods has no residual, and none is no unit.
 
     Parameters
     ----------
     mode
         The mode that swings.
     actuator
-        The actuator, of which a step from rest uses the acceleration set and its limit.
+        The actuator, of which a step from rest uses the acceleration set.
 
     Returns
     -------
     float
-        Share of what a step through an ideal actuator leaves [-].
+        Share of the residual of a step through an ideal actuator [-].
     """
-    rise_s, _ = unit_ramps_s(actuator)
-    ramp = abs(ramp_factors(np.array([mode.pole_rad_s]), np.array([rise_s]))[0])
-    return float(ramp / abs(actuator.accel_lag.denominator(mode.pole_rad_s)))
+    return 1 / abs(actuator.accel_lag.denominator(mode.pole_rad_s))
+
+
+def unshaped_ramp_residual(mode: Mode, actuator: RateLimited) -> float:
+    """Return the residual of an unshaped ramp over that of the step itself.
+
+    Parameters
+    ----------
+    mode
+        The mode that swings.
+    actuator
+        The limits.
+
+    Returns
+    -------
+    float
+        ``|(1 - exp(-s T)) / (s T)|`` for a ramp of duration T [-]; 0 where it lasts whole periods
+        of an undamped mode.
+    """
+    rise_s, _ = actuator.unit_ramps_s
+    return float(abs(ramp_factors(np.array([mode.pole_rad_s]), np.array([rise_s]))[0]))
 
 
 def unshaped_deflection_s(mode: Mode, actuator: Actuator) -> float:
-    """Return the amplitude an unshaped step leaves, over its speed [s].
+    """Return the residual amplitude of an unshaped step over its speed [s].
 
-    Times a residual and the speed it is the amplitude of what remains, extrapolated back likewise.
+    Times a residual and the speed it is the amplitude of what remains, extrapolated back as above.
     A vector V rings as ``d = -Im(V exp(s t)) / Im(s)``: the damped frequency it is, not w.
 
     Parameters

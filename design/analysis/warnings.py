@@ -37,8 +37,9 @@ def sum_warnings(impulses: Impulses) -> Iterator[DesignWarning]:
     if min(abs(abs(total) - 1), abs(total)) > rounding:
         yield DesignWarning(
             code="sum_not_one",
-            detail=f"the amplitudes add up to {total:.9g}: those of a shaper add up to 1, those of "
-            "a whole move to 0; the residual is a share of what an unshaped step of height 1 does",
+            detail=f"the amplitudes add up to {total:.9g}: those of a shaper add up to 1, those "
+            "of a whole move to 0. The residual is a share of the vibration of an "
+            "unshaped step of height 1",
         )
 
 

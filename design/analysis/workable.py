@@ -50,7 +50,7 @@ def require_workable(mode: Mode, actuator: Actuator) -> None:
             raise InvalidInputError(
                 f"actuator.{name}",
                 f"1/G = {distance:.1e} there",
-                "without a pole at the plant's own, where it rings with it",
+                "without a pole at the plant's pole, where the two resonate",
                 code="actuator_resonant",
             )
     if isinstance(actuator, RateLimited):

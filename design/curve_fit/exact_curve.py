@@ -11,7 +11,7 @@ from design.curve_fit.polynomials import Fit
 from design.curve_fit.variable import FitAxis
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.formulations.bands import BandProblem, BandSearch
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
 from design.formulations.ramped import RampedProblem
 from design.model.actuators.registry import Actuator
@@ -61,7 +61,7 @@ class ExactCurve:
         self.poles_rad_s = np.array([mode.pole_rad_s for mode in modes])
         self.frequencies_rad_s = np.array([mode.natural_frequency_rad_s for mode in modes])
         self.budget = Budget()
-        self.formulations: list[Problem | RampedProblem | ClosedForm] = []
+        self.formulations: list[GapProblem | RampedProblem | ClosedForm] = []
         for mode in modes:
             form = kind.formulate(kind.case((mode,), actuator, self.options))
             if isinstance(form, BandProblem | BandSearch | JointProblem | Convolution):
@@ -90,7 +90,7 @@ class ExactCurve:
         form = self.formulations[place]
         if isinstance(form, ClosedForm):
             return form.impulses.amplitudes
-        if isinstance(form, Problem):
+        if isinstance(form, GapProblem):
             return form.amplitudes
         return self._design_at(float(self.checked[place])).amplitudes
 
@@ -104,7 +104,7 @@ class ExactCurve:
             code="fitted_impulses_change",
         )
 
-    def designed(self, x: float) -> Impulses:
+    def design_at(self, x: float) -> Impulses:
         """Design at one x, by the pipeline.
 
         Parameters
@@ -139,7 +139,7 @@ class ExactCurve:
                 f"at {self.axis.variable.meaning} = {x:.6g}: {error}", code=error.code
             ) from None
 
-    def fitted(self, degree: int) -> Fit:
+    def fit(self, degree: int) -> Fit:
         """Fit one degree and judge it.
 
         Parameters
@@ -161,7 +161,7 @@ class ExactCurve:
         """
         nodes = self.axis.nodes(degree)
         values = np.array([
-            self.designed(x).times_s * self.axis.scale_at(x) for x in nodes.tolist()
+            self.design_at(x).times_s * self.axis.scale_at(x) for x in nodes.tolist()
         ])
         coefficients = self._power_basis(nodes, values, degree)
         fitted = power.polyval(self.checked, coefficients.T).T
@@ -175,7 +175,7 @@ class ExactCurve:
         worst_residual = float(residuals.max())
         if not math.isfinite(worst_residual):
             raise SolverFailedError(
-                f"the fitted times of degree {degree} leave the range of numbers",
+                f"the fitted times of degree {degree} exceed the range of numbers",
                 code="fit_overflows",
             )
         return Fit(
@@ -203,17 +203,17 @@ class ExactCurve:
         """Return the times at every checked point, shape (points, n) [s].
 
         By closed form where there is one; else by Newton's method from a fit, which is not the one
-        to be judged; by the pipeline where that leaves the bounds.
+        to be judged; by the pipeline where that is out of bounds.
         """
         nodes = self.axis.nodes(STARTING_DEGREE).tolist()
         frequencies = [self.axis.plant_at(x).mode.natural_frequency_rad_s for x in nodes]
-        gaps = np.array([np.diff(self.designed(x).times_s) for x in nodes])
+        gaps = np.array([np.diff(self.design_at(x).times_s) for x in nodes])
         phases = gaps * np.array(frequencies)[:, None]
         curves = self._power_basis(np.array(nodes), phases, STARTING_DEGREE)
         starts = power.polyval(self.checked, curves.T).T
         times = np.zeros((CHECKED_POINTS, starts.shape[1] + 1))
         solved = [
-            index for index, form in enumerate(self.formulations) if isinstance(form, Problem)
+            index for index, form in enumerate(self.formulations) if isinstance(form, GapProblem)
         ]
         for index, form in enumerate(self.formulations):
             if isinstance(form, ClosedForm):
@@ -222,7 +222,7 @@ class ExactCurve:
                 times[index] = self._ramped_times_s(index, form, starts[index])
         if not solved:
             return times
-        problems = [form for form in self.formulations if isinstance(form, Problem)]
+        problems = [form for form in self.formulations if isinstance(form, GapProblem)]
         ends = roots(
             problems[0].model,
             np.array([
@@ -237,7 +237,7 @@ class ExactCurve:
             if root and (gaps >= problem.shortest_gaps_rad).all():
                 times[index, 1:] = np.cumsum(gaps) / problem.natural_frequency_rad_s
             else:
-                times[index] = self.designed(float(self.checked[index])).times_s
+                times[index] = self.design_at(float(self.checked[index])).times_s
         return times
 
     def _ramped_times_s(self, index: int, form: RampedProblem, gaps: FloatArray) -> FloatArray:
@@ -252,4 +252,4 @@ class ExactCurve:
             )
             if found is not None:
                 return found.course.switches / form.natural_frequency_rad_s
-        return self.designed(float(self.checked[index])).times_s
+        return self.design_at(float(self.checked[index])).times_s

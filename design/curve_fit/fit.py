@@ -8,7 +8,7 @@ actuator's alone, smoothly: a few coefficients do.
 import math
 
 from design.curve_fit.exact_curve import ExactCurve
-from design.curve_fit.fit_range import HIGHEST_DEGREE, FitRange
+from design.curve_fit.fit_range import MAX_DEGREE, FitRange
 from design.curve_fit.polynomials import Fit
 from design.curve_fit.variable import axis_of_fit
 from design.errors import InfeasibleDesignError
@@ -40,30 +40,30 @@ def fit(
     -------
     Fit
         By interpolation at Chebyshev nodes in a dimensionless variable, or by the thesis's least
-        squares; judged on a grid of its own by the residual that the fitted times leave.
+        squares; judged on a separate grid by the residual of the fitted times.
 
     Raises
     ------
     InvalidInputError
-        If the plant has no such field, or the range leaves its bounds.
+        If the plant has no such field, or the range exceeds its bounds.
     InfeasibleDesignError
         If some point of the range has no such shaper, or no degree up to 20 is good enough.
     """
     curve = ExactCurve(axis_of_fit(plant, actuator, wanted), actuator, kind, options)
     if wanted.degree is not None:
-        return curve.fitted(wanted.degree)
+        return curve.fit(wanted.degree)
     limit = wanted.max_residual or 0.0
     best = math.inf, 0
-    for degree in range(HIGHEST_DEGREE + 1):
-        tried = curve.fitted(degree)
+    for degree in range(MAX_DEGREE + 1):
+        tried = curve.fit(degree)
         if tried.worst_residual <= limit:
             return tried
         best = min(best, (tried.worst_residual, degree))
         if curve.budget.spent:
             break
     raise InfeasibleDesignError(
-        f"no degree up to {degree} leaves a residual of at most max_residual = {limit:g}; "
-        f"the best, degree {best[1]}, leaves {best[0]:.3g}"
-        f"{f'; {curve.budget.in_words}' if curve.budget.spent else ''}",
+        f"no degree up to {degree} has a residual of at most max_residual = {limit:g}; that of "
+        f"the best, degree {best[1]}, is "
+        f"{best[0]:.3g}{f'; {curve.budget.in_words}' if curve.budget.spent else ''}",
         code="no_degree_suffices",
     )

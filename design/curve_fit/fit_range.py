@@ -13,7 +13,7 @@ Field = Literal["natural_frequency_rad_s", "cable_length_m", "damping_ratio"]
 
 Form = Literal["dimensionless", "time_in_frequency"]
 
-HIGHEST_DEGREE = 20
+MAX_DEGREE = 20
 """Beyond it the power basis itself loses the digits that a degree adds."""
 
 
@@ -56,7 +56,7 @@ class FitRange:
                 "degree", both, "given, or max_residual in its place", code="degree_or_residual"
             )
         if self.degree is not None:
-            require_between("degree", self.degree, 0, HIGHEST_DEGREE)
+            require_between("degree", self.degree, 0, MAX_DEGREE)
         if self.max_residual is not None and not 0 < self.max_residual < 1:
             raise InvalidInputError(
                 "max_residual",

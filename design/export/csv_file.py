@@ -1,7 +1,7 @@
 """Comma-separated values, exact: each number is the shortest text that reads back as itself.
 
 The head stands in lines that start with ``#``, as ``pandas.read_csv(path, comment="#")`` and
-``numpy.genfromtxt`` skip them. A row without a design leaves its results empty.
+``numpy.genfromtxt`` skip them. The results of a row without a design are empty.
 """
 
 import csv
@@ -38,7 +38,7 @@ def write_csv(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     lines.append(",".join(column.name for column in head.columns) + "\n")
     yield "".join(lines).encode()
     for rows in runs:
-        reasons = {index: _quoted(text) for index, text in rows.reasons.items()}
+        reasons = {index: _quote(text) for index, text in rows.reasons.items()}
         texts = [
             f"{','.join(cells)},{STATUSES[status]},{reasons.get(index, '')}"
             for index, (cells, status) in enumerate(
@@ -72,7 +72,7 @@ def number_texts(rows: Rows, unknown: str) -> Iterator[Iterable[str]]:
             yield map(repr, row)
 
 
-def _quoted(text: str) -> str:
+def _quote(text: str) -> str:
     """Quote what would read as more than one cell, or as a comment."""
     if any(mark in text for mark in '",\n\r#'):
         return '"' + text.replace('"', '""') + '"'

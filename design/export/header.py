@@ -1,4 +1,4 @@
-"""What every file tells of itself: tool, specification, units."""
+"""What every file says of itself: tool, specification, units."""
 
 import hashlib
 import json
@@ -19,7 +19,7 @@ FACTS = (
     "amplitudes",
     "columns",
 )
-"""Names of what a file tells of its table."""
+"""Names of what a file says of its table."""
 
 
 def facts(head: TableHead) -> dict[str, str]:

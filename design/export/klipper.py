@@ -34,8 +34,8 @@ from design.errors import InvalidInputError
 from design.export.firmware import firmware_lines, require_positive_row
 from design.export.kind import Export
 from design.export.klipper_shapers import (
-    LARGEST_DAMPING_RATIOS,
-    MOST_IMPULSES,
+    MAX_DAMPING_RATIOS,
+    MAX_IMPULSES,
     USUAL_TOLERANCE,
     klipper_impulses,
     older_klipper_impulses,
@@ -64,12 +64,12 @@ SAME = 1e-9
 """Impulses that differ by less are the same, as a share of their duration and of 1 [-]."""
 
 READ_AS_ZERO = 1e-3
-"""What a fit may leave where the design leaves nothing: its coefficients have five digits [-]."""
+"""Residual of a fit where that of the design is zero: its coefficients have five digits [-]."""
 
 TOLERANCE_DECIMALS = 6
 """Klipper reads digits and a point in brackets, no exponent."""
 
-LEAST_TOLERANCE = 10.0**-TOLERANCE_DECIMALS
+MIN_TOLERANCE = 10.0**-TOLERANCE_DECIMALS
 
 ROUNDING = 1e-6
 """Of a tolerance over the least one: 0.29 over 1e-6 is 289999.99999999994 [-]."""
@@ -95,11 +95,11 @@ def check_klipper(head: TableHead) -> None:
             "ideal for Klipper: its shapers know no drive",
             code="klipper_knows_no_actuator",
         )
-    if isinstance(subject.options, MzvOptions) and subject.options.n > MOST_IMPULSES:
+    if isinstance(subject.options, MzvOptions) and subject.options.n > MAX_IMPULSES:
         raise InvalidInputError(
             "shaper.n",
             subject.options.n,
-            f"at most {MOST_IMPULSES} for Klipper",
+            f"at most {MAX_IMPULSES} for Klipper",
             code="too_many_for_klipper",
         )
     require_times(head)
@@ -130,17 +130,17 @@ def write_klipper(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
         where = f"row {rows.first + index}"
         plant, _, options = subject.at(paths, rows.fields[index].tolist())
         name, mode = NAMES[subject.kind.name], plant.modes[0]
-        if mode.damping_ratio > LARGEST_DAMPING_RATIOS[name]:
+        if mode.damping_ratio > MAX_DAMPING_RATIOS[name]:
             raise InvalidInputError(
                 f"damping_ratio of {where}",
                 mode.damping_ratio,
-                f"at most {LARGEST_DAMPING_RATIOS[name]} for Klipper's {name}",
+                f"at most {MAX_DAMPING_RATIOS[name]} for Klipper's {name}",
                 code="too_damped_for_klipper",
             )
         shaped = require_positive_row(head, rows, index, "Klipper")
         if isinstance(options, ToleranceOptions):
             row = Subject(plant=plant, actuator=Ideal(), kind=subject.kind, options=options)
-            shaper, remarks = _fitted(row, name, shaped, where)
+            shaper, remarks = _fit(row, name, shaped, where)
         else:
             shaper, remarks = _exact(name, mode, options, shaped, where), []
         frequency, damping = repr(_frequency_hz(mode)), repr(mode.damping_ratio)
@@ -192,13 +192,13 @@ def _exact(name: str, mode: Mode, options: object, shaped: Impulses, where: str)
     )
 
 
-def _floored(tolerance: float) -> float:
+def _round_down(tolerance: float) -> float:
     """Return a tolerance that is written in full with `TOLERANCE_DECIMALS`."""
-    steps = math.floor(tolerance / LEAST_TOLERANCE + ROUNDING)
-    return float(f"{steps * LEAST_TOLERANCE:.{TOLERANCE_DECIMALS}f}")
+    steps = math.floor(tolerance / MIN_TOLERANCE + ROUNDING)
+    return float(f"{steps * MIN_TOLERANCE:.{TOLERANCE_DECIMALS}f}")
 
 
-def _read_by_most(row: Subject, name: str, told: float, claims: tuple[Claim, ...]) -> str:
+def _line_read_by_most(row: Subject, name: str, told: float, claims: tuple[Claim, ...]) -> str:
     """Return the shaper as Klipper writes it, plainly where older ones keep the claims too."""
     mode = row.plant.modes[0]
     hertz, damping = _frequency_hz(mode), mode.damping_ratio
@@ -208,7 +208,7 @@ def _read_by_most(row: Subject, name: str, told: float, claims: tuple[Claim, ...
         "2hump_ei": True,
         "3hump_ei": damping == 0,  # else the missing comma matters
     }
-    older = _judged(older_klipper_impulses(name, hertz, damping), row, claims)
+    older = _measure_claims(older_klipper_impulses(name, hertz, damping), row, claims)
     if plain[name] and all(claim.holds for claim in older):
         return name
     return f"{name}(v_tol={text})" if name == "ei" else f"{name}()"
@@ -222,7 +222,7 @@ def _same(one: Impulses, other: Impulses) -> bool:
     return bool(np.abs(late).max() <= SAME * one.duration_s and np.abs(high).max() <= SAME)
 
 
-def _fitted(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str, list[str]]:
+def _fit(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str, list[str]]:
     """Return the shaper as Klipper writes it, whose impulses keep what is claimed, and remarks."""
     mode = row.plant.modes[0]
     hertz, damping = _frequency_hz(mode), mode.damping_ratio
@@ -235,16 +235,18 @@ def _fitted(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str,
             code="not_continuous_time",
         )
     claims = made.certificate.claims
-    told = _floored(cast(ToleranceOptions, row.options).tolerance)  # of every ei kind
+    told = _round_down(cast(ToleranceOptions, row.options).tolerance)  # of every ei kind
     judged: tuple[Claim, ...] = ()
     for _ in range(LOWERINGS):
-        judged = _judged(klipper_impulses(name, hertz, damping, tolerance=told), row, claims)
+        judged = _measure_claims(
+            klipper_impulses(name, hertz, damping, tolerance=told), row, claims
+        )
         if all(claim.holds for claim in judged):
-            return _read_by_most(row, name, told, claims), _told(judged)
-        # Klipper's fit leaves a little more than it is told to: told less, it leaves the tolerance.
+            return _line_read_by_most(row, name, told, claims), _remark_on_fit(judged)
+        # The residual of Klipper's fit is a little above its tolerance: a smaller one mends that.
         worst = max(claim.value / claim.limit for claim in judged)
-        told = _floored(min(told / worst, told - LEAST_TOLERANCE))
-        if name != "ei" or told < LEAST_TOLERANCE:
+        told = _round_down(min(told / worst, told - MIN_TOLERANCE))
+        if name != "ei" or told < MIN_TOLERANCE:
             break
     broken = [claim for claim in judged if not claim.holds]
     raise InvalidInputError(
@@ -256,7 +258,7 @@ def _fitted(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str,
     )
 
 
-def _judged(played: Impulses, row: Subject, claims: tuple[Claim, ...]) -> tuple[Claim, ...]:
+def _measure_claims(played: Impulses, row: Subject, claims: tuple[Claim, ...]) -> tuple[Claim, ...]:
     """Return what impulses leave where the design claims something."""
     promises = tuple(
         Promise(
@@ -270,7 +272,7 @@ def _judged(played: Impulses, row: Subject, claims: tuple[Claim, ...]) -> tuple[
     return certify_modes(played, row.plant.modes, row.actuator, promises).claims
 
 
-def _told(judged: tuple[Claim, ...]) -> list[str]:
+def _remark_on_fit(judged: tuple[Claim, ...]) -> list[str]:
     return [f"Klipper's fit leaves {', '.join(_percent(claim) for claim in judged)}"]
 
 

@@ -31,7 +31,7 @@ import numpy as np
 from design.model.impulses import Impulses
 from design.types import FloatArray
 
-LARGEST_DAMPING_RATIOS = {
+MAX_DAMPING_RATIOS = {
     "zv": 0.99,
     "mzv": 0.99,
     "zvd": 0.99,
@@ -41,7 +41,7 @@ LARGEST_DAMPING_RATIOS = {
 }
 """Largest damping ratio that Klipper takes for each shaper (shaper_defs.py, INPUT_SHAPERS)."""
 
-MOST_IMPULSES = 10
+MAX_IMPULSES = 10
 """Of one shaper (kin_shaper.c, struct shaper_pulses)."""
 
 USUAL_TOLERANCE = 0.05
@@ -92,7 +92,7 @@ def klipper_impulses(
     Parameters
     ----------
     shaper
-        A name of `LARGEST_DAMPING_RATIOS`.
+        A name of `MAX_DAMPING_RATIOS`.
     frequency_hz, damping_ratio
         Of the mode, as on the line [Hz], [-].
     impulses, periods
@@ -123,7 +123,7 @@ def klipper_impulses(
         undamped = [1.0, 1.0] if shaper == "zv" else [1.0, 2.0, 1.0]
         times, heights = _decaying(0.5, undamped, z)
         times = [time / frequency_hz for time in times]
-    return _normalised(times, heights)
+    return _normalise(times, heights)
 
 
 def older_klipper_impulses(shaper: str, frequency_hz: float, damping_ratio: float) -> Impulses:
@@ -134,7 +134,7 @@ def older_klipper_impulses(shaper: str, frequency_hz: float, damping_ratio: floa
     Parameters
     ----------
     shaper
-        A name of `LARGEST_DAMPING_RATIOS`.
+        A name of `MAX_DAMPING_RATIOS`.
     frequency_hz, damping_ratio
         Of the mode, as on the line [Hz], [-].
 
@@ -145,7 +145,7 @@ def older_klipper_impulses(shaper: str, frequency_hz: float, damping_ratio: floa
     """
     undamped, spacing = OLDER[shaper]
     times, heights = _decaying(spacing, undamped(), damping_ratio)
-    return _normalised([time / frequency_hz for time in times], heights)
+    return _normalise([time / frequency_hz for time in times], heights)
 
 
 def _older_two_humps() -> list[float]:
@@ -232,6 +232,6 @@ def _decaying(spacing: float, undamped: list[float], z: float) -> Listed:
     return times, [height * kept**number for number, height in enumerate(undamped)]
 
 
-def _normalised(times_s: list[float], heights: list[float]) -> Impulses:
+def _normalise(times_s: list[float], heights: list[float]) -> Impulses:
     amplitudes = np.array(heights)
     return Impulses(times_s=np.array(times_s), amplitudes=amplitudes / amplitudes.sum())

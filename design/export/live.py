@@ -1,13 +1,13 @@
-"""For which drives a delay line is exact when a live command changes, and what it leaves else.
+"""For which drives a delay line is exact when a live command changes, and its residual otherwise.
 
 A delay line convolves its command with the impulses of a row, one and the same for every change.
-What that leaves follows from the records of the design:
+That residual follows from the records of the design:
 
 - a drive that is one linear lag, or none, shapes a sum of steps as the sum of its answers: whatever
   the impulses leave after one step they leave after any command, at any time;
 - with lags apart for more and less speed, superposed, a positive shaper's steps up share one lag
   and its steps down the other: each adds up to nothing, and so do all. Steps up and down in one
-  shaper do not: at a release they change sets, so that a stop needs a shaper of its own;
+  shaper do not: at a release they change sets, so that a stop needs a separate shaper;
 - a switched drive, or one with limits, has one state for all steps: a change is exact only if the
   last sequence is over and the drive at rest at its speed, and a release as above.
 
@@ -25,14 +25,14 @@ import numpy as np
 from design.analysis.residual import residual_vibration
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
-from design.model.commands import convolved
+from design.model.commands import convolve
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
 from design.types import FloatArray
 
 PRESSES = 40
-SHORTEST_PRESS, LONGEST_PRESS = 0.025, 1.25
+MIN_PRESS, MAX_PRESS = 0.025, 1.25
 """Pulses that are tried, in periods of the slowest mode: from a tap to beyond any usual shaper."""
 
 LEVEL_MARGIN = 1e-9
@@ -42,7 +42,7 @@ LEVEL_MARGIN = 1e-9
 class Early(NamedTuple):
     """What pulses leave that end at any time, as shares of an unshaped step.
 
-    ``beyond``: share of the pulses whose shaped command leaves the range from 0 to 1.
+    ``beyond``: share of the pulses whose shaped command goes beyond 0 to 1.
     """
 
     median: float
@@ -72,7 +72,7 @@ def early_releases(
     left, beyond = [], []
     for press in presses_s.tolist():
         pulse = Impulses(times_s=np.array([0.0, press]), amplitudes=np.array([1.0, -1.0]))
-        command = convolved(pulse, shaper)
+        command = convolve(pulse, shaper)
         levels = command.amplitudes.cumsum()
         beyond.append(levels.min() < -LEVEL_MARGIN or levels.max() > 1 + LEVEL_MARGIN)
         left.append(max(residual_vibration(command, mode, actuator) for mode in modes))
@@ -135,12 +135,12 @@ def live_remarks(
         ]
     if limited:  # nothing is known of commands beyond 0 to 1, as these may be
         return lines
-    return [*lines, *_measured(first, plant.modes, held[0])]
+    return [*lines, *_early_release_lines(first, plant.modes, held[0])]
 
 
-def _measured(row: Impulses, modes: tuple[Mode, ...], drive: Actuator) -> list[str]:
+def _early_release_lines(row: Impulses, modes: tuple[Mode, ...], drive: Actuator) -> list[str]:
     period_s = max(mode.period_s for mode in modes)
-    presses_s = np.linspace(SHORTEST_PRESS, LONGEST_PRESS, PRESSES) * period_s
+    presses_s = np.linspace(MIN_PRESS, MAX_PRESS, PRESSES) * period_s
     early = early_releases(row, modes, drive, presses_s)
     beyond = f"; {100 * early.beyond:.0f} % of them go beyond 0 to 1" if early.beyond else ""
     return [

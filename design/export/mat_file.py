@@ -17,7 +17,7 @@ from design.export.kind import Export
 from design.tables.columns import names_of
 from design.tables.rows import STATUSES, Rows, TableHead
 
-LARGEST_MATRIX_BYTES = 2**31 - 1
+MAX_MATRIX_BYTES = 2**31 - 1
 """Of one variable (MAT-File Format, Mathworks, "Level 5 MAT-File": sizes are 32 bit)."""
 
 HEADER_START = b"MATLAB 5.0 MAT-file"
@@ -28,7 +28,7 @@ HEADER_TEXT_BYTES = 116
 def check_mat(head: TableHead) -> None:
     """Raise InvalidInputError where a matrix would have 2^31 bytes."""
     widest = max(len(names_of(head, "field")), len(names_of(head, "result")))
-    most = LARGEST_MATRIX_BYTES // (8 * max(widest, 1))
+    most = MAX_MATRIX_BYTES // (8 * max(widest, 1))
     if head.rows > most:
         raise InvalidInputError(
             "rows",

@@ -34,7 +34,7 @@ class _Pieces(io.RawIOBase):
         self.position += len(self.held[-1])
         return len(self.held[-1])
 
-    def taken(self) -> bytes:
+    def take(self) -> bytes:
         """Return what was written since the last call."""
         joined = b"".join(self.held)
         self.held.clear()
@@ -88,8 +88,8 @@ def write_parquet(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
             arrays.append(pa.DictionaryArray.from_arrays(rows.status.astype(np.int8), statuses))
             arrays.append(_reasons(rows))
             writer.write_table(pa.Table.from_arrays(arrays, schema=schema))
-            yield sink.taken()
-    yield sink.taken()
+            yield sink.take()
+    yield sink.take()
 
 
 def _reasons(rows: Rows) -> Any:  # noqa: ANN401

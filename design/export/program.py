@@ -17,10 +17,10 @@ from design.tables.columns import amplitudes_of, require_times, times_of, varied
 from design.tables.rows import STATUSES, WITH_DESIGN, Rows, TableHead, subject_of
 from design.types import FloatArray
 
-MOST_NUMBERS = 200_000
+MAX_NUMBERS = 200_000
 """Largest table in a program: 1.6 MB of doubles, what large controllers have in flash."""
 
-LONGEST_NAME = 20
+MAX_NAME_CHARACTERS = 20
 """Of a title in names: NAME_evaluator, the longest block, has 30 letters, as PLC editors take."""
 
 HASH_DIGITS = 7
@@ -41,11 +41,11 @@ def check_program(head: TableHead) -> None:
             "rows", head.rows, "at least 1: a program has no empty table", code="program_empty"
         )
     numbers = head.rows * (len(head.columns) - 1)
-    if numbers > MOST_NUMBERS:
+    if numbers > MAX_NUMBERS:
         raise InvalidInputError(
             "rows",
             f"{head.rows} ({numbers} numbers)",
-            f"of at most {MOST_NUMBERS} numbers in all",
+            f"of at most {MAX_NUMBERS} numbers in all",
             code="program_too_large",
         )
 
@@ -66,7 +66,7 @@ def name_of(head: TableHead) -> str:
     Returns
     -------
     str
-        At most ``LONGEST_NAME`` characters.
+        At most ``MAX_NAME_CHARACTERS`` characters.
 
     Examples
     --------
@@ -84,9 +84,9 @@ def name_of(head: TableHead) -> str:
     words = "_".join(re.findall(r"[a-z0-9]+", plain))
     if not words[:1].isalpha():
         words = f"table_{words}".rstrip("_")
-    if given != DEFAULT_TITLE and plain.isascii() and len(words) <= LONGEST_NAME:
+    if given != DEFAULT_TITLE and plain.isascii() and len(words) <= MAX_NAME_CHARACTERS:
         return words
-    start = words[: LONGEST_NAME - HASH_DIGITS - 1].rstrip("_")
+    start = words[: MAX_NAME_CHARACTERS - HASH_DIGITS - 1].rstrip("_")
     return f"{start}_{head.specification_sha256[:HASH_DIGITS]}"
 
 

@@ -39,10 +39,10 @@ def rows_of(format_name: str, file: BinaryIO) -> tuple[TableHead, Iterator[Rows]
             code="format_not_readable",
         )
     head, runs = READERS[format_name](file)
-    return head, _counted(head, runs)
+    return head, _check_count(head, runs)
 
 
-def _counted(head: TableHead, runs: Iterator[Rows]) -> Iterator[Rows]:
+def _check_count(head: TableHead, runs: Iterator[Rows]) -> Iterator[Rows]:
     """Hand the runs on, and see that none are missing at the end."""
     rows = 0
     for run in runs:

@@ -33,7 +33,7 @@ from design.model.impulses import Impulses
 from design.tables.columns import require_times, varied_paths
 from design.tables.rows import Rows, TableHead, subject_of
 
-MOST_IMPULSES = 5
+MAX_IMPULSES = 5
 """``MaxImpulses`` of AxisShaper.h."""
 
 DECIMALS = 9
@@ -42,7 +42,7 @@ DECIMALS = 9
 CLOCK_HZ = 750_000
 """Slowest step clock of the boards (StepTimer.h, StepClockRate) [Hz]."""
 
-SHORTEST_GAP_S = 2e-6
+MIN_GAP_S = 2e-6
 """Delays must strictly increase, as counts of that clock [s]."""
 
 ROUNDED_AWAY = 1e-3
@@ -53,11 +53,11 @@ adds so much for modes above a kilohertz [-]."""
 def check_reprap(head: TableHead) -> None:
     """Raise InvalidInputError unless RepRapFirmware takes the impulses."""
     require_positive_shaper(head, "RepRapFirmware")
-    if not 1 < head.impulses <= MOST_IMPULSES:
+    if not 1 < head.impulses <= MAX_IMPULSES:
         raise InvalidInputError(
             "impulses",
             head.impulses,
-            f"2 to {MOST_IMPULSES} for RepRapFirmware",
+            f"2 to {MAX_IMPULSES} for RepRapFirmware",
             code="wrong_count_for_reprap",
         )
     require_times(head)
@@ -90,11 +90,11 @@ def write_reprap(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
         times, amplitudes = shaped.times_s.tolist(), shaped.amplitudes.tolist()
         delays = [time - times[0] for time in times[1:]]
         gaps = [after - before for before, after in pairwise(times)]
-        if min(gaps) < SHORTEST_GAP_S:
+        if min(gaps) < MIN_GAP_S:
             raise InvalidInputError(
                 f"times_s of {where}",
                 times,
-                f"{SHORTEST_GAP_S:g} s or more apart for RepRapFirmware",
+                f"{MIN_GAP_S:g} s or more apart for RepRapFirmware",
                 code="gap_too_short_for_reprap",
             )
         plant, actuator, _ = subject.at(paths, rows.fields[index].tolist())
@@ -106,8 +106,8 @@ def write_reprap(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
             raise InvalidInputError(
                 f"times_s of {where}",
                 times,
-                f"such that RepRapFirmware, which counts {CLOCK_HZ} a second, leaves at most "
-                f"{100 * ROUNDED_AWAY:g} % more than {100 * left:.3g} %; it leaves "
+                f"such that the residual in RepRapFirmware, which counts {CLOCK_HZ} a second, is "
+                f"at most {100 * ROUNDED_AWAY:g} % more than {100 * left:.3g} %; it is "
                 f"{100 * played:.3g} %",
                 code="reprap_rounds_too_much",
             )

@@ -1,7 +1,7 @@
 """IEC 61131-3 Structured Text: the table, polynomials for its times, and a shaper, as blocks.
 
 Numbers are LREAL. There is no not-a-number to write: a row without a design holds zeros, its
-impulses let the command pass, and the output ``status`` tells.
+impulses let the command pass, and the output ``status`` says so.
 """
 
 from collections.abc import Iterable, Iterator
@@ -24,7 +24,7 @@ from design.export.program import (
 from design.tables.rows import WITH_DESIGN, Rows, TableHead
 from design.types import FloatArray
 
-NUMBERS_A_LINE = 8
+NUMBERS_PER_LINE = 8
 
 TABLE = Template("""\
 (* Times and amplitudes of one row. status 0: verified; 3: verified for an ideal actuator only;
@@ -221,14 +221,14 @@ def _table(head: TableHead, name: str, rows: Listing) -> str:
         LASTNUMBER=rows.numbers.size - 1,
         LASTTIME=rows.times_s.size - 1,
         LASTROW=head.rows - 1,
-        ALLCOLUMNS=_listed(rows.numbers),
-        ALLTIMES=_listed(rows.times_s),
-        ALLAMPLITUDES=_listed(amplitudes),
+        ALLCOLUMNS=_literal_lines(rows.numbers),
+        ALLTIMES=_literal_lines(rows.times_s),
+        ALLAMPLITUDES=_literal_lines(amplitudes),
         ALLSTATUS=_lines([str(code) for code in rows.status]),
     )
 
 
-def _listed(values: FloatArray) -> str:
+def _literal_lines(values: FloatArray) -> str:
     return _lines([_literal(value) for value in np.nan_to_num(values, nan=0.0).ravel().tolist()])
 
 
@@ -238,8 +238,8 @@ def _literal(value: float) -> str:
 
 def _lines(texts: list[str]) -> str:
     lines = [
-        ", ".join(texts[start : start + NUMBERS_A_LINE])
-        for start in range(0, len(texts), NUMBERS_A_LINE)
+        ", ".join(texts[start : start + NUMBERS_PER_LINE])
+        for start in range(0, len(texts), NUMBERS_PER_LINE)
     ]
     return ",\n".join(f"        {line}" for line in lines)
 
@@ -261,7 +261,7 @@ def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
         LOCAL="    x : LREAL;\n" if by_frequency else "",
         PREPARED=f"x := natural_frequency_rad_s / {_literal(unit)};\n" if unit is not None else "",
         LASTCOEFFICIENT=fit.coefficients.size - 1,
-        COEFFICIENTS=_listed(fit.coefficients),
+        COEFFICIENTS=_literal_lines(fit.coefficients),
         DIVIDED=dividing(fit),
     )
 

@@ -4,7 +4,7 @@ from design.formulations.lag_parameters import LAG_PARAMETERS
 from design.types import FloatArray
 
 ACCEL_TO_DECEL = {1: 3, 2: 4, 5: 6, 7: 9, 8: 10}
-"""Places in `lag_parameters` of what tells of the accelerating set and of the other."""
+"""Places in `lag_parameters` of the accelerating set's numbers and of the other's."""
 
 
 def with_equal_sets(parameters: FloatArray) -> FloatArray:

@@ -12,7 +12,7 @@ from design.types import BoolArray, FloatArray
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Problem:
+class GapProblem:
     """A minimum-time problem over the gaps between impulses."""
 
     model: Model  # The family

@@ -5,7 +5,7 @@ from typing import Literal
 
 from design.claims import Promise, Quantity
 from design.formulations.bands import BandProblem, BandSearch
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.ramped import RampedProblem
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
@@ -36,7 +36,7 @@ class ClosedForm:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class JointProblem:
-    """The fastest shaper that leaves no vibration in any of several modes.
+    """The fastest shaper without residual in any of several modes.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Convolution:
     parts
         Formulations of them, in the order of the modes.
     zeros_of_parts
-        What a part without claims of its own keeps at zero.
+        What a part that claims nothing itself keeps at zero.
     designed_for
         The actuator of the claims.
     """
@@ -88,5 +88,5 @@ class Convolution:
 
 
 Formulation = (
-    ClosedForm | Problem | BandProblem | BandSearch | JointProblem | RampedProblem | Convolution
+    ClosedForm | GapProblem | BandProblem | BandSearch | JointProblem | RampedProblem | Convolution
 )

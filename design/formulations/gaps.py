@@ -12,7 +12,7 @@ from design.types import FloatArray
 
 PERIOD_RAD = 2 * math.pi
 
-SHORTEST_GAP_RAD = 1e-6
+MIN_GAP_RAD = 1e-6
 """Keeps the impulses in order; a thousandth of a degree of swing [rad]."""
 
 
@@ -38,7 +38,7 @@ def settling_gaps_rad(mode: Mode, actuator: Actuator, impulses: int, *, settle: 
     if settle:
         settling = settling_time_s(actuator.accel_lag), settling_time_s(actuator.decel_lag)
     shortest = [
-        max(SHORTEST_GAP_RAD, w * (ramp_s + settling_s))
+        max(MIN_GAP_RAD, w * (ramp_s + settling_s))
         for ramp_s, settling_s in zip(ramps, settling, strict=True)
     ]
     return np.array([shortest[number % 2] for number in range(impulses - 1)])

@@ -1,7 +1,7 @@
 """Extra-insensitive shapers: the equations of a curve of zeros and equal humps, solved.
 
 Residual over frequency ratio r, damping ratio fixed, has zeros, and between them humps that all
-peak at the tolerance. Zeros and peaks lie where they lie: their ratios are unknown as well, but for
+peak at the tolerance. Zeros and peaks lie where they lie: their ratios are unknown as well, except
 the middle one, which is at 1. Unknowns and equations are then as many::
 
     R(r) = sum A_i exp(r s (t_n - t_i)),    s = -z + j sqrt(1 - z^2)
@@ -26,10 +26,10 @@ NEWTON_STEPS = 25
 CONVERGED = 1e-12
 """Step, in radians, ratios and amplitudes, after which the next is rounding."""
 
-LARGEST_STEP = 1.0
+MAX_STEP = 1.0
 """A step longer than that has left the neighbourhood of the solution."""
 
-SHORTEST_SHARE = 1e-3
+MIN_SHARE = 1e-3
 """Shortest step on the way from the undamped shaper, over that way [-]."""
 
 Ends = tuple[float, float]
@@ -58,7 +58,7 @@ class Humps:
 
 
 @functools.lru_cache(maxsize=4096)
-def humped(seed: str, damping_ratio: float, tolerance: float) -> Humps:
+def follow_from_undamped(seed: str, damping_ratio: float, tolerance: float) -> Humps:
     """Return the shaper of a damped mode, followed from the undamped one.
 
     Parameters
@@ -88,17 +88,17 @@ def humped(seed: str, damping_ratio: float, tolerance: float) -> Humps:
         reached, share = 0.0, 1.0
         while reached < 1:
             wanted = min(1.0, reached + share)
-            nearer = solved(found, *on(first + wanted * (last - first)))
-            if nearer is not None and _ordered(nearer):
+            nearer = solve_humps(found, *on(first + wanted * (last - first)))
+            if nearer is not None and _is_in_order(nearer):
                 found, reached = nearer, wanted
                 continue
             share /= 2
-            if share < SHORTEST_SHARE:
+            if share < MIN_SHARE:
                 damping, height = on(first + reached * (last - first))
                 raise InfeasibleDesignError(
-                    f"of {seed} with humps of {tolerance:g} at a damping ratio of "
-                    f"{damping_ratio:g} none was found: followed from the undamped one, its zeros "
-                    f"or impulses meet at a damping ratio of {damping:.3g} with humps of "
+                    f"no {seed} with humps of {tolerance:g} was found at a damping ratio of "
+                    f"{damping_ratio:g}: followed from the undamped shaper, its zeros or "
+                    f"impulses meet at a damping ratio of {damping:.3g} with humps of "
                     f"{height:.3g}",
                     code="humps_meet",
                 )
@@ -110,14 +110,14 @@ def humped(seed: str, damping_ratio: float, tolerance: float) -> Humps:
     return follow(undamped, 0.0, damping_ratio, lambda damping: (damping, tolerance))
 
 
-def _ordered(humps: Humps) -> bool:
+def _is_in_order(humps: Humps) -> bool:
     signs = humps.unity or bool((humps.amplitudes > 0).all())
     between = np.empty(humps.zeros.size + humps.peaks.size)
     between[0::2], between[1::2] = humps.zeros, humps.peaks
     return signs and all(bool((np.diff(row) > 0).all()) for row in (humps.phases_rad, between))
 
 
-def solved(start: Humps, damping_ratio: float, tolerance: float) -> Humps | None:
+def solve_humps(start: Humps, damping_ratio: float, tolerance: float) -> Humps | None:
     """Return the solution next to a start by Newton's method.
 
     Parameters
@@ -153,7 +153,7 @@ def solved(start: Humps, damping_ratio: float, tolerance: float) -> Humps | None
         except np.linalg.LinAlgError:
             return None
         length = float(np.abs(step).max())
-        if not length <= LARGEST_STEP:  # not a number is not
+        if not length <= MAX_STEP:  # not a number is not
             return None
         values[columns] += step
         if length <= CONVERGED:

@@ -25,7 +25,7 @@ def lag_parameters(mode: Mode, actuator: Actuator) -> FloatArray:
     """Return what describes plant and actuator at w = 1.
 
     z, then ``first, second`` of either set, accel before decel; with limits also the duration of
-    either unit ramp, and error and rate that either leaves in its own lag.
+    either unit ramp, and error and rate in its own lag after either.
 
     Parameters
     ----------

@@ -6,13 +6,13 @@ from numpy.polynomial.legendre import leggauss
 
 from design.types import Symbolic
 
-SMALLEST_ROOT = 1e-9
+MIN_ROOT = 1e-9
 """Distance of two poles that counts as none: the sine over it is the angle to double precision."""
 
 RAMP_NODES = 16
 """Gauss nodes of a ramp: exact to rounding up to three periods of the plant."""
 
-SHORTEST_TIME_CONSTANT = 1e-9
+MIN_TIME_CONSTANT = 1e-9
 """Stands for a time constant of 0: at rest after any gap [rad]."""
 
 
@@ -112,11 +112,11 @@ class SymbolicSet:
         import casadi as ca  # noqa: PLC0415
 
         if order == 1:
-            return error * ca.exp(-gap / ca.fmax(self.first, SHORTEST_TIME_CONSTANT)), rate
+            return error * ca.exp(-gap / ca.fmax(self.first, MIN_TIME_CONSTANT)), rate
         corner = 1 / ca.sqrt(self.second)
         damping = self.first * corner / 2
         phase = corner * gap
-        root = ca.fmax(ca.sqrt(ca.fabs(damping * damping - 1)), SMALLEST_ROOT)
+        root = ca.fmax(ca.sqrt(ca.fabs(damping * damping - 1)), MIN_ROOT)
         # Either branch must be finite where the other holds: both are computed.
         under = ca.exp(-ca.fmin(damping, 1) * phase)
         slow = ca.exp(-phase / (ca.fmax(damping, 1) + root))
@@ -136,7 +136,7 @@ class SymbolicSet:
 
 
 class Ramp:
-    """What limits make of a unit step, and error and rate that it leaves in the set's own lag."""
+    """What limits make of a unit step, and error and rate in the set's own lag after it."""
 
     def __init__(self, duration: Symbolic, error: Symbolic, rate: Symbolic) -> None:
         self.duration = duration
@@ -286,32 +286,6 @@ def with_swing(
     rung = exponential(s.scaled(sum(gaps, delay)))
     added = vector * SymbolicSet(first, second).denominator(s) * rung
     return replace(steps, vibration=steps.vibration + added)
-
-
-def over_unshaped(steps: AlternatingSteps, lags: Symbolic) -> Complex:
-    """Return the vibration in units of the unshaped step.
-
-    Limits make a ramp of that step. Where the vibration is zero the unit does not matter; at any
-    other value it does.
-
-    Parameters
-    ----------
-    steps
-        What the steps leave.
-    lags
-        As in `alternating_steps`.
-
-    Returns
-    -------
-    Complex
-        Over the unshaped step [-].
-    """
-    import casadi as ca  # noqa: PLC0415
-
-    z, _, _, _, _, *limits = ca.vertsplit(lags)
-    if not limits:
-        return steps.vibration
-    return steps.vibration / Ramp(limits[0], limits[2], limits[3]).factor(_pole(z, steps.w))
 
 
 def _pole(z: Symbolic, w: Symbolic) -> Complex:

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from design.errors import InfeasibleDesignError
-from design.formulations.equations import Problem
-from design.formulations.gaps import PERIOD_RAD, SHORTEST_GAP_RAD, settling_gaps_rad
+from design.formulations.equations import GapProblem
+from design.formulations.gaps import MIN_GAP_RAD, PERIOD_RAD, settling_gaps_rad
 from design.formulations.lag_parameters import decel_over_accel, lag_parameters, switched_order
 from design.formulations.published_times import ZV_POLYNOMIALS, ZVD_POLYNOMIALS
 from design.formulations.seeds import Seed
@@ -34,7 +34,7 @@ def unity_magnitude_problem(
     max_duration_periods: float,
     amplitudes: FloatArray | None = None,
     seeds: tuple[Seed, ...] = (),
-) -> Problem:
+) -> GapProblem:
     """Formulate a shaper of steps up and down for one mode.
 
     Parameters
@@ -49,7 +49,7 @@ def unity_magnitude_problem(
 
     Returns
     -------
-    Problem
+    GapProblem
         In the gaps.
 
     Raises
@@ -74,7 +74,7 @@ def unity_magnitude_problem(
     else:
         weights = heights = amplitudes
         seeds = seeds or undamped_seeds(ratio, shortest, horizon, amplitudes)
-    return Problem(
+    return GapProblem(
         model=replace(
             model,
             switched_order=switched_order(actuator),
@@ -97,7 +97,7 @@ def _seeds(
     """Polynomials of the literature, shifted by the actuators' phase, then as published.
 
     A step through the deceleration set acts as if it came later by the phase of the ratio, so its
-    time in the seed moves by that. Where a gap is too short to settle, no seed tells which branch
+    time in the seed moves by that. Where a gap is too short to settle, no seed shows which branch
     is the fastest: all are searched.
     """
     label = "umzv_polynomials" if model.derivatives == 0 else "umzvd_polynomials"
@@ -111,6 +111,6 @@ def _seeds(
     seeds = []
     for name, times in ((label, shifted), (f"{label}_as_published", published)):
         gaps = np.diff([0.0, *times])
-        if shortest.max() <= SHORTEST_GAP_RAD or (gaps >= shortest).all():
+        if shortest.max() <= MIN_GAP_RAD or (gaps >= shortest).all():
             seeds.append(Seed(name=name, gaps_rad=gaps))
     return tuple(seeds)

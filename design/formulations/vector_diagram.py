@@ -10,7 +10,7 @@ from design.formulations.gaps import PERIOD_RAD
 from design.formulations.seeds import Seed
 from design.types import FloatArray
 
-LARGEST_ALPHA = 2
+MAX_ALPHA = 2
 """Two unit vectors reach no further [-]."""
 
 
@@ -99,7 +99,7 @@ def undamped_times_rad(
 
 
 def _unit_triangle(alpha: float) -> tuple[float, float]:
-    if alpha > LARGEST_ALPHA:
+    if alpha > MAX_ALPHA:
         raise InfeasibleDesignError(
             f"alpha = |G_decel/G_accel| at the plant's frequency is {alpha!r}, and the vector "
             "diagram of three unit impulses closes only for alpha <= 2",
@@ -121,7 +121,7 @@ def _triangle(alpha: float, amplitudes: FloatArray) -> tuple[float, float]:
             "plant's frequency)",
             code="diagram_open",
         )
-    # Closed but for rounding, a cosine may be beyond 1 by as much.
+    # Closed except for rounding, a cosine may be beyond 1 by as much.
     second = math.acos(min(1.0, (a * a + sides[1] ** 2 - c * c) / (2 * a * sides[1])))
     third = math.acos(max(-1.0, (sides[1] ** 2 - a * a - c * c) / (2 * a * c)))
     return second, third

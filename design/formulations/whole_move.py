@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.expressions import Expressions
 from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
 from design.formulations.lag_parameters import LAG_PARAMETERS, lag_parameters, switched_order
@@ -21,7 +21,7 @@ from design.types import FloatArray
 TRAIN_PERIODS = (1.0, 0.6, 1.4)
 """Lengths of the pulse trains that a short move may start from, in undamped periods [-]."""
 
-FULLEST_TRAIN = 0.9
+MAX_TRAIN_SHARE = 0.9
 """Largest share of a pulse train in which it is on [-]."""
 
 
@@ -102,7 +102,7 @@ def whole_move_problem(
     horizon_rad: float,
     seeds: tuple[Seed, ...],
     swing: FreeSwing | None = None,
-) -> Problem:
+) -> GapProblem:
     """Formulate the fastest move over a given travel, every gap unknown.
 
     Parameters
@@ -124,11 +124,11 @@ def whole_move_problem(
 
     Returns
     -------
-    Problem
+    GapProblem
         In the gaps between all steps.
     """
     w = mode.natural_frequency_rad_s
-    return Problem(
+    return GapProblem(
         model=WholeMove(
             steps=steps,
             derivatives=derivatives,
@@ -150,7 +150,7 @@ def whole_move_problem(
     )
 
 
-def pulse_trains(problem: Problem) -> list[FloatArray]:
+def pulse_trains(problem: GapProblem) -> list[FloatArray]:
     """Return starts for a short move: evenly spaced pulses.
 
     A pulse much shorter than the period is an impulse to the mode: binomial widths make it the ZV
@@ -178,7 +178,7 @@ def pulse_trains(problem: Problem) -> list[FloatArray]:
             [1] * pulses,
         ):
             widths = on * np.array(weights) / sum(weights)
-            apart = max(spacing, float(widths.max()) / FULLEST_TRAIN)
+            apart = max(spacing, float(widths.max()) / MAX_TRAIN_SHARE)
             gaps = np.empty(2 * pulses - 1)
             gaps[0::2] = widths
             gaps[1::2] = apart - (widths[:-1] + widths[1:]) / 2

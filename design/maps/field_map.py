@@ -14,13 +14,13 @@ from design.maps.map_case import OF_ACTUATORS, OF_DESIGNS, Cell, Map, MapCase, R
 from design.maps.of_designs import quantities_of_designs
 from design.types import FloatArray
 
-MOST_CELLS = 20_000
+MAX_CELLS = 20_000
 """Largest map of a command that is held, or of gains [cells]."""
 
-MOST_DESIGNS = 2_000
+MAX_DESIGNS = 2_000
 """Largest map whose every cell is designed [cells]."""
 
-MOST_MOVES = 500
+MAX_MOVES = 500
 """Largest map in whose every cell a whole move is solved, up to 50 ms each [cells]."""
 
 
@@ -87,14 +87,14 @@ def _require_consistent(case: MapCase) -> None:
                 raise InvalidInputError(
                     name,
                     "given",
-                    f"left out: {quantity} is of plant and actuator",
+                    f"left out: {quantity} is of plant and actuator alone",
                     code="quantity_of_plant_alone",
                 )
     if quantity in OF_DESIGNS and (recipe is None or not recipe.each):
         raise InvalidInputError(
             "design",
             "once",
-            f"each, for a map of {quantity}: what is held is alike in every cell",
+            f"each, for a map of {quantity}: a held command is the same in every cell",
             code="design_per_cell_only",
         )
     if quantity == "branch" and (
@@ -126,9 +126,9 @@ def _require_bounded(case: MapCase, x: Axis, y: Axis | None) -> None:
             "y.field", "/".join(y.path), "another field than that of x", code="axes_alike"
         )
     cells = x.values.size * (1 if y is None else y.values.size)
-    most = MOST_CELLS
+    most = MAX_CELLS
     if isinstance(case.shaper, Recipe) and case.shaper.each:
-        most = MOST_DESIGNS if case.move is None else MOST_MOVES
+        most = MAX_DESIGNS if case.move is None else MAX_MOVES
     if cells > most:
         raise InvalidInputError(
             "x.points", f"{cells} cells", f"of a map of at most {most} cells", code="too_many_cells"
@@ -179,5 +179,5 @@ def _of_commands(case: MapCase, cells: list[list[Cell]], x: Axis, y: Axis | None
 
 
 def _unshaped_m(case: MapCase, cell: Cell) -> float:
-    """Return the amplitude that the unshaped step leaves at the payload [m]."""
+    """Return the residual amplitude of the unshaped step at the payload [m]."""
     return (case.speed_m_s or 0.0) * unshaped_deflection_s(cell["plant"].mode, cell["actuator"])

@@ -15,7 +15,7 @@ from design.types import FloatArray
 Quantity = Literal[
     "residual", "deflection_m", "times_s", "duration_s", "branch", "alpha", "beta_rad"
 ]
-"""What a map tells; `Map.values` says what each is."""
+"""What a map shows; `Map.values` says what each is."""
 
 OF_DESIGNS = ("times_s", "duration_s", "branch")
 """Quantities of the shaper itself, which is designed in every cell."""
@@ -33,7 +33,7 @@ class Move:
     pulse_s
         From the first step of the start to the first step of the stop, > 0 [s].
     stop
-        ``solved`` for the actuator whose sets have changed places; ``mirrored``, the gaps of the
+        ``solved`` for the actuator whose sets are swapped; ``mirrored``, the gaps of the
         start in reverse order (Kim 2011, 3.56-3.59).
     """
 
@@ -78,7 +78,7 @@ class MapCase:
     move
         The move that the shaper starts and stops; None for the shaper alone.
     quantity
-        What is told.
+        The quantity of the map.
     speed_m_s
         Full speed, for a deflection [m/s].
     """
@@ -98,10 +98,10 @@ class Map:
     Attributes
     ----------
     quantity
-        What is told.
+        The quantity of the map.
     values
         Shape (len(y), len(x), k), one row without y; not a number where a cell has no such shaper
-        or move. k is 1, but for ``times_s``, the times of all impulses, and ``branch``, n, m and
+        or move. k is 1, except for ``times_s``, the times of all impulses, and ``branch``, n, m and
         the sign of `closed_form_branch`.
         ``residual``: share of an unshaped step [-]. ``deflection_m``: the same at the payload [m].
         ``duration_s``: first to last impulse [s]. ``alpha``, ``beta_rad``: magnitude and lag of

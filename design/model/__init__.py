@@ -1,1 +1,1 @@
-"""What moves, what drives it, and what they are told."""
+"""What moves, what drives it, and their commands."""

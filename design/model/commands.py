@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from design.checks import LARGEST, SMALLEST, require_between
+from design.checks import MAX_VALUE, MIN_VALUE, require_between
 from design.errors import InvalidInputError
 from design.model.impulses import Impulses
 from design.model.merging import merged
@@ -32,11 +32,11 @@ def pulse(pulse_s: float) -> Impulses:
     InvalidInputError
         If the duration is not between 1e-12 and 1e12 s.
     """
-    require_between("pulse_s", pulse_s, SMALLEST, LARGEST)
+    require_between("pulse_s", pulse_s, MIN_VALUE, MAX_VALUE)
     return Impulses(times_s=np.array([0.0, pulse_s]), amplitudes=np.array([1.0, -1.0]))
 
 
-def listed(times_s: FloatArray, velocities: FloatArray) -> Impulses:
+def command_of_velocities(times_s: FloatArray, velocities: FloatArray) -> Impulses:
     """Return a command that takes each velocity at its time, and holds it.
 
     Parameters
@@ -64,13 +64,13 @@ def listed(times_s: FloatArray, velocities: FloatArray) -> Impulses:
             f"as many as the times, {times_s.size}",
             code="velocities_unlike_times",
         )
-    huge = ~(np.abs(velocities) <= LARGEST / 2)  # not a number is not
+    huge = ~(np.abs(velocities) <= MAX_VALUE / 2)  # not a number is not
     if huge.any():
         index = int(huge.argmax())
         raise InvalidInputError(
             f"velocity_m_s.{index}",
             f"{float(velocities[index]):g} times",
-            f"a number, at most {LARGEST / 2:g} times full speed",
+            f"a number, at most {MAX_VALUE / 2:g} times full speed",
             code="velocity_out_of_range",
         )
     last = np.append(times_s[1:] != times_s[:-1], True)
@@ -84,7 +84,7 @@ def listed(times_s: FloatArray, velocities: FloatArray) -> Impulses:
     return merged(Impulses(times_s=times_s, amplitudes=np.diff(velocities, prepend=0.0)))
 
 
-def convolved(command: Impulses, shaper: Impulses) -> Impulses:
+def convolve(command: Impulses, shaper: Impulses) -> Impulses:
     """Return a command shaped by a shaper.
 
     Every step of the command is replaced by the shaper's steps, scaled by its height.
@@ -109,7 +109,7 @@ def convolved(command: Impulses, shaper: Impulses) -> Impulses:
     Examples
     --------
     >>> zv = Impulses(times_s=np.array([0.0, 0.5]), amplitudes=np.array([0.5, 0.5]))
-    >>> convolved(pulse(2.0), zv).times_s.tolist()
+    >>> convolve(pulse(2.0), zv).times_s.tolist()
     [0.0, 0.5, 2.0, 2.5]
     """
     times = np.add.outer(command.times_s, shaper.times_s).ravel()

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from design.checks import LARGEST
+from design.checks import MAX_VALUE
 from design.errors import InvalidInputError
 from design.types import FloatArray
 
@@ -47,12 +47,12 @@ def require_numbers(times_s: FloatArray, amplitudes: FloatArray) -> None:
         For the first fault, if there is one.
     """
     for name, values in (("times_s", times_s), ("amplitudes", amplitudes)):
-        if not np.abs(values).max() <= LARGEST:  # not a number is not
-            index = int(np.flatnonzero(~(np.abs(values) <= LARGEST))[0])
+        if not np.abs(values).max() <= MAX_VALUE:  # not a number is not
+            index = int(np.flatnonzero(~(np.abs(values) <= MAX_VALUE))[0])
             raise InvalidInputError(
                 f"{name}.{index}",
                 float(values[index]),
-                f"between {-LARGEST:g} and {LARGEST:g}",
+                f"between {-MAX_VALUE:g} and {MAX_VALUE:g}",
                 code="out_of_range",
             )
     backward = times_s[1:] < times_s[:-1]

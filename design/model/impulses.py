@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from design.checks import LARGEST
+from design.checks import MAX_VALUE
 from design.model.impulse_faults import require_numbers, require_shapes
 from design.types import BoolArray, FloatArray
 
@@ -42,7 +42,9 @@ class Impulses:
         gaps = times[1:] - times[:-1]
         shortest = float(gaps.min()) if gaps.size else np.inf
         ordered = shortest >= 0
-        if not (ordered and times[0] >= -LARGEST and times[-1] <= LARGEST and 0 < total <= LARGEST):
+        if not (
+            ordered and times[0] >= -MAX_VALUE and times[-1] <= MAX_VALUE and 0 < total <= MAX_VALUE
+        ):
             require_numbers(self.times_s, self.amplitudes)
         margin = ROUNDING * total
         if shortest > self._instant_s and heights.min() > margin:

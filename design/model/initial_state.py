@@ -4,7 +4,7 @@ import cmath
 import math
 from dataclasses import dataclass, replace
 
-from design.checks import LARGEST, require_between
+from design.checks import MAX_VALUE, require_between
 from design.errors import InvalidInputError
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
@@ -13,7 +13,7 @@ from design.model.plants.registry import Plant
 
 def _require_sizes(record: object, *names: str) -> None:
     for name in names:
-        require_between(name, getattr(record, name), -LARGEST, LARGEST)
+        require_between(name, getattr(record, name), -MAX_VALUE, MAX_VALUE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,7 +80,7 @@ class FreeSwing:
     delay_s: float = 0.0
 
     def vector(self, mode: Mode) -> complex:
-        """Return what the swing adds to the vibration that a command leaves.
+        """Return what the swing adds to the residual vibration of a command.
 
         Parameters
         ----------
@@ -155,8 +155,8 @@ def free_swing(
     if state == (0.0, 0.0):
         return None
     deflection, rate = (per_speed * one for one in state)
-    if not math.hypot(deflection, rate) <= LARGEST:
+    if not math.hypot(deflection, rate) <= MAX_VALUE:
         raise InvalidInputError(
-            "initial", state, f"at most {LARGEST:g} times the speed", code="swing_too_large"
+            "initial", state, f"at most {MAX_VALUE:g} times the speed", code="swing_too_large"
         )
     return FreeSwing(deflection_s=deflection, rate=rate, frequency_power=power, delay_s=delay_s)

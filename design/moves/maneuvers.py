@@ -10,7 +10,7 @@ from design.analysis.claims_found import shortfall_of
 from design.analysis.drive_warnings import drive_warnings
 from design.analysis.judge import judge
 from design.analysis.warnings import DesignWarning
-from design.checks import LARGEST, SMALLEST, require_scale
+from design.checks import MAX_VALUE, MIN_VALUE, require_scale
 from design.claims import ZERO_LIMITS, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.formulations.gaps import PERIOD_RAD
@@ -33,7 +33,7 @@ from design.shapers.peak_options import PeakOptions
 from design.shapers.settle_options import SettleOptions
 from design.solving.solve import solve
 
-LONGEST_PERIODS = 500.0
+MAX_PERIODS = 500.0
 """Longest pulse: up to it the certificate's slope, by differencing, stays clear of rounding [-]."""
 
 MUCH_STEEPER = 10.0
@@ -115,7 +115,7 @@ def maneuver(
     """Design a move from rest to rest and prove it as a whole.
 
     The first step of a stop decreases the command: the stop is the start of an actuator whose sets
-    have changed places. Superposed, start and stop may then be put one after the other; a switched
+    are swapped. Superposed, start and stop may then be put one after the other; a switched
     actuator may not be at rest between them, and the stop is solved for the state it finds.
 
     Parameters
@@ -170,11 +170,11 @@ def maneuver(
     require_speed(actuator, speed_m_s)
     direction = _direction(plant.mode, speed_m_s, pulse_s, distance_m)
     swing = free_swing(plant, initial, direction * abs(speed_m_s), actuator.dead_time_s)
-    if swing is not None and swing.delay_s > LONGEST_PERIODS * plant.mode.period_s:
+    if swing is not None and swing.delay_s > MAX_PERIODS * plant.mode.period_s:
         raise InvalidInputError(
             "actuator.dead_time_s",
             swing.delay_s,
-            f"at most {LONGEST_PERIODS:g} periods of the plant where it swings already",
+            f"at most {MAX_PERIODS:g} periods of the plant where it swings already",
             code="dead_time_too_long",
         )
     parts = _parts(plant, actuator, kind, kind.options() if options is None else options)
@@ -196,7 +196,7 @@ def maneuver(
     if joint and not as_one:
         faster = faster_as_one(parts, command)
         if faster is not None:
-            warnings = tuple(_robustness_lost(parts, command, faster))
+            warnings = tuple(_robustness_warnings(parts, command, faster))
             command, as_one = faster, True
     judged = judge(
         command,
@@ -239,7 +239,7 @@ def maneuver(
     )
 
 
-def _robustness_lost(parts: Parts, apart: Impulses, one: Impulses) -> Iterator[DesignWarning]:
+def _robustness_warnings(parts: Parts, apart: Impulses, one: Impulses) -> Iterator[DesignWarning]:
     """Yield that a move solved as one is much more sensitive than start and stop apart."""
     slopes = [
         max(claim.value, ZERO_LIMITS["slope"])
@@ -252,9 +252,9 @@ def _robustness_lost(parts: Parts, apart: Impulses, one: Impulses) -> Iterator[D
         gained = 1 - one.duration_s / apart.duration_s
         yield DesignWarning(
             code="less_robust",
-            detail=f"solved as one the move is {100 * gained:.3g} % faster, and an error of 1 % in "
-            f"the frequency leaves some {slopes[1]:.3g} % of a step, {slopes[1] / slopes[0]:.3g} "
-            "times as much as start and stop apart do",
+            detail=f"solved as one the move is {100 * gained:.3g} % faster. With an error of 1 % "
+            f"in the frequency its residual is some {slopes[1]:.3g} % of a step, "
+            f"{slopes[1] / slopes[0]:.3g} times that of start and stop apart",
         )
 
 
@@ -279,19 +279,19 @@ def mirrored_stop(start: Impulses) -> Impulses:
     )
 
 
-def swapped(actuator: Actuator) -> Actuator:
+def swap_directions(actuator: Actuator) -> Actuator:
     """Return the actuator with its acceleration and deceleration swapped."""
     if isinstance(actuator, RateLimited):
         return replace(
             actuator,
             accel_limit_m_s2=actuator.decel_limit_m_s2,
             decel_limit_m_s2=actuator.accel_limit_m_s2,
-            then=_sets_swapped(actuator.then),
+            then=_swap_sets(actuator.then),
         )
-    return _sets_swapped(actuator)
+    return _swap_sets(actuator)
 
 
-def _sets_swapped(actuator: Unlimited) -> Unlimited:
+def _swap_sets(actuator: Unlimited) -> Unlimited:
     if isinstance(actuator, FirstOrder):
         return replace(
             actuator,
@@ -314,22 +314,22 @@ def _direction(
         )
     if pulse_s is not None:
         require_scale("pulse_s", pulse_s)
-        if not SMALLEST <= abs(speed_m_s) <= LARGEST:
+        if not MIN_VALUE <= abs(speed_m_s) <= MAX_VALUE:
             raise InvalidInputError(
                 "speed_m_s",
                 speed_m_s,
-                f"{SMALLEST:g} to {LARGEST:g}, or minus",
+                f"{MIN_VALUE:g} to {MAX_VALUE:g}, or minus",
                 code="speed_out_of_range",
             )
         _require_provable("pulse_s", pulse_s, pulse_s, mode)
         return 1 if speed_m_s > 0 else -1
     require_scale("speed_m_s", speed_m_s)
     distance = 0.0 if distance_m is None else distance_m
-    if not SMALLEST <= abs(distance) <= LARGEST:
+    if not MIN_VALUE <= abs(distance) <= MAX_VALUE:
         raise InvalidInputError(
             "distance_m",
             distance_m,
-            f"between {SMALLEST:g} and {LARGEST:g} either way, not 0",
+            f"between {MIN_VALUE:g} and {MAX_VALUE:g} either way, not 0",
             code="out_of_range",
         )
     _require_provable("distance_m", distance, abs(distance) / speed_m_s, mode)
@@ -337,11 +337,11 @@ def _direction(
 
 
 def _require_provable(name: str, value: float, travel_s: float, mode: Mode) -> None:
-    if travel_s > LONGEST_PERIODS * mode.period_s:
+    if travel_s > MAX_PERIODS * mode.period_s:
         raise InvalidInputError(
             name,
             value,
-            f"no longer at this speed than {LONGEST_PERIODS:g} periods of the plant",
+            f"no longer at this speed than {MAX_PERIODS:g} periods of the plant",
             code="move_too_long",
         )
 
@@ -356,7 +356,7 @@ def _parts(
         raise InvalidInputError(
             "shaper.kind",
             kind.name,
-            "one of unity magnitude that leaves nothing: moves are solved on levels 0 and 1",
+            "one of unity magnitude without residual: moves are solved on levels 0 and 1",
             code="move_not_served",
         )
     settling = options if isinstance(options, SettleOptions) else SettleOptions()
@@ -382,8 +382,8 @@ def _parts(
 def _with_stop(
     parts: Parts, plant: Plant, kind: ShaperKind, options: ShaperOptions | None
 ) -> Parts:
-    """Return the parts with a stop that leaves nothing, begun at rest at full speed."""
-    turned = swapped(parts.actuator)
+    """Return the parts with a stop without residual, begun at rest at full speed."""
+    turned = swap_directions(parts.actuator)
     if parts.peak == 1:
         return replace(parts, stop=_negative(design(plant, turned, kind, options).impulses))
     stop = replace(kind.case((parts.mode,), turned, options), is_stop=True)

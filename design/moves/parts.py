@@ -8,7 +8,7 @@ import numpy as np
 from design.analysis.certificate import certify
 from design.claims import Promise
 from design.errors import InfeasibleDesignError
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.gaps import settling_gaps_rad
 from design.formulations.lag_parameters import lag_parameters, switched_order
 from design.formulations.seeds import Seed
@@ -21,11 +21,11 @@ from design.model.initial_state import FreeSwing
 from design.model.plants.mode import Mode
 from design.response.closed_form import travel
 from design.solvers import newton
-from design.solvers.continuation import followed
+from design.solvers.continuation import follow
 from design.solvers.search import candidates
 from design.types import FloatArray
 
-SHORTEST_START_SHARE = 1 / 512
+MIN_START_SHARE = 1 / 512
 """The same of a start, which Newton's method follows [-]."""
 
 REST_TIME_CONSTANTS = 50.0
@@ -171,8 +171,8 @@ def with_swing(parts: Parts, swing: FreeSwing) -> Parts:
         ordered = (end.unknowns[0] >= shortest).all()
         return end.unknowns[0] if end.converged[0] and ordered else None
 
-    path = followed(w * np.diff(parts.start.times_s), root, SHORTEST_START_SHARE)
-    problem = Problem(
+    path = follow(w * np.diff(parts.start.times_s), root, MIN_START_SHARE)
+    problem = GapProblem(
         model=model,
         parameters=parameters(1.0),
         amplitudes=parts.start.amplitudes,

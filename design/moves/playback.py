@@ -27,7 +27,7 @@ class Swing:
     deflection_m
         Largest deflection, or the amplitude of a free vibration [m].
     angle_rad
-        The same as an angle; None but for a pendulum [rad].
+        The same as an angle; None except for a pendulum [rad].
     """
 
     deflection_m: float
@@ -36,7 +36,7 @@ class Swing:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Motion:
-    """What a command does, and what it leaves.
+    """What a command does, and its residual.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Motion:
     deflection_m
         Of the payload against its support, shape (n,) [m].
     angle_rad
-        The same as an angle, shape (n,); None but for a pendulum [rad].
+        The same as an angle, shape (n,); None except for a pendulum [rad].
     peak
         Largest swing at these times.
     peak_velocity_m_s
@@ -57,7 +57,7 @@ class Motion:
         the actuator has its own pole at the plant's and rings with it [-].
     remaining
         Amplitude of that free vibration, extrapolated back to the last step (and the dead time
-        after it); None likewise.
+        after it); None if that is.
     """
 
     times_s: FloatArray

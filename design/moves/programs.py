@@ -8,7 +8,7 @@ import numpy as np
 from design.analysis.judge import judge
 from design.analysis.residual import residual_vibration
 from design.analysis.warnings import DesignWarning
-from design.checks import SMALLEST, require_between
+from design.checks import MIN_VALUE, require_between
 from design.claims import zeros
 from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
@@ -18,7 +18,7 @@ from design.model.plants.mode import Mode
 from design.sampling.sample_grid import ON_SAMPLE, split
 from design.types import FloatArray
 
-MOST_SAMPLES = 100_000
+MAX_SAMPLES = 100_000
 """Longest program, a bound on the work of one request."""
 
 
@@ -84,13 +84,13 @@ def program(
     InvalidInputError
         If the sample time is longer than the command, or so short that there are too many samples.
     """
-    require_between("sample_time_s", sample_time_s, SMALLEST, max(command.duration_s, SMALLEST))
+    require_between("sample_time_s", sample_time_s, MIN_VALUE, max(command.duration_s, MIN_VALUE))
     samples = math.ceil(command.duration_s / sample_time_s - ON_SAMPLE)
-    if samples >= MOST_SAMPLES:
+    if samples >= MAX_SAMPLES:
         raise InvalidInputError(
             "sample_time_s",
             sample_time_s,
-            f"such that there are fewer than {MOST_SAMPLES} samples",
+            f"such that there are fewer than {MAX_SAMPLES} samples",
             code="too_many_samples",
         )
     played = split(command, sample_time_s)
@@ -107,9 +107,10 @@ def program(
         warnings = (
             DesignWarning(
                 code="program_residual",
-                detail=f"played on samples of {sample_time_s:g} s, each velocity held, the program "
-                f"leaves {100 * judged.residual:.4g} % of an unshaped step; its command, whose "
-                f"steps fall between the samples, leaves {100 * between:.4g} %",
+                detail=f"played on samples of {sample_time_s:g} s, each velocity held, the "
+                f"residual of the program is {100 * judged.residual:.4g} % of an unshaped "
+                "step; that of its command, whose steps fall between the samples, is "
+                f"{100 * between:.4g} %",
             ),
         )
     return Program(

@@ -6,7 +6,7 @@ import numpy as np
 
 from design.analysis.swing import swing_over_step
 from design.errors import InfeasibleDesignError
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.gaps import of_gaps, settling_gaps_rad
 from design.formulations.lag_parameters import lag_parameters, switched_order
 from design.formulations.seeds import Seed
@@ -16,7 +16,7 @@ from design.model.impulses import Impulses
 from design.moves.parts import Parts
 from design.response.closed_form import travel
 from design.solvers import ipopt
-from design.solvers.continuation import Path, followed
+from design.solvers.continuation import Path, follow
 from design.solvers.moves import MoveCandidate, move_candidates
 from design.solvers.near_root import root
 from design.solvers.outcome import Status
@@ -31,17 +31,17 @@ TRAVEL_ITERATIONS = 8
 PULSE_ITERATIONS = 60
 """Where a slow actuator barely comes to rest within the pulse, an iteration gains little [-]."""
 
-LARGEST_TRAVEL_ERROR = 1e-12
+MAX_TRAVEL_ERROR = 1e-12
 """Relative error of the distance beyond which a move is not returned [-]."""
 
 COMPRESSED = 0.95
 """Share of the pulse into which a compressed start is squeezed [-]."""
 
-SHORTEST_SHARE = 1 / 32
+MIN_SHARE = 1 / 32
 """Step of the swing's share at which a whole move is no longer followed: IPOPT takes a tenth of a
 second to fail [-]."""
 
-SMALLEST_SLOPE = 0.1
+MIN_SLOPE = 0.1
 """Change of travel per travel asked below which the secant is not trusted [-]."""
 
 
@@ -187,7 +187,7 @@ def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> Impulses:
     except InfeasibleDesignError as error:
         if parts.swing is None:
             raise
-        path = _followed_as_one(parts, wanted_s, seeds)
+        path = _follow_as_one(parts, wanted_s, seeds)
         if path.complete:
             return _travelling(
                 parts, wanted_s, (Seed(name="continuation", gaps_rad=path.unknowns),)
@@ -196,24 +196,24 @@ def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> Impulses:
         share = path.share if parts.apart else max(path.share, parts.cancelled)
         raise InfeasibleDesignError(
             f"the swing at the first step is {size:.4g} times that of one unshaped step, and no "
-            "command within the limits was found that cancels it; followed from none, "
-            f"{100 * share:.3g} % of it was cancelled at most: {error}",
+            "command within the limits was found that cancels it; followed from rest, at most "
+            f"{100 * share:.3g} % of it was cancelled: {error}",
             code="swing_not_cancelled",
         ) from error
 
 
-def _followed_as_one(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Path:
+def _follow_as_one(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Path:
     """Follow the move of a payload at rest to the swing asked."""
     candidate, _ = _fastest(replace(parts, swing=None), wanted_s, seeds)
 
-    def solved(guess: FloatArray, share: float) -> FloatArray | None:
+    def solve_share(guess: FloatArray, share: float) -> FloatArray | None:
         swing = None if parts.swing is None else parts.swing.scaled(share)
         problem = _problem(replace(parts, swing=swing), wanted_s, (Seed(name="", gaps_rad=guess),))
         end = ipopt.solve(problem, np.maximum(guess, problem.shortest_gaps_rad))
         in_time = end.unknowns.sum() <= problem.horizon_rad
         return end.unknowns if end.status is Status.SOLVE_SUCCEEDED and in_time else None
 
-    return followed(candidate.gaps_rad, solved, SHORTEST_SHARE)
+    return follow(candidate.gaps_rad, solve_share, MIN_SHARE)
 
 
 def _travelling(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Impulses:
@@ -231,11 +231,11 @@ def _travelling(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Impul
     for _ in range(TRAVEL_ITERATIONS):
         candidate, command = _fastest(parts, target_s, seeds)
         miss_s = wanted_s - travel(command, parts.actuator)
-        if abs(miss_s) <= LARGEST_TRAVEL_ERROR * wanted_s:
+        if abs(miss_s) <= MAX_TRAVEL_ERROR * wanted_s:
             return command
         slope = (last_miss_s - miss_s) / (target_s - last_s) if target_s != last_s else 1.0
         last_s, last_miss_s = target_s, miss_s
-        target_s += miss_s / (slope if slope > SMALLEST_SLOPE else 1.0)
+        target_s += miss_s / (slope if slope > MIN_SLOPE else 1.0)
         if target_s <= 0:
             break
         seeds = (Seed(name="last", gaps_rad=candidate.gaps_rad),)
@@ -265,7 +265,7 @@ def _fastest(
     return next((found, command) for found, command in commands if parts.verified(command))
 
 
-def _problem(parts: Parts, travel_s: float, seeds: tuple[Seed, ...]) -> Problem:
+def _problem(parts: Parts, travel_s: float, seeds: tuple[Seed, ...]) -> GapProblem:
     """Formulate the move as one; on levels 0 and the peak, all is in units of the peak."""
     return whole_move_problem(
         parts.mode,
@@ -299,4 +299,4 @@ def _overlapping_seeds(parts: Parts, pulse_s: float) -> tuple[Seed, ...]:
 def _travels(parts: Parts, command: Impulses, wanted_s: float | None) -> bool:
     if wanted_s is None:
         return True
-    return abs(travel(command, parts.actuator) - wanted_s) <= LARGEST_TRAVEL_ERROR * wanted_s
+    return abs(travel(command, parts.actuator) - wanted_s) <= MAX_TRAVEL_ERROR * wanted_s

@@ -2,7 +2,7 @@
 
 The shaper is designed for a start from rest. Through a linear drive any command is shaped as well
 as the start. Where a step that brakes is answered by another set than one that accelerates, the
-stop leaves what the start does not.
+stop has a residual that the start has not.
 """
 
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from design.analysis.judge import judge
 from design.analysis.warnings import DesignWarning
 from design.claims import Promise
 from design.model.actuators.registry import Actuator
-from design.model.commands import convolved
+from design.model.commands import convolve
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.pipeline import Design
@@ -72,7 +72,7 @@ def shaped_command(
         If all steps of the shaped command cancel.
     """
     claims = found.certificate.claims if claims is None else claims
-    played = convolved(command, found.impulses)
+    played = convolve(command, found.impulses)
     heights = float(np.abs(command.amplitudes).sum())
     promises = tuple(
         replace(promise, limit=heights * promise.limit) for promise in _of_one_step(claims)
@@ -84,7 +84,7 @@ def shaped_command(
     )
     warnings: tuple[DesignWarning, ...] = ()
     if not judged.certificate.verified:
-        warnings = (_lost(command, found, judged.residual, by_itself=by_itself),)
+        warnings = (_residual_warning(command, found, judged.residual, by_itself=by_itself),)
     return ShapedCommand(impulses=played, warnings=warnings)
 
 
@@ -99,7 +99,9 @@ def _of_one_step(claims: tuple[Claim, ...]) -> Iterator[Promise]:
         yield Promise(quantity="residual", limit=min(limits), mode=mode)
 
 
-def _lost(command: Impulses, found: Design, residual: float, *, by_itself: bool) -> DesignWarning:
+def _residual_warning(
+    command: Impulses, found: Design, residual: float, *, by_itself: bool
+) -> DesignWarning:
     """Return why more remains than is claimed; ``by_itself``: the shaper of a step does so too."""
     remains = f"{100 * residual:.4g} % of an unshaped step remains after the last step"
     braking = int((~command.accelerates).sum())

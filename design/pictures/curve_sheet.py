@@ -16,7 +16,7 @@ STROKES: tuple[tuple[str, str | tuple[int, tuple[float, ...]]], ...] = (
     (GREY, (0, (7, 2, 1.5, 2))),
     ("#3f9a8a", "-"),
 )
-"""Colour and dashes of each curve: told apart in grey print too."""
+"""Colour and dashes of each curve: distinct in grey print too."""
 
 HEADROOM = 1.08
 """Height of the panel over that of the highest curve [-]."""

@@ -16,19 +16,19 @@ from design.pictures.curve_sheet import Curve, curve_sheet
 from design.pictures.style import INK, SMALL_PT, house_style
 from design.types import FloatArray
 
-SMALLEST_DRAWN = 0.01
+MIN_DRAWN = 0.01
 """Residuals below it are drawn alike [%]."""
 
 TOLERANCE = 0.05
 """The residual usually allowed, at which a line is drawn [-]."""
 
-SMALLEST_REACH = 0.01
+MIN_REACH = 0.01
 """Least that the colours of a gain ratio reach to either side of 1 [-]."""
 
 DECADES = 3
 """How far down the colours of a deflection reach below the largest [-]."""
 
-FLATTEST = 20
+MAX_PER_LOWEST_LINE = 20
 """Lines of equal deflection are drawn down to this share of the largest; then colours do [-]."""
 
 LEVELS = 6
@@ -139,7 +139,7 @@ def panel_sheet(
         By title, values of shape (len(y), len(x)), in the quantity's own unit; not a number is
         left blank.
     quantity
-        What is told.
+        The quantity of the map.
 
     Returns
     -------
@@ -213,7 +213,7 @@ def _title(case: MapCase, quantity: Quantity) -> str:
 def _norm(quantity: Quantity, shown: Sequence[FloatArray]) -> Normalize:
     """Return the scale of colours that all panels share."""
     if quantity == "residual":
-        return LogNorm(vmin=SMALLEST_DRAWN, vmax=100)
+        return LogNorm(vmin=MIN_DRAWN, vmax=100)
     finite = np.concatenate([values[np.isfinite(values)] for values in shown])
     if finite.size == 0:
         return Normalize(0, 1)
@@ -224,7 +224,7 @@ def _norm(quantity: Quantity, shown: Sequence[FloatArray]) -> Normalize:
         return LogNorm(vmin=highest / 10**DECADES, vmax=highest)
     if quantity == "alpha":
         # As far to either side of 1, where the sets are alike.
-        reach = max(highest - 1, 1 - lowest, SMALLEST_REACH)
+        reach = max(highest - 1, 1 - lowest, MIN_REACH)
         return Normalize(1 - reach, 1 + reach)
     return Normalize(lowest, highest if highest > lowest else lowest + 1)
 
@@ -234,7 +234,7 @@ def _levels(quantity: Quantity, norm: Normalize) -> list[float]:
         return []
     levels = LOOKS[quantity].levels
     if quantity == "deflection_m":
-        return [level for level in levels if level > (norm.vmax or 0.0) / FLATTEST]
+        return [level for level in levels if level > (norm.vmax or 0.0) / MAX_PER_LOWEST_LINE]
     if levels:
         return list(levels)
     from matplotlib.ticker import MaxNLocator  # noqa: PLC0415

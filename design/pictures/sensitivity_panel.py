@@ -45,7 +45,7 @@ def draw_sensitivity(axes: Axes, sensitivity: Sensitivity, nominal_residual: flo
         note = f"no insensitivity: nominal {percent(nominal_residual)} is above tolerance"
     else:
         within = (band.searched_from_ratio, band.searched_to_ratio)
-        note = _told(band)
+        note = _describe_band(band)
         axes.axvspan(*within, ymax=BAND_TOP, color=WASH, linewidth=0, zorder=0.5, gid="band")
         for edge in (band.lower_ratio, band.upper_ratio):
             if edge is not None:
@@ -85,8 +85,8 @@ def draw_sensitivity(axes: Axes, sensitivity: Sensitivity, nominal_residual: flo
     legend_above(axes)
 
 
-def _told(band: Insensitivity) -> str:
-    """Return the band in words; an edge that was not found is told as none."""
+def _describe_band(band: Insensitivity) -> str:
+    """Return the band in words; an edge that was not found is called none."""
     lowest, highest = band.searched_from_ratio, band.searched_to_ratio
     if band.width is not None:
         return f"insensitivity {lowest:.4f} to {highest:.4f}, width {band.width:.4f}"

@@ -14,7 +14,7 @@ PALE = "#d5dae1"
 DEEP = "#0b4f8a"
 """Blue, as dark in grey print as the text."""
 BRIGHT = "#dd7a00"
-"""Orange, half as dark in grey print; never told from blue by colour alone."""
+"""Orange, half as dark in grey print; never distinguished from blue by colour alone."""
 WASH = "#dbe8f4"
 
 SMALL_PT = 8.0

@@ -12,13 +12,13 @@ from design.trace import TraceStep
 WIDTH_IN = 11.0
 HEAD_IN = 1.6
 ROW_IN = 0.24
-LEAST_HEIGHT_IN = 5.0
+MIN_HEIGHT_IN = 5.0
 """Size of the page, and of a row of it [in]."""
 
-MOST_ROWS = 40
+MAX_ROWS = 40
 """Steps that are drawn: of more, the first half of these and the last [-]."""
 
-LONGEST_NOTE = 80
+MAX_NOTE_CHARACTERS = 80
 """Characters of an outcome that are written [-]."""
 
 COLOURS = {
@@ -33,7 +33,7 @@ COLOURS = {
 }
 """Colour of an outcome; any other is grey."""
 
-SMALLEST_MISS = 1e-17
+MIN_MISS = 1e-17
 """Misses are drawn from here on: zero has no logarithm [-]."""
 
 
@@ -55,10 +55,10 @@ def trace_sheet(name: str, trace: Sequence[TraceStep]) -> Figure:
         iteration, of the solves that report it.
     """
     rows = list(enumerate(trace, start=1))
-    left_out = max(len(rows) - MOST_ROWS, 0)
+    left_out = max(len(rows) - MAX_ROWS, 0)
     if left_out:
-        rows = [*rows[: MOST_ROWS // 2], *rows[-(MOST_ROWS // 2) :]]
-    height = max(HEAD_IN + ROW_IN * len(rows), LEAST_HEIGHT_IN)
+        rows = [*rows[: MAX_ROWS // 2], *rows[-(MAX_ROWS // 2) :]]
+    height = max(HEAD_IN + ROW_IN * len(rows), MIN_HEIGHT_IN)
     with house_style():
         figure = Figure(figsize=(WIDTH_IN, height))
         figure.text(0.018, 1 - 0.45 / height, f"{name}: the search", fontsize=16.0, weight="bold")
@@ -86,7 +86,7 @@ def _draw_steps(axes: Axes, rows: list[tuple[int, TraceStep]]) -> None:
         axes.barh(place, step.duration_s or 0.0, height=0.62, color=colour)
         words = step.outcome.replace("_", " ") + (f": {step.detail}" if step.detail else "")
         axes.annotate(
-            words if len(words) <= LONGEST_NOTE else f"{words[:LONGEST_NOTE]}…",
+            words if len(words) <= MAX_NOTE_CHARACTERS else f"{words[:MAX_NOTE_CHARACTERS]}…",
             (0.0, place),
             xytext=(4, 0),
             textcoords="offset points",
@@ -109,7 +109,7 @@ def _draw_misses(axes: Axes, rows: list[tuple[int, TraceStep]]) -> None:
     name_panel(axes, "misses", "Equations off by")
     told = [(number, step) for number, step in rows if step.misses]
     for number, step in told:
-        found = [max(miss, SMALLEST_MISS) for miss in step.misses]
+        found = [max(miss, MIN_MISS) for miss in step.misses]
         done = step.outcome == "solve_succeeded"
         axes.plot(found, marker="o", markersize=3, color=DEEP if done else BRIGHT, linewidth=1.0)
         axes.annotate(
@@ -123,6 +123,6 @@ def _draw_misses(axes: Axes, rows: list[tuple[int, TraceStep]]) -> None:
         axes.set_yticks([])
         return
     axes.set_yscale("log")
-    axes.set_ylim(SMALLEST_MISS / 3, max(axes.get_ylim()[1], 1.0))
+    axes.set_ylim(MIN_MISS / 3, max(axes.get_ylim()[1], 1.0))
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlabel("iteration")

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from design.analysis.band import largest_in_band
 from design.analysis.warnings import DesignWarning
 from design.errors import DesignError
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution
 from design.model.actuators.registry import Actuator
 from design.model.plants.modes import Modes
@@ -20,7 +20,7 @@ from design.recommendations.choices import Choice
 from design.recommendations.requirements import Question
 from design.sampling.left import cuts_ramps
 from design.sampling.sampled_design import SAMPLE_TOLERANCE, sampled_design
-from design.shapers.several_modes import FREQUENCIES_A_RADIAN, impulses_of
+from design.shapers.several_modes import FREQUENCIES_PER_RADIAN, impulses_of
 from design.solvers.budget import Budget
 
 TIGHTENED, TIGHTENED_ON_SAMPLES = 6, 2
@@ -41,11 +41,11 @@ AIM, ENOUGH = 1 - 1e-3, 0.99
 SLOWER = 1.01
 """Duration over the first one's for which it goes on: that of most kinds is one for all [-]."""
 
-LONGEST_PERIODS = {"positive": 12.0, "negative": 4.0}
+MAX_PERIODS = {"positive": 12.0, "negative": 4.0}
 """Shapers over a band that are searched, in periods as of `_periods`, by their amplitudes: longer
 ones cost ten seconds and more each, as measured for bands to 0.9 and tolerances to 0.001."""
 
-MOST_WORK_A_SHAPER = 2_000_000
+MAX_WORK_PER_SHAPER = 2_000_000
 """What one shaper may take of the budget, designed anew for smaller tolerances too [units]."""
 
 DESIGN_WORK = 20_000.0
@@ -54,11 +54,11 @@ DESIGN_WORK = 20_000.0
 SAMPLED_WORK, UNITY_SAMPLED_WORK, CUT_SAMPLED_WORK = 30_000.0, 400_000.0, 2_000_000.0
 """Work of bringing a shaper to samples: of one sign, of both, with ramps that are cut [units]."""
 
-MOST_CONVOLVED = 130
+MAX_CONVOLVED_IMPULSES = 130
 """Impulses of a convolved shaper that is asked, at most: three modes with five each [-]."""
 
 WITHIN = 1 + 1e-9
-"""Margin of a tolerance, as of the certificate: an EI shaper lies on its own but for rounding."""
+"""Margin of a tolerance, as of the certificate: an EI shaper lies on it except for rounding."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -72,7 +72,7 @@ class Designed:
     found
         The design, on samples where asked.
     worst_residual
-        The most that it leaves anywhere in the ranges asked, by simulation [-].
+        Its largest residual in the ranges asked, by simulation [-].
     lower_bound_s
         No shaper of its class that keeps the tolerance over the band is as short: proven; None
         where nothing is [s].
@@ -101,7 +101,7 @@ class Refused:
     searched: bool = True
 
 
-def designed(choice: Choice, question: Question, budget: Budget) -> Designed | Refused:
+def try_choice(choice: Choice, question: Question, budget: Budget) -> Designed | Refused:
     """Design one shaper and measure its residual, or say why there is none.
 
     What that takes is spent from the budget; none is searched where that is spent already.
@@ -118,7 +118,7 @@ def designed(choice: Choice, question: Question, budget: Budget) -> Designed | R
     Returns
     -------
     Designed or Refused
-        The shaper with what it leaves, or the reason of the refusal in words.
+        The shaper with its residual, or the reason of the refusal in words.
     """
     kind, asked = choice.kind, question.requirements
     if question.actuator.kind not in kind.actuators:
@@ -129,37 +129,37 @@ def designed(choice: Choice, question: Question, budget: Budget) -> Designed | R
         )
     if "half_width" in choice.options and hasattr(kind.options, "amplitudes"):
         periods = _periods(choice.options["half_width"], asked.tolerance)
-        if periods > LONGEST_PERIODS[choice.options.get("amplitudes", "positive")]:
+        if periods > MAX_PERIODS[choice.options.get("amplitudes", "positive")]:
             return Refused(
                 choice=choice,
                 reason="is not searched: over this band an undamped positive shaper within "
-                f"{asked.tolerance:g} takes about {periods:.2g} periods, and to find the fastest "
-                "of so many impulses takes too long",
+                f"{asked.tolerance:g} takes about {periods:.2g} periods, and the search "
+                "for the fastest of that many impulses takes too long",
                 searched=False,
             )
     try:
-        impulses = _convolved_impulses(choice, question)
-        if impulses > MOST_CONVOLVED:
+        impulses = _count_convolved(choice, question)
+        if impulses > MAX_CONVOLVED_IMPULSES:
             return Refused(
                 choice=choice,
                 reason=f"is not designed: convolved for {len(question.nominal)} modes it has "
-                f"{impulses} impulses, and to prove what more than {MOST_CONVOLVED} leave over a "
-                "band takes too long",
+                f"{impulses} impulses, and to prove the residual of more than "
+                f"{MAX_CONVOLVED_IMPULSES} over a band takes too long",
                 searched=False,
             )
         if budget.spent:
             return Refused(
                 choice=choice,
-                reason=f"is not searched: of the recommendation {budget.in_words} by shapers that "
-                "take less",
+                reason="is not searched: shapers that take less were tried before it, and of "
+                f"the recommendation {budget.in_words}",
                 searched=False,
             )
-        own = budget.part(MOST_WORK_A_SHAPER)
+        own = budget.part(MAX_WORK_PER_SHAPER)
         try:
-            first = made(choice, question, own)
+            first = design_choice(choice, question, own)
             over = first.worst_residual / asked.tolerance
             if "tolerance" in choice.options and WITHIN < over <= NEARLY:
-                return _tightened(first, question, own) or first
+                return _tighten(first, question, own) or first
         finally:
             budget.spend(own.done)
     except DesignError as error:
@@ -167,7 +167,7 @@ def designed(choice: Choice, question: Question, budget: Budget) -> Designed | R
     return first
 
 
-def _tightened(first: Designed, question: Question, budget: Budget) -> Designed | None:
+def _tighten(first: Designed, question: Question, budget: Budget) -> Designed | None:
     """Return the shaper for a tolerance so small that it keeps the one asked; None if none does.
 
     The first step takes the excess off the tolerance, further ones are by false position.
@@ -187,7 +187,7 @@ def _tightened(first: Designed, question: Question, budget: Budget) -> Designed 
         if budget.spent:
             break
         try:
-            again = made(with_tolerance(first.choice, smaller), question, budget)
+            again = design_choice(with_tolerance(first.choice, smaller), question, budget)
         except DesignError:
             break
         if again.worst_residual <= WITHIN * asked:
@@ -258,7 +258,7 @@ def effort(choice: Choice, question: Question) -> float:
         return 0.0  # what is refused at once
     if isinstance(found, ClosedForm):
         return 0.0
-    if isinstance(found, Problem):
+    if isinstance(found, GapProblem):
         return float(found.bounds[0].size)
     if isinstance(found, Convolution):
         return float(impulses_of(found.parts))
@@ -269,7 +269,7 @@ PROGRAMS_EFFORT = 20.0
 """Effort of what needs programs: more than that of any equations here [-]."""
 
 
-def _convolved_impulses(choice: Choice, question: Question) -> int:
+def _count_convolved(choice: Choice, question: Question) -> int:
     """Return how many impulses a convolved shaper has, 0 for another."""
     kind = choice.kind
     if "base" not in choice.options:
@@ -289,8 +289,8 @@ def _periods(half_width: float, tolerance: float) -> float:
     return math.acosh(1 / tolerance) / (math.pi * (1 - half_width))
 
 
-def made(choice: Choice, question: Question, budget: Budget) -> Designed:
-    """Design one shaper and measure what it leaves.
+def design_choice(choice: Choice, question: Question, budget: Budget) -> Designed:
+    """Design one shaper and measure its residual.
 
     Parameters
     ----------
@@ -350,7 +350,7 @@ def _work_of_worst(found: Design, question: Question) -> float:
     radians = (band[1] - band[0]) * duration * sum(
         mode.natural_frequency_rad_s for mode in question.designed_for
     )  # fmt: skip
-    return question.actuator.PROOF_WORK * impulses * FREQUENCIES_A_RADIAN * radians * lines
+    return question.actuator.PROOF_WORK * impulses * FREQUENCIES_PER_RADIAN * radians * lines
 
 
 def _worst(found: Design, question: Question) -> float:

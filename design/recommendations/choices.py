@@ -36,7 +36,7 @@ class Choice:
 
     @property
     def name(self) -> str:
-        """The kind, with what tells it from others of the same kind."""
+        """The kind, with what distinguishes it from others of that kind."""
         told = [f"{name} {self.options[name]}" for name in TELLING if name in self.options]
         return f"{self.kind.name} ({', '.join(told)})" if told else self.kind.name
 

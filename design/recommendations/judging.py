@@ -15,7 +15,7 @@ from design.model.impulses import Impulses
 from design.recommendations.candidates import WITHIN, Designed
 from design.recommendations.requirements import Question
 
-MOST_SHOWN = 4
+MAX_SHOWN_AMPLITUDES = 4
 """Amplitudes that a reason repeats."""
 
 ROUNDING = 1e-9
@@ -54,12 +54,12 @@ class Candidate:
     designed
         The shaper.
     residual
-        What it leaves in the nominal modes with the actuator given, at most [-].
+        Its largest residual in the nominal modes with the actuator given [-].
     insensitivity
         Ratios of the nominal frequencies around 1 at which it keeps the tolerance, at the damping
         that it is designed for; None where it does not at 1.
     high_mode_gain
-        The most that it leaves from 1.5 to 10 times the highest mode, at the least damping [-].
+        Its largest residual from 1.5 to 10 times the highest mode, at the least damping [-].
     lowest_command, highest_command
         Levels of a shaped unit step, over its cruise speed [-].
     smoothing
@@ -82,7 +82,7 @@ class Candidate:
 
     @property
     def name(self) -> str:
-        """Its kind, with what tells it from others of the same kind."""
+        """Its kind, with what distinguishes it from others of that kind."""
         return self.designed.choice.name
 
     @property
@@ -114,7 +114,7 @@ class Candidate:
         return math.inf if width is None else width
 
 
-def judged(designed: Designed, question: Question) -> Candidate:
+def judge_choice(designed: Designed, question: Question) -> Candidate:
     """Measure a shaper and hold it against every requirement.
 
     Parameters
@@ -158,7 +158,7 @@ def _verdicts(candidate: Candidate, question: Question) -> Iterator[Verdict]:
         met=met,
         value=worst,
         limit=asked.tolerance,
-        reason=f"leaves {_at_most(worst, met=met)} {ranges(question)}, "
+        reason=f"has a residual {_at_most(worst, met=met)} {ranges(question)}, "
         f"{'within' if met else 'above'} {percent(asked.tolerance)}",
     )
     if asked.max_duration_s is not None:
@@ -189,16 +189,16 @@ def _verdicts(candidate: Candidate, question: Question) -> Iterator[Verdict]:
             met=met,
             value=gain,
             limit=limit,
-            reason=f"leaves {'at most' if met else 'up to'} {gain:.3g} of an unshaped step in "
-            f"modes from {HIGH_MODES[0]:g} to {HIGH_MODES[1]:g} times the frequency, "
-            f"{'within' if met else 'above'} {limit:.3g}",
+            reason=f"has a residual of {'at most' if met else 'up to'} {gain:.3g} of an unshaped "
+            f"step in modes from {HIGH_MODES[0]:g} to {HIGH_MODES[1]:g} times the "
+            f"frequency, {'within' if met else 'above'} {limit:.3g}",
         )
 
 
 def _at_most(worst: float, *, met: bool) -> str:
     if worst == math.inf:
-        return "without bound, as the decelerating set rings there,"
-    return f"{'at most' if met else 'up to'} {percent(worst)}"
+        return "without bound, as the decelerating set resonates there,"
+    return f"of {'at most' if met else 'up to'} {percent(worst)}"
 
 
 def _command_verdict(candidate: Candidate, question: Question) -> Verdict:
@@ -241,7 +241,10 @@ def _sign_in_words(impulses: Impulses, sign: str, *, met: bool) -> str:
     if met:
         return "its impulses are +1 and -1 in turn"
     told = [f"{amplitude:.3g}" for amplitude in impulses.amplitudes.tolist()]
-    shown = ", ".join([*told[:MOST_SHOWN], *(["..."] if len(told) > MOST_SHOWN else [])])
+    shown = ", ".join([
+        *told[:MAX_SHOWN_AMPLITUDES],
+        *(["..."] if len(told) > MAX_SHOWN_AMPLITUDES else []),
+    ])
     return f"its impulses are {shown}, not +1 and -1 in turn"
 
 

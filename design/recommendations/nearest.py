@@ -5,16 +5,16 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from design.errors import DesignError, InfeasibleDesignError
-from design.recommendations.candidates import Designed, Refused, made, with_tolerance
+from design.recommendations.candidates import Designed, Refused, design_choice, with_tolerance
 from design.recommendations.choices import Choice
-from design.recommendations.judging import Candidate, judged, percent, ranges
+from design.recommendations.judging import Candidate, judge_choice, percent, ranges
 from design.recommendations.requirements import Question
 from design.solvers.budget import Budget
 
 HALVINGS = 6
 """Of the way between two tolerances: a sixty-fourth of their quotient's logarithm is left."""
 
-MOST_REASONS = 3
+MAX_REASONS = 3
 """Refusals that are repeated where nothing at all could be designed."""
 
 
@@ -28,13 +28,13 @@ class _Limit:
         Requirements that it is made of.
     size
         How far a candidate is from it, least is nearest.
-    told
+    describe
         What the nearest is, in words.
     """
 
     fields: tuple[str, ...]
     size: Callable[[Candidate], float]
-    told: Callable[[Candidate], str]
+    describe: Callable[[Candidate], str]
 
 
 def unmet(
@@ -45,7 +45,7 @@ def unmet(
 ) -> InfeasibleDesignError:
     """Return the error that no shaper meets the requirements.
 
-    For each limit it tells what can be met if that one alone is given up. Where a longest duration
+    For each limit it reports what can be met if that one alone is dropped. Where a longest duration
     is asked, kinds that are designed for a band are designed anew for larger tolerances, to find
     the least that can be left in that time.
 
@@ -66,13 +66,13 @@ def unmet(
         With the nearest shapers; to be raised by the caller.
     """
     if not ranked:
-        reasons = [f"{one.choice.name}: {one.reason}" for one in refused[:MOST_REASONS]]
+        reasons = [f"{one.choice.name}: {one.reason}" for one in refused[:MAX_REASONS]]
         return InfeasibleDesignError(
             f"no shaper could be designed; {'; '.join(reasons)}", code="none_designed"
         )
-    eased = [*ranked, *_eased(question, ranked, budget)]
+    eased = [*ranked, *_eased_candidates(question, ranked, budget)]
     faults = [
-        (limit.fields[0], limit.told(nearest))
+        (limit.fields[0], limit.describe(nearest))
         for limit in _limits(question)
         for nearest in _nearest(limit, eased)
     ]
@@ -80,21 +80,25 @@ def unmet(
     if not faults:
         nearest = min(ranked, key=lambda one: (len(one.missed), one.duration_s))
         missed = [verdict.reason for verdict in nearest.verdicts if not verdict.met]
-        told = [f"nor if one limit is given up; {nearest.name} misses least: {', '.join(missed)}"]
+        told = [
+            f"dropping any single limit does not help; {nearest.name} comes closest: "
+            f"{', '.join(missed)}"
+        ]
         faults = [
             (verdict.requirement, verdict.reason) for verdict in nearest.verdicts if not verdict.met
         ]
     if question.requirements.max_duration_s is not None:
         told += shortest_possible(question, ranked)
     told += [f"{one.choice.name} {one.reason}" for one in refused if not one.searched]
+    limits = _describe_limits(question)
     return InfeasibleDesignError(
-        f"no shaper of {len(ranked)} designed meets all of {_asked(question)}: {'; '.join(told)}",
+        f"none of {len(ranked)} designed shapers meets all of {limits}: {'; '.join(told)}",
         code="none_meets_all",
         faults=tuple(faults),
     )
 
 
-def _asked(question: Question) -> str:
+def _describe_limits(question: Question) -> str:
     """Return every limit in words, the tolerance with where it is asked."""
     asked = question.requirements
     limits = [
@@ -123,8 +127,8 @@ def _limits(question: Question) -> Iterator[_Limit]:
     yield _Limit(
         fields=("tolerance",),
         size=lambda one: one.designed.worst_residual,
-        told=lambda one: (
-            f"within the other limits the least found to be left is "
+        describe=lambda one: (
+            "within the other limits the smallest residual found is "
             f"{percent(one.designed.worst_residual)}, by {one.name}, {one.duration_s:.4g} s"
         ),
     )
@@ -132,7 +136,7 @@ def _limits(question: Question) -> Iterator[_Limit]:
         yield _Limit(
             fields=("max_duration_s",),
             size=lambda one: one.duration_s,
-            told=lambda one: (
+            describe=lambda one: (
                 f"the shortest found that meets the other limits takes {one.duration_s:.4g} s, "
                 f"{one.name}"
             ),
@@ -141,8 +145,8 @@ def _limits(question: Question) -> Iterator[_Limit]:
         yield _Limit(
             fields=("sign",),
             size=lambda one: one.duration_s,
-            told=lambda one: (
-                f"of other signs than {asked.sign} {one.name} serves, {one.duration_s:.4g} s"
+            describe=lambda one: (
+                f"with another sign than {asked.sign}, {one.name} serves, {one.duration_s:.4g} s"
             ),
         )
     yield _Limit(
@@ -150,8 +154,8 @@ def _limits(question: Question) -> Iterator[_Limit]:
         size=lambda one: max(
             asked.lowest_command - one.lowest_command, one.highest_command - asked.highest_command
         ),
-        told=lambda one: (
-            f"with a command from {one.lowest_command:.4g} to {one.highest_command:.4g} "
+        describe=lambda one: (
+            f"with a command from {one.lowest_command:.4g} to {one.highest_command:.4g}, "
             f"{one.name} serves, {one.duration_s:.4g} s"
         ),
     )
@@ -159,7 +163,7 @@ def _limits(question: Question) -> Iterator[_Limit]:
         yield _Limit(
             fields=("max_high_mode_gain",),
             size=lambda one: one.high_mode_gain,
-            told=lambda one: (
+            describe=lambda one: (
                 f"the least high-mode gain found is {one.high_mode_gain:.3g}, of {one.name}, "
                 f"{one.duration_s:.4g} s"
             ),
@@ -202,7 +206,9 @@ def shortest_possible(question: Question, ranked: Sequence[Candidate]) -> Iterat
         )
 
 
-def _eased(question: Question, ranked: Sequence[Candidate], budget: Budget) -> Iterator[Candidate]:
+def _eased_candidates(
+    question: Question, ranked: Sequence[Candidate], budget: Budget
+) -> Iterator[Candidate]:
     """Yield shapers over the band that leave little more than the least in the longest time."""
     longest = question.requirements.max_duration_s
     if longest is None:
@@ -216,29 +222,29 @@ def _eased(question: Question, ranked: Sequence[Candidate], budget: Budget) -> I
         choice = candidate.designed.choice
         if candidate.duration_s <= longest or "half_width" not in choice.options:
             continue
-        low, high = question.requirements.tolerance, min([*short, LARGEST_TOLERANCE])
+        low, high = question.requirements.tolerance, min([*short, MAX_TOLERANCE])
         if high <= low:
             continue
         for _ in range(HALVINGS):
             if budget.spent:
                 return
             middle = math.sqrt(low * high)
-            found = _eased_to(choice, middle, question, budget)
+            found = _ease_to(choice, middle, question, budget)
             if found is None or found.found.impulses.duration_s > longest:
                 low = middle
                 continue
-            yield judged(found, question)
+            yield judge_choice(found, question)
             high = middle
 
 
-LARGEST_TOLERANCE = 0.5
+MAX_TOLERANCE = 0.5
 """Largest residual over a band that a shaper is designed for: above it little is suppressed [-]."""
 
 
-def _eased_to(
+def _ease_to(
     choice: Choice, tolerance: float, question: Question, budget: Budget
 ) -> Designed | None:
     try:
-        return made(with_tolerance(choice, tolerance), question, budget)
+        return design_choice(with_tolerance(choice, tolerance), question, budget)
     except DesignError:
         return None  # what is offered instead must not fail the answer

@@ -9,9 +9,9 @@ from design.analysis.high_modes import HIGH_MODES
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
-from design.recommendations.candidates import Refused, designed, effort
+from design.recommendations.candidates import Refused, effort, try_choice
 from design.recommendations.choices import choices, serves
-from design.recommendations.judging import Candidate, judged, percent, ranges
+from design.recommendations.judging import Candidate, judge_choice, percent, ranges
 from design.recommendations.nearest import shortest_possible, unmet
 from design.recommendations.requirements import Question, Requirements, question_of
 from design.shapers.registry import SHAPERS
@@ -23,7 +23,7 @@ NO_GAIN = 1 + 1e-6
 SAME = 1e-6
 """Shapers whose times over their duration, and amplitudes, differ by less are the same [-]."""
 
-MOST_WORK = 3_000_000
+MAX_WORK_PER_RECOMMENDATION = 3_000_000
 """What all searches of one recommendation may take: judging takes a second besides [units]."""
 
 DIGITS = 6
@@ -107,15 +107,15 @@ def recommend(plant: Plant, actuator: Actuator, requirements: Requirements) -> R
         if serves(kind, question)
         for choice in choices(kind, question)
     ]
-    budget = Budget(most=MOST_WORK)
+    budget = Budget(most=MAX_WORK_PER_RECOMMENDATION)
     for choice in sorted(asked, key=lambda one: effort(one, question)):
-        made = designed(choice, question, budget)
+        made = try_choice(choice, question, budget)
         if isinstance(made, Refused):
             refused.append(made)
         else:
-            found.append(judged(made, question))
+            found.append(judge_choice(made, question))
     refused.sort(key=lambda one: asked.index(one.choice))
-    ranked = _with_the_same_named(sorted(found, key=_rank))
+    ranked = _name_repetitions(sorted(found, key=_rank))
     meeting = tuple(candidate for candidate in ranked if not candidate.missed)
     if not meeting:
         raise unmet(question, ranked, refused, budget)
@@ -128,7 +128,7 @@ def recommend(plant: Plant, actuator: Actuator, requirements: Requirements) -> R
     )
 
 
-def _with_the_same_named(ranked: Sequence[Candidate]) -> list[Candidate]:
+def _name_repetitions(ranked: Sequence[Candidate]) -> list[Candidate]:
     """Return the candidates, each that repeats an earlier one with its name."""
     told: list[Candidate] = []
     for candidate in ranked:
@@ -146,13 +146,13 @@ def _same(one: Impulses, other: Impulses) -> bool:
 
 def _rank(candidate: Candidate) -> tuple[float, float, float]:
     return (
-        _rounded(candidate.duration_s),
-        -_rounded(candidate.width),
-        _rounded(candidate.high_mode_gain),
+        _round(candidate.duration_s),
+        -_round(candidate.width),
+        _round(candidate.high_mode_gain),
     )
 
 
-def _rounded(value: float) -> float:
+def _round(value: float) -> float:
     return float(f"{value:.{DIGITS}g}")
 
 
@@ -163,7 +163,7 @@ def _reasons(
     many = f"the fastest of {len(meeting)} shapers" if len(meeting) > 1 else "the only shaper"
     yield (
         f"{best.name} is {many} designed here that {'meet' if len(meeting) > 1 else 'meets'} all "
-        f"that is asked: it takes {best.duration_s:.4g} s and leaves at most "
+        f"that is asked: it takes {best.duration_s:.4g} s, and its residual is at most "
         f"{percent(best.designed.worst_residual)} {ranges(question)}"
     )
     if len(meeting) > 1:
@@ -171,18 +171,18 @@ def _reasons(
     calm = [one for one in meeting if one.high_mode_gain <= NO_GAIN]
     if best.high_mode_gain > NO_GAIN and calm:
         yield (
-            f"it leaves up to {best.high_mode_gain:.3g} times as much in a mode at "
-            f"{HIGH_MODES[0]:g} to {HIGH_MODES[1]:g} times the frequency as an unshaped step does; "
-            f"where such modes matter, {calm[0].name}, {calm[0].duration_s:.4g} s, leaves no more "
-            "than that step"
+            f"in a mode at {HIGH_MODES[0]:g} to {HIGH_MODES[1]:g} times the frequency the "
+            f"residual of {best.name} is up to {best.high_mode_gain:.3g} times that of an "
+            f"unshaped step; where such modes matter, that of {calm[0].name}, "
+            f"{calm[0].duration_s:.4g} s, is at most that of the step"
         )
     faster = [one for one in ranked if one.missed and one.duration_s < best.duration_s]
     if faster:
         nearest = min(faster, key=lambda one: (len(one.missed), one.designed.worst_residual))
         missed = [verdict.reason for verdict in nearest.verdicts if not verdict.met]
         yield (
-            f"of {len(faster)} that are faster none serves; {nearest.name}, "
-            f"{nearest.duration_s:.4g} s, comes nearest, but {' and '.join(missed)}"
+            f"none of the {len(faster)} faster ones serves; {nearest.name}, "
+            f"{nearest.duration_s:.4g} s, comes closest, but {' and '.join(missed)}"
         )
     yield from shortest_possible(question, ranked)
 

@@ -1,15 +1,14 @@
 """What a shaper is asked to do, before any is chosen."""
 
-import math
 from dataclasses import dataclass
 from typing import Literal
 
 from design.analysis.workable import require_workable
 from design.band import ends_of, require_said_once
-from design.checks import LARGEST, require_between, require_scale
+from design.checks import MAX_VALUE, require_between, require_scale
 from design.errors import InvalidInputError
-from design.model.actuators.registry import Actuator, unit_ramps_s
-from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.actuators.registry import Actuator
+from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
@@ -17,14 +16,14 @@ from design.model.plants.scheduled import Scheduled
 Sign = Literal["any", "positive", "unity"]
 """Amplitudes allowed: all; above zero; +1, -1, +1, ... as an on-off drive takes them."""
 
-WIDEST_HALF_WIDTH = 0.95
-SMALLEST_RATIO, LARGEST_RATIO = 0.05, 10.0
+MAX_HALF_WIDTH = 0.95
+MIN_RATIO, MAX_RATIO = 0.05, 10.0
 """Bounds of the band: what is known no better than by a factor of ten is to be measured [-]."""
 
-SMALLEST_TOLERANCE = 1e-6
+MIN_TOLERANCE = 1e-6
 """Far below anything that a machine shows [-]."""
 
-FARTHEST_COMMAND = 10.0
+MAX_COMMAND = 10.0
 """Farthest limit of the command from 0 and 1, in cruise speeds [-]."""
 
 MIDDLE_ROUNDING = 1e-12
@@ -73,17 +72,17 @@ class Requirements:
 
     def __post_init__(self) -> None:
         self._require_band()
-        if not SMALLEST_TOLERANCE <= self.tolerance < 1:
+        if not MIN_TOLERANCE <= self.tolerance < 1:
             raise InvalidInputError(
                 "tolerance",
                 self.tolerance,
-                f"at least {SMALLEST_TOLERANCE:g} and below 1, which no shaper leaves",
+                f"at least {MIN_TOLERANCE:g} and below 1, the residual without a shaper",
                 code="out_of_range",
             )
         if self.damping is not None:
             least, most = self.damping
-            require_between("damping.from", least, 0.0, LARGEST_DAMPING_RATIO)
-            require_between("damping.to", most, 0.0, LARGEST_DAMPING_RATIO)
+            require_between("damping.from", least, 0.0, MAX_DAMPING_RATIO)
+            require_between("damping.to", most, 0.0, MAX_DAMPING_RATIO)
             if most < least:
                 raise InvalidInputError(
                     "damping.to", most, f"at least from, {least!r}", code="range_below_start"
@@ -92,9 +91,9 @@ class Requirements:
             value = getattr(self, name)
             if value is not None:
                 require_scale(name, value)
-        require_between("lowest_command", self.lowest_command, -FARTHEST_COMMAND, 0.0)
-        require_between("highest_command", self.highest_command, 1.0, 1.0 + FARTHEST_COMMAND)
-        if self.max_high_mode_gain is not None and not 0 < self.max_high_mode_gain <= LARGEST:
+        require_between("lowest_command", self.lowest_command, -MAX_COMMAND, 0.0)
+        require_between("highest_command", self.highest_command, 1.0, 1.0 + MAX_COMMAND)
+        if self.max_high_mode_gain is not None and not 0 < self.max_high_mode_gain <= MAX_VALUE:
             raise InvalidInputError(
                 "max_high_mode_gain", self.max_high_mode_gain, "> 0", code="out_of_range"
             )
@@ -102,30 +101,30 @@ class Requirements:
     def _require_band(self) -> None:
         require_said_once(self)
         if self.half_width is not None:
-            if not 0 <= self.half_width <= WIDEST_HALF_WIDTH:
+            if not 0 <= self.half_width <= MAX_HALF_WIDTH:
                 raise InvalidInputError(
                     "half_width",
                     self.half_width,
-                    f"between 0 and {WIDEST_HALF_WIDTH:g}: from 1 on the band would reach zero "
+                    f"between 0 and {MAX_HALF_WIDTH:g}: from 1 on the band would reach zero "
                     "frequency",
                     code="out_of_range",
                 )
             return
         if self.lower_ratio is None or self.upper_ratio is None:
             return
-        if not SMALLEST_RATIO <= self.lower_ratio <= 1:
+        if not MIN_RATIO <= self.lower_ratio <= 1:
             raise InvalidInputError(
                 "lower_ratio",
                 self.lower_ratio,
-                f"between {SMALLEST_RATIO:g} and 1: a band around the plant's frequency that does "
+                f"between {MIN_RATIO:g} and 1: a band around the plant's frequency that does "
                 "not reach zero",
                 code="out_of_range",
             )
-        if not 1 <= self.upper_ratio <= LARGEST_RATIO:
+        if not 1 <= self.upper_ratio <= MAX_RATIO:
             raise InvalidInputError(
                 "upper_ratio",
                 self.upper_ratio,
-                f"between 1 and {LARGEST_RATIO:g}: a band around the plant's frequency",
+                f"between 1 and {MAX_RATIO:g}: a band around the plant's frequency",
                 code="out_of_range",
             )
 
@@ -228,11 +227,10 @@ def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) ->
         modes = (_in_the_middle(modes[0], requirements.damping),)
     middle = (band[0] + band[1]) / 2
     middle = 1.0 if abs(middle - 1) < MIDDLE_ROUNDING else middle
-    designed_for = tuple(_scaled(mode, middle) for mode in modes)
+    designed_for = tuple(_scale(mode, middle) for mode in modes)
     for mode in designed_for:
         for ratio in (1.0, band[0] / middle, band[1] / middle):
-            require_workable(_scaled(mode, ratio), actuator)
-        _require_a_unit(mode, actuator, (band[0] / middle, band[1] / middle), requirements.damping)
+            require_workable(_scale(mode, ratio), actuator)
     return Question(
         actuator=actuator,
         requirements=requirements,
@@ -241,26 +239,6 @@ def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) ->
         band=band,
         scheduled=isinstance(plant, Scheduled),
     )
-
-
-def _require_a_unit(
-    mode: Mode,
-    actuator: Actuator,
-    band: tuple[float, float],
-    damping: tuple[float, float] | None,
-) -> None:
-    """Refuse a band with a frequency at which the unshaped step leaves nothing to measure in."""
-    ramp_s, _ = unit_ramps_s(actuator)
-    least = mode.damping_ratio if damping is None else damping[0]
-    periods = mode.natural_frequency_rad_s * ramp_s / (2 * math.pi)
-    if least == 0 and math.floor(band[1] * periods) >= max(1, math.ceil(band[0] * periods)):
-        raise InvalidInputError(
-            "actuator.accel_limit_m_s2",
-            f"a ramp of {band[0] * periods:.4g} to {band[1] * periods:.4g} periods over the band",
-            "such that at no frequency of the band it lasts whole periods: undamped, a ramp alone "
-            "leaves no vibration there",
-            code="ramp_of_whole_periods_in_band",
-        )
 
 
 def _in_the_middle(mode: Mode, damping: tuple[float, float]) -> Mode:
@@ -277,7 +255,7 @@ def _in_the_middle(mode: Mode, damping: tuple[float, float]) -> Mode:
     )
 
 
-def _scaled(mode: Mode, ratio: float) -> Mode:
+def _scale(mode: Mode, ratio: float) -> Mode:
     return Mode(
         natural_frequency_rad_s=ratio * mode.natural_frequency_rad_s,
         damping_ratio=mode.damping_ratio,

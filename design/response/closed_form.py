@@ -73,7 +73,7 @@ def lag_states(
     for chain in chains:
         driven = np.where(chain == forces, changes.changes[:-1], 0.0)
         of_chain = first_s[:, chain], second_s2[:, chain]
-        moved = _carried(*of_chain, gaps, ramps[:, :-1], driven)
+        moved = _carry(*of_chain, gaps, ramps[:, :-1], driven)
         after = np.arange(1, forces.size + 1)
         states.errors[:, after, chain], states.rates_s[:, after, chain] = moved
     return states
@@ -102,7 +102,7 @@ def _coefficients(actuator: Actuator) -> tuple[FloatArray, FloatArray]:
     return np.array([[lag.first_s for lag in lags]]), np.array([[lag.second_s2 for lag in lags]])
 
 
-def _carried(
+def _carry(
     first_s: FloatArray,
     second_s2: FloatArray,
     gaps_s: FloatArray,
@@ -201,7 +201,7 @@ def travel(impulses: Impulses, actuator: Actuator) -> float:
 def ringing_of_lag(
     lag: Lag, errors: FloatArray, rates_s: FloatArray, pole_rad_s: complex
 ) -> ComplexArray:
-    """Return what a lag's state leaves in the mode once it is at rest.
+    """Return the vibration of the mode once a lag's state is at rest.
 
     ``G (second s e' - e)``: its free motion from there, seen at the pole s.
 

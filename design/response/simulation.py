@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.lags import Lag
@@ -166,10 +165,9 @@ def ringing_after(
     Returns
     -------
     tuple of ComplexArray
-        Modal coordinates, shape (f,) each: of the command at its last step, and of a unit step
-        that increases the command at that step. A unit step through an ideal actuator leaves 1.
-        The actuator's own transient is projected out by the left eigenvector of the mode in the
-        coupled system.
+        Modal coordinates, shape (f,) each: of the command at its last step, and of a unit step that
+        increases the command at that step, 1 through an ideal actuator. The actuator's own
+        transient is projected out by the left eigenvector of the mode in the coupled system.
     """
     dynamics = dynamics_of(actuator, frequencies_rad_s, damping_ratio)
     unit_poles = np.broadcast_to(
@@ -189,8 +187,6 @@ def ringing_after(
         left: ComplexArray = (last * final).sum(axis=1) * np.exp(-poles * late)
         return left
 
-    if isinstance(actuator, RateLimited):
-        return ringing(impulses, initial), ringing(UNIT_STEP, None)
     return ringing(impulses, initial), rising @ (-dynamics.jumps[1] * dynamics.kept[1])
 
 

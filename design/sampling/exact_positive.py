@@ -7,16 +7,16 @@ from design.errors import InfeasibleDesignError, InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
-from design.sampling.sample_grid import on_samples, shared
+from design.sampling.sample_grid import on_samples, share_on_samples
 from design.types import FloatArray
 
 EXACT = 1e-13
 """Largest equation that counts as zero: a few hundred roundings of terms of size one [-]."""
 
-SMALLEST_SHARE = 1e-10
+MIN_SHARE = 1e-10
 """Share of a shaper that is none: `Impulses` would take it for a step that does not accelerate."""
 
-WIDEST_REACH = 4
+MAX_REACH = 4
 """Samples on each side of an impulse that are looked at [-]."""
 
 
@@ -69,8 +69,8 @@ def exact_positive(
             "amplitudes", impulses.amplitudes.tolist(), "of one sign", code="signs_mixed"
         )
     total = float(impulses.amplitudes.sum())
-    for reach in range(1, WIDEST_REACH + 1):
-        samples, shares = shared(impulses, sample_time_s, reach=reach)
+    for reach in range(1, MAX_REACH + 1):
+        samples, shares = share_on_samples(impulses, sample_time_s, reach=reach)
         # From the last sample back, as the residual counts: no exponential grows.
         phases = mode.natural_frequency_rad_s * sample_time_s * (samples[-1] - samples)
         swings = np.exp(mode.unit_pole * phases)
@@ -87,7 +87,7 @@ def exact_positive(
         if amplitudes.min() >= 0 and miss <= EXACT:
             return on_samples(samples, total * amplitudes, sample_time_s)
     raise InfeasibleDesignError(
-        f"no amplitudes of one sign on {WIDEST_REACH} samples on each side of the impulses make "
+        f"no amplitudes of one sign on {MAX_REACH} samples on each side of the impulses make "
         f"the residual{' and the slope' if slope else ''} zero at a sample time of "
         f"{sample_time_s:g} s",
         code="no_positive_on_samples",
@@ -97,14 +97,14 @@ def exact_positive(
 def _nonnegative(equations: FloatArray, wanted: FloatArray, start: FloatArray) -> FloatArray:
     """Amplitudes that solve the equations, near to ``start``, shape (k,).
 
-    The nearest ones, but for the least, which is left out until all others are above 0. Where too
+    The nearest ones, except the smallest, which is left out until all others are above 0. Where too
     few remain the equations are missed: for the caller to see.
     """
     kept = np.arange(start.size)
     while True:
         missing = wanted - equations[:, kept] @ start[kept]
         values = start[kept] + np.linalg.lstsq(equations[:, kept], missing)[0]
-        if values.min() > SMALLEST_SHARE or kept.size == 1:
+        if values.min() > MIN_SHARE or kept.size == 1:
             amplitudes: FloatArray = np.zeros(start.size)
             amplitudes[kept] = values
             return amplitudes

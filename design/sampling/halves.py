@@ -9,7 +9,7 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.sampling.left import DIFFERENCE, FREQUENCY_ERROR, WANTED
-from design.sampling.sample_grid import IntArray
+from design.sampling.sample_grid import AnyIntArray
 from design.types import ComplexArray, FloatArray
 
 ADDED_PERIODS = 1.0
@@ -19,17 +19,17 @@ Each sample more doubles the number of commands; one period more is about what U
 robustness, and so a price that is paid elsewhere.
 """
 
-MOST_POSITIONS = 32
+MAX_POSITIONS = 32
 """Positions that commands are listed on: two halves of 2^15 each. On a finer grid every second,
 third, ... sample is a position, and the best are moved sample by sample afterwards [-]."""
 
-FINEST_NET = 1e-3
+MIN_NET = 1e-3
 """What commands leave at most in the first, finest net cast for them [-]."""
 
-WIDEST_NET = 1.0
-"""No command that leaves more than an unshaped step is of interest [-]."""
+MAX_NET = 1.0
+"""No command with a larger residual than an unshaped step is of interest [-]."""
 
-MOST_PAIRS = 2_000_000
+MAX_PAIRS = 2_000_000
 """Pairs of halves in one net, a bound on work and memory: it is narrowed to it [-]."""
 
 
@@ -47,7 +47,7 @@ class Half:
         Time of its last impulse, shape (m,); minus infinity without one.
     """
 
-    changes: IntArray
+    changes: AnyIntArray
     sums: ComplexArray
     ends: FloatArray
 
@@ -96,7 +96,7 @@ def list_halves(
     """
     longest_s = impulses.duration_s + ADDED_PERIODS * mode.period_s
     longest = math.floor(longest_s / sample_time_s)
-    stride = -(-longest // MOST_POSITIONS)
+    stride = -(-longest // MAX_POSITIONS)
     positions = longest // stride + 1
     times = stride * sample_time_s * np.arange(positions)
     middle = positions // 2
@@ -109,7 +109,7 @@ def list_halves(
         vectors.append([swings / (lag.denominator(pole) * unit) for lag in lags])
     rising, falling = np.array(vectors).transpose(1, 0, 2)
 
-    def halves(levels: IntArray, start: int) -> dict[int, Half]:
+    def halves(levels: AnyIntArray, start: int) -> dict[int, Half]:
         """Group by number of impulses; the first column is the level before."""
         changes = np.diff(levels, axis=1)
         part = slice(start, start + changes.shape[1])
@@ -137,16 +137,16 @@ def list_halves(
     return ListedHalves(firsts, seconds, mode.pole_rad_s, stride, longest, exact)
 
 
-def _levels(count: int) -> IntArray:
+def _levels(count: int) -> AnyIntArray:
     """Every list of ``count`` levels 0 and 1, shape (2^count, count)."""
-    listed: IntArray = np.arange(2**count)[:, None] >> np.arange(count) & 1
+    listed: AnyIntArray = np.arange(2**count)[:, None] >> np.arange(count) & 1
     return listed
 
 
-def match_halves(listed: ListedHalves, count: int, *, slope: bool, tolerance: float) -> IntArray:
+def match_halves(listed: ListedHalves, count: int, *, slope: bool, tolerance: float) -> AnyIntArray:
     """Return positions of commands that leave least.
 
-    The net that catches halves holds every command that leaves less than its width (superposed, on
+    The net that catches halves holds every command with a residual below its width (superposed, on
     the positions), and is just wide enough. Those come first that leave least.
 
     Parameters
@@ -162,7 +162,7 @@ def match_halves(listed: ListedHalves, count: int, *, slope: bool, tolerance: fl
 
     Returns
     -------
-    IntArray
+    AnyIntArray
         Numbers of positions, shape (m, n), rising; of shape (0, n) where none was caught.
     """
     halves = [
@@ -172,12 +172,12 @@ def match_halves(listed: ListedHalves, count: int, *, slope: bool, tolerance: fl
     ]
     damping_rad_s = listed.pole_rad_s.real
     enough = 1 if listed.exact else WANTED
-    found: IntArray = np.zeros((0, count), dtype=int)
-    net = max(tolerance, FINEST_NET)
-    while _pairs(halves, damping_rad_s, net) > MOST_PAIRS:
+    found: AnyIntArray = np.zeros((0, count), dtype=int)
+    net = max(tolerance, MIN_NET)
+    while _pairs(halves, damping_rad_s, net) > MAX_PAIRS:
         net /= 2
-    while halves and net <= WIDEST_NET and _pairs(halves, damping_rad_s, net) <= MOST_PAIRS:
-        caught = [_caught(*pair, damping_rad_s, net, slope=slope) for pair in halves]
+    while halves and net <= MAX_NET and _pairs(halves, damping_rad_s, net) <= MAX_PAIRS:
+        caught = [_catch(*pair, damping_rad_s, net, slope=slope) for pair in halves]
         changes = np.concatenate([changes for changes, _ in caught])
         left = np.concatenate([left for _, left in caught])
         found = np.nonzero(changes[np.argsort(left, kind="stable")])[1].reshape(-1, count)
@@ -189,14 +189,14 @@ def match_halves(listed: ListedHalves, count: int, *, slope: bool, tolerance: fl
 
 def _mates(
     first: Half, second: Half, damping_rad_s: float, net: float
-) -> tuple[IntArray, IntArray, FloatArray]:
+) -> tuple[AnyIntArray, AnyIntArray, FloatArray]:
     """Return from where to where in ``first`` each of ``second`` may find mates; how far off."""
     # Damping lets what was left early decay until the last impulse, at which it counts.
     latest = np.maximum(second.ends, float(first.ends.max()))
     widths = net * np.exp(-damping_rad_s * latest)
     sought = -second.sums[0].real
-    low: IntArray = np.searchsorted(first.sums[0].real, sought - widths)
-    high: IntArray = np.searchsorted(first.sums[0].real, sought + widths)
+    low: AnyIntArray = np.searchsorted(first.sums[0].real, sought - widths)
+    high: AnyIntArray = np.searchsorted(first.sums[0].real, sought + widths)
     return low, high, widths
 
 
@@ -205,9 +205,9 @@ def _pairs(halves: list[tuple[Half, Half]], damping_rad_s: float, net: float) ->
     return sum(int((high - low).sum()) for low, high, _ in ranges)
 
 
-def _caught(
+def _catch(
     first: Half, second: Half, damping_rad_s: float, net: float, *, slope: bool
-) -> tuple[IntArray, FloatArray]:
+) -> tuple[AnyIntArray, FloatArray]:
     """Return the pairs of halves within ``net``: changes, shape (m, p), and what is left."""
     low, high, widths = _mates(first, second, damping_rad_s, net)
     sizes = high - low

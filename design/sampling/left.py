@@ -6,7 +6,7 @@ from design.analysis.residuals_of_many import vectors_of_many
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
-from design.sampling.sample_grid import IntArray
+from design.sampling.sample_grid import AnyIntArray
 from design.types import ComplexArray, FloatArray
 
 Band = tuple[float, float]
@@ -63,7 +63,7 @@ REVERSED = 1e-9
 """Level on the other side of zero that is no rounding [-]."""
 
 
-def left_of_many(
+def residuals_of_many(
     times_s: FloatArray,
     amplitudes: FloatArray,
     mode: Mode,
@@ -129,12 +129,12 @@ def _largest_at(
     return largest
 
 
-def left_over_band(
+def largest_over_band(
     times_s: FloatArray, amplitudes: FloatArray, mode: Mode, actuator: Actuator, band: Band
 ) -> FloatArray:
     """Return the largest residual over a band of the best shapers.
 
-    What a shaper leaves at three frequencies it leaves over the band, at least. Those that cannot
+    The residual over a band is at least that at three of its frequencies. Those that cannot
     be the best by this are not looked at.
 
     Parameters
@@ -157,9 +157,9 @@ def left_over_band(
     order = np.argsort(least, kind="stable")
     largest: FloatArray = np.full(len(times_s), np.inf)
 
-    def look_at(ones: IntArray) -> None:
+    def look_at(ones: AnyIntArray) -> None:
         if ones.size:
-            largest[ones] = left_of_many(
+            largest[ones] = residuals_of_many(
                 times_s[ones], amplitudes, mode, actuator, slope=False, band=band
             )
 

@@ -15,21 +15,21 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.sampling.halves import list_halves, match_halves
-from design.sampling.left import TIE, cuts_ramps, left_of_many
-from design.sampling.sample_grid import IntArray, rounded
+from design.sampling.left import TIE, cuts_ramps, residuals_of_many
+from design.sampling.sample_grid import AnyIntArray, nearest_integers
 from design.types import FloatArray
 
-MOST_MATCHED = 300
+MAX_MATCHES = 300
 """The same for commands of more impulses, for each number: the best superposed [-]."""
 
-MOST_ADDED = 6
+MAX_ADDED_IMPULSES = 6
 """Impulses that are added at most, two at a time, as the command must end at full speed [-]."""
 
 DESCENTS = 3
 """The best of those, whose impulses are then moved [-]."""
 
-MOST_ROUNDS = 20
-"""Moves of two impulses, one after the other, until none leaves less: a few do [-]."""
+MAX_ROUNDS = 20
+"""Moves of two impulses, one after the other, until none lowers the residual: a few do [-]."""
 
 SHORT_REACH = 2
 """Samples to each side that two impulses are moved by at once [-]."""
@@ -57,9 +57,9 @@ def more_impulses_on_grid(
     """Yield the best unity-magnitude commands with 2, 4 and 6 impulses more.
 
     Searched is every command of level 0 or 1 on each sample that is at most one period longer than
-    the shaper: it leaves a sum of what its two halves leave, so that halves are listed and matched
-    (meet in the middle). Of one number of impulses the shortest within the tolerance is taken, or,
-    where none is, the one that leaves least. More than 32 samples are first searched on
+    the shaper: its vibration is the sum of those of its two halves, so that halves are listed and
+    matched (meet in the middle). Of one number of impulses the shortest within the tolerance is
+    taken, or, where none is, the one of least residual. More than 32 samples are first searched on
     every second, third, ... of them, a switched actuator first as if its steps were superposed;
     the best of that are moved sample by sample and compared exactly.
 
@@ -84,45 +84,47 @@ def more_impulses_on_grid(
     listed = list_halves(impulses, mode, actuator, sample_time_s)
     height = float(impulses.amplitudes[0])
     one_by_one = cuts_ramps(impulses, actuator, sample_time_s)
-    for count in range(impulses.times_s.size + 2, impulses.times_s.size + MOST_ADDED + 1, 2):
+    for count in range(
+        impulses.times_s.size + 2, impulses.times_s.size + MAX_ADDED_IMPULSES + 1, 2
+    ):
         signs = (-1.0) ** np.arange(count)
         samples = listed.stride * match_halves(listed, count, slope=slope, tolerance=tolerance)
         if not samples.size:
             continue
-        left_of = partial(_left_at, sample_time_s, signs, mode, actuator, slope)
+        left_of = partial(_residuals_at, sample_time_s, signs, mode, actuator, slope)
         if one_by_one:
-            samples = samples[:MOST_MATCHED]
+            samples = samples[:MAX_MATCHES]
         left = left_of(samples)
         # Where ramps are cut, thousands of moves would be computed one by one.
         descents = 0 if one_by_one else DESCENTS
         if not listed.exact:
             for best in samples[np.argsort(left, kind="stable")[:descents]]:
-                moved = _descended(best, listed.longest, left_of)[None]
+                moved = _descend(best, listed.longest, left_of)[None]
                 samples = np.concatenate((samples, moved))
                 left = np.concatenate((left, left_of(moved)))
         within = left <= max(tolerance, float(left.min()) + TIE)
         among = np.flatnonzero(within)
         shortest = among[samples[among, -1] == samples[among, -1].min()]
         chosen = samples[shortest[np.argmin(left[shortest])]]
-        first_s = float(rounded(impulses.times_s[:1] / sample_time_s)[0]) * sample_time_s
+        first_s = float(nearest_integers(impulses.times_s[:1] / sample_time_s)[0]) * sample_time_s
         yield Impulses(times_s=first_s + chosen * sample_time_s, amplitudes=height * signs)
 
 
-def _left_at(
+def _residuals_at(
     sample_time_s: float,
     amplitudes: FloatArray,
     mode: Mode,
     actuator: Actuator,
     slope: bool,
-    samples: IntArray,
+    samples: AnyIntArray,
 ) -> FloatArray:
-    return left_of_many(samples * sample_time_s, amplitudes, mode, actuator, slope=slope)
+    return residuals_of_many(samples * sample_time_s, amplitudes, mode, actuator, slope=slope)
 
 
-def _descended(
-    samples: IntArray, longest: int, left_of: Callable[[IntArray], FloatArray]
-) -> IntArray:
-    """Return the samples after moving two impulses at a time while that leaves less."""
+def _descend(
+    samples: AnyIntArray, longest: int, left_of: Callable[[AnyIntArray], FloatArray]
+) -> AnyIntArray:
+    """Return the samples after moves of two impulses while these lower the residual."""
     free = samples.size - 1
     reach = range(-SHORT_REACH, SHORT_REACH + 1)
     moves = np.zeros((free * (free - 1) // 2 * len(reach) ** 2, samples.size), dtype=int)
@@ -130,7 +132,7 @@ def _descended(
     for row, (pair, first, second) in enumerate(pairs):
         moves[row, list(pair)] = first, second
     best, least = samples, math.inf
-    for _ in range(MOST_ROUNDS):
+    for _ in range(MAX_ROUNDS):
         moved = best + moves
         ordered = np.all(np.diff(moved, axis=1) > 0, axis=1)
         moved = moved[ordered & (moved[:, -1] <= longest)]

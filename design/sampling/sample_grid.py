@@ -15,13 +15,13 @@ from design.errors import InvalidInputError
 from design.model.impulses import Impulses
 from design.types import FloatArray
 
-IntArray = NDArray[np.integer[Any]]
+AnyIntArray = NDArray[np.integer[Any]]
 
 ON_SAMPLE = 1e-9
 """Closer than this to a sample counts as on it: a quotient of two times has rounding [samples]."""
 
 
-MOST_SAMPLES = 1_000_000
+MAX_SAMPLES = 1_000_000
 """Most samples from time 0 to an impulse: times in samples then keep the digits of `ON_SAMPLE`."""
 
 
@@ -52,11 +52,11 @@ def nearest(impulses: Impulses, sample_time_s: float) -> Impulses:
     [0.0, 0.25]
     """
     require_gaps(impulses, sample_time_s)
-    samples = rounded(impulses.times_s / sample_time_s)
+    samples = nearest_integers(impulses.times_s / sample_time_s)
     return Impulses(times_s=samples * sample_time_s, amplitudes=impulses.amplitudes)
 
 
-def carried(impulses: Impulses, sample_time_s: float) -> Impulses:
+def round_with_carry(impulses: Impulses, sample_time_s: float) -> Impulses:
     """Return the impulses rounded in turn, each with the last one's error.
 
     With ``x_i`` the time of an impulse in samples and ``k_i`` the sample that it is given,
@@ -92,7 +92,7 @@ def carried(impulses: Impulses, sample_time_s: float) -> Impulses:
     samples: list[int] = []
     error = 0.0
     for position in (impulses.times_s / sample_time_s).tolist():
-        samples.append(int(rounded(np.array(position + error))))
+        samples.append(int(nearest_integers(np.array(position + error))))
         error = position - samples[-1]
     if any(later <= earlier for earlier, later in itertools.pairwise(samples)):
         raise InvalidInputError(
@@ -135,11 +135,13 @@ def split(impulses: Impulses, sample_time_s: float) -> Impulses:
     >>> split(zv, 0.125).amplitudes.tolist()
     [0.5, 0.25, 0.25]
     """
-    samples, amplitudes = shared(impulses, sample_time_s, reach=1)
+    samples, amplitudes = share_on_samples(impulses, sample_time_s, reach=1)
     return on_samples(samples, amplitudes, sample_time_s)
 
 
-def shared(impulses: Impulses, sample_time_s: float, *, reach: int) -> tuple[IntArray, FloatArray]:
+def share_on_samples(
+    impulses: Impulses, sample_time_s: float, *, reach: int
+) -> tuple[AnyIntArray, FloatArray]:
     """Return samples around the impulses, and the linear split on them.
 
     Parameters
@@ -158,13 +160,13 @@ def shared(impulses: Impulses, sample_time_s: float, *, reach: int) -> tuple[Int
     """
     _require_grid(impulses, sample_time_s, impulses.duration_s, "the duration of the shaper")
     positions = impulses.times_s / sample_time_s
-    on_sample = np.abs(positions - rounded(positions)) <= ON_SAMPLE
-    positions = np.where(on_sample, rounded(positions), positions)
+    on_sample = np.abs(positions - nearest_integers(positions)) <= ON_SAMPLE
+    positions = np.where(on_sample, nearest_integers(positions), positions)
     before = np.floor(positions).astype(int)
     after = np.ceil(positions).astype(int)
     around = np.add.outer(np.arange(1 - reach, reach), np.stack([before, after]))
     # No sooner than the first impulse needs: an earlier start would only be a later shaper.
-    samples: IntArray = np.unique(np.maximum(around, before[0]))
+    samples: AnyIntArray = np.unique(np.maximum(around, before[0]))
     shares = np.zeros(samples.size)
     later = positions - before
     np.add.at(shares, np.searchsorted(samples, before), impulses.amplitudes * (1 - later))
@@ -172,7 +174,7 @@ def shared(impulses: Impulses, sample_time_s: float, *, reach: int) -> tuple[Int
     return samples, shares
 
 
-def on_samples(samples: IntArray, amplitudes: FloatArray, sample_time_s: float) -> Impulses:
+def on_samples(samples: AnyIntArray, amplitudes: FloatArray, sample_time_s: float) -> Impulses:
     """Return the impulses at these samples; those of height 0 are left out.
 
     Parameters
@@ -193,17 +195,17 @@ def on_samples(samples: IntArray, amplitudes: FloatArray, sample_time_s: float) 
     return Impulses(times_s=samples[used] * sample_time_s, amplitudes=amplitudes[used])
 
 
-def rounded(positions: FloatArray) -> IntArray:
+def nearest_integers(positions: FloatArray) -> AnyIntArray:
     """Return the nearest whole numbers; halves round up.
 
     `numpy.rint` would round them to even.
     """
-    whole: IntArray = np.floor(positions + 0.5).astype(int)
+    whole: AnyIntArray = np.floor(positions + 0.5).astype(int)
     return whole
 
 
 def require_gaps(impulses: Impulses, sample_time_s: float) -> None:
-    """Check that every impulse has a sample of its own.
+    """Check that every impulse has a separate sample.
 
     Parameters
     ----------
@@ -231,11 +233,11 @@ def _require_grid(impulses: Impulses, sample_time_s: float, longest_s: float, wh
             f"at most {what}, {longest_s:g}",
             code="sample_time_too_long",
         )
-    shortest_s = float(np.max(np.abs(impulses.times_s))) / MOST_SAMPLES
+    shortest_s = float(np.max(np.abs(impulses.times_s))) / MAX_SAMPLES
     if sample_time_s < shortest_s:
         raise InvalidInputError(
             "sample_time_s",
             sample_time_s,
-            f"at least {shortest_s:g}, for all impulses to lie within {MOST_SAMPLES:,} samples",
+            f"at least {shortest_s:g}, for all impulses to lie within {MAX_SAMPLES:,} samples",
             code="sample_time_too_short",
         )

@@ -21,9 +21,9 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.sampling.exact_positive import exact_positive, is_of_one_sign
-from design.sampling.left import Band, left_of_many
+from design.sampling.left import Band, residuals_of_many
 from design.sampling.more_impulses import is_unity, more_impulses_on_grid
-from design.sampling.sample_grid import carried, nearest, split
+from design.sampling.sample_grid import nearest, round_with_carry, split
 from design.sampling.unity_grid import unity_on_grid
 
 Method = Literal["exact_positive", "split", "unity_on_grid", "more_impulses_on_grid"]
@@ -41,10 +41,10 @@ class Tried:
     duration_s
         From the first to the last [s].
     residual
-        What it leaves with the actuator given [-].
+        Its residual with the actuator given [-].
     compared
         By what it was chosen: the residual, and where zero slope is claimed ``0.05 |dV/d ln w|``
-        more, to first order the most that 5 % of error in frequency leaves; where a tolerance is
+        more, to first order the residual of 5 % of error in frequency; where a tolerance is
         claimed over a band, the largest residual over that [-].
     """
 
@@ -67,11 +67,11 @@ class Sampled:
     method
         How it was brought to the grid.
     residual
-        What it leaves with the actuator given [-].
+        Its residual with the actuator given [-].
     continuous_residual
-        What the shaper between the samples leaves with the same actuator [-].
+        Residual of the shaper between the samples with the same actuator [-].
     split_residual
-        What its linear split leaves; of unity magnitude it is not [-].
+        Residual of its linear split, which is not of unity magnitude [-].
     nearest_residual
         What its impulses leave, each at the sample nearest to it [-]; None where two of them are
         less than a sample apart.
@@ -112,7 +112,7 @@ def sample(
 
     Amplitudes of one sign that claim a zero are solved for (`exact_positive`), or where no
     amplitudes do it, or nothing is claimed, shared (`split`). Others are kept (`unity_on_grid`);
-    where unity magnitude then leaves more than the tolerance, two, four, six impulses are added
+    where unity magnitude then has a residual above the tolerance, two, four, six impulses are added
     (`more_impulses_on_grid`) until it does not, and where none does not the least is taken. For a
     band the samples are chosen by what is left over it, and no impulses are added.
 
@@ -179,7 +179,7 @@ def sample(
             except InfeasibleDesignError:
                 pass  # the split stands, and the residual says what it is worth
 
-    def left_by(way: Callable[[Impulses, float], Impulses]) -> float | None:
+    def residual_by(way: Callable[[Impulses, float], Impulses]) -> float | None:
         try:
             return residual_vibration(way(impulses, sample_time_s), mode, actuator)
         except InvalidInputError:
@@ -192,8 +192,8 @@ def sample(
         residual=residual_vibration(found, mode, actuator),
         continuous_residual=residual_vibration(impulses, mode, actuator),
         split_residual=residual_vibration(split(impulses, sample_time_s), mode, actuator),
-        nearest_residual=left_by(nearest),
-        carried_residual=left_by(carried),
+        nearest_residual=residual_by(nearest),
+        carried_residual=residual_by(round_with_carry),
         tried=tried,
     )
 
@@ -210,7 +210,7 @@ def _of_unity(
 ) -> tuple[Impulses, tuple[Tried, ...]]:
     """Return the fewest impulses within the tolerance, or those that leave least, and all tried."""
     commands = [unity_on_grid(impulses, mode, actuator, sample_time_s, slope=slope, band=band)]
-    left = [_compared(commands[0], mode, actuator, slope=slope, band=band)]
+    left = [_compare(commands[0], mode, actuator, slope=slope, band=band)]
     if tolerance is not None:
         require_between("sample_tolerance", tolerance, 0.0, 1.0)
         if band is None and left[0] > tolerance and is_unity(impulses):
@@ -218,7 +218,7 @@ def _of_unity(
                 impulses, mode, actuator, sample_time_s, slope=slope, tolerance=tolerance
             ):
                 commands.append(command)
-                left.append(_compared(command, mode, actuator, slope=slope, band=None))
+                left.append(_compare(command, mode, actuator, slope=slope, band=None))
                 if left[-1] <= tolerance:
                     break
     tried = tuple(
@@ -234,8 +234,8 @@ def _of_unity(
     return commands[int(np.argmin(left))], tried
 
 
-def _compared(
+def _compare(
     impulses: Impulses, mode: Mode, actuator: Actuator, *, slope: bool, band: Band | None
 ) -> float:
     times, amplitudes = impulses.times_s[None], impulses.amplitudes
-    return float(left_of_many(times, amplitudes, mode, actuator, slope=slope, band=band)[0])
+    return float(residuals_of_many(times, amplitudes, mode, actuator, slope=slope, band=band)[0])

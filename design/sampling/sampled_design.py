@@ -31,7 +31,7 @@ CHECKED_IN_BAND = 2001
 """Frequencies at which a formula looks at a band, ends included."""
 
 LONGER = 1.1
-"""Duration on samples over that between them from which on it is told [-]."""
+"""Duration on samples over that between them from which on a warning reports it [-]."""
 
 BAND_AGREEMENT = 1e-3
 """What a peak may be above the highest of those, over it [-].
@@ -49,7 +49,7 @@ def sampled_design(
     *,
     tolerance: float | None = None,
 ) -> tuple[Design, Sampled]:
-    """Return a design brought to a sample grid, with a certificate of its own.
+    """Return a design brought to a sample grid, with a separate certificate.
 
     The residual of a sampled shaper, at the nominal frequency and over the band of the shaper's own
     claim if it has one, is computed by formula; the judge recomputes it by simulation, for the
@@ -104,7 +104,7 @@ def sampled_design(
     judged = judge(sampled.impulses, (mode,), certified_for, asked, name="the sampled shaper")
     if not judged.certificate.verified:
         raise SolverFailedError(
-            f"the sampled shaper is not what a formula says: {shortfall_of(judged.certificate)}",
+            f"the sampled shaper differs from its formula: {shortfall_of(judged.certificate)}",
             code="sampled_unlike_formula",
         )
     proven = replace(
@@ -113,8 +113,8 @@ def sampled_design(
         residuals=(sampled.residual,),
         certificate=judged.certificate,
         warnings=(
-            *_actuator_ignored(continuous, sampled),
-            *_lost_on_samples(continuous, judged, tolerance),
+            *_ideal_actuator_warnings(continuous, sampled),
+            *_sample_warnings(continuous, judged, tolerance),
             *drive_warnings(sampled.impulses, (mode,), actuator),
             *_longer_on_samples(continuous, sampled),
         ),
@@ -122,7 +122,7 @@ def sampled_design(
     return proven, sampled
 
 
-def _actuator_ignored(continuous: Design, sampled: Sampled) -> Iterator[DesignWarning]:
+def _ideal_actuator_warnings(continuous: Design, sampled: Sampled) -> Iterator[DesignWarning]:
     """Yield what a shaper that is proven for an ideal actuator costs behind the one given."""
     if continuous.for_ideal:
         yield DesignWarning(
@@ -133,7 +133,7 @@ def _actuator_ignored(continuous: Design, sampled: Sampled) -> Iterator[DesignWa
         )
 
 
-def _lost_on_samples(
+def _sample_warnings(
     continuous: Design, judged: Judgement, tolerance: float | None
 ) -> Iterator[DesignWarning]:
     """Yield what of the shaper's claims is lost on samples."""
@@ -192,7 +192,7 @@ def _longer_on_samples(continuous: Design, sampled: Sampled) -> Iterator[DesignW
         yield DesignWarning(
             code="longer_on_samples",
             detail=f"{sampled.impulses.times_s.size} impulses take "
-            f"{sampled.impulses.duration_s:.4g} s on samples, in place of "
-            f"{before_s:.4g} s between them; {own.impulses} leave "
+            f"{sampled.impulses.duration_s:.4g} s on samples, in place of {before_s:.4g} "
+            f"s between them; {own.impulses} impulses have a residual of "
             f"{own.compared:.4g} there: a sample_tolerance of that keeps the shaper short",
         )

@@ -1,7 +1,7 @@
 """Commands of unity magnitude on whole samples: the impulses moved.
 
 A shaper of amplitudes +1, -1, +1, ... cannot be made exact on a grid. Moved to the best samples it
-leaves what it must; with more impulses (`design.sampling.more_impulses`) it can leave far less.
+has a residual that no choice removes; more impulses (`design.sampling.more_impulses`) lower it.
 """
 
 import itertools
@@ -13,16 +13,16 @@ from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
-from design.sampling.left import TIE, Band, cuts_ramps, left_of_many, left_over_band
-from design.sampling.sample_grid import IntArray, require_gaps, rounded
+from design.sampling.left import TIE, Band, cuts_ramps, largest_over_band, residuals_of_many
+from design.sampling.sample_grid import AnyIntArray, nearest_integers, require_gaps
 
-WIDEST_REACH = 4
+MAX_REACH = 4
 """Samples on each side of an impulse that are looked at [-]."""
 
-MOST_CANDIDATES = 50_000
+MAX_CANDIDATES = 50_000
 """Largest number of rounded shapers that one search compares; it narrows for more impulses."""
 
-MOST_ONE_BY_ONE = 1_000
+MAX_CUT_CANDIDATES = 1_000
 """The same where ramps are cut, so that the formula of many commands at once does not hold: each
 takes some one or two milliseconds then."""
 
@@ -42,9 +42,9 @@ def unity_on_grid(
 
     Compared is every choice of samples, up to four on each side of the nearest (fewer for more
     than five impulses, or where ramps are cut), in order. The first impulse stays at its nearest
-    sample: all of them later by a sample leave the same. What is minimised is the residual |V|, and
+    sample: all of them later by a sample are the same. What is minimised is the residual |V|, and
     with ``slope`` ``|V| + 0.05 |dV/d ln w|``: to first order the most that 5 % of error in
-    frequency leaves. With a band it is the largest residual over that.
+    frequency causes. With a band it is the largest residual over that.
 
     Parameters
     ----------
@@ -62,8 +62,8 @@ def unity_on_grid(
     Returns
     -------
     Impulses
-        The choice that leaves least; the shorter, then the earlier, of two that leave the same.
-        It leaves something: ask `design.analysis.residual` how much.
+        The choice of least residual; of two with the same, the shorter, then the earlier.
+        `design.analysis.residual` gives its residual, which is not zero.
 
     Raises
     ------
@@ -74,22 +74,22 @@ def unity_on_grid(
     require_workable(mode, actuator)
     require_gaps(impulses, sample_time_s)
     cut = cuts_ramps(impulses, actuator, sample_time_s)
-    most = MOST_ONE_BY_ONE if cut else MOST_CANDIDATES
-    samples = _choices(rounded(impulses.times_s / sample_time_s), most)
+    most = MAX_CUT_CANDIDATES if cut else MAX_CANDIDATES
+    samples = _choices(nearest_integers(impulses.times_s / sample_time_s), most)
     times = samples * sample_time_s
     if band is None:
-        left = left_of_many(times, impulses.amplitudes, mode, actuator, slope=slope)
+        left = residuals_of_many(times, impulses.amplitudes, mode, actuator, slope=slope)
     else:
-        left = left_over_band(times, impulses.amplitudes, mode, actuator, band)
+        left = largest_over_band(times, impulses.amplitudes, mode, actuator, band)
     chosen = samples[_shortest(samples, np.flatnonzero(left <= left.min() + TIE))]
     return Impulses(times_s=chosen * sample_time_s, amplitudes=impulses.amplitudes)
 
 
-def _choices(centres: IntArray, most: int) -> IntArray:
+def _choices(centres: AnyIntArray, most: int) -> AnyIntArray:
     """Every ordered choice of samples around the centres, in lexical order, shape (m, n)."""
     free = centres.size - 1
-    reach = WIDEST_REACH
-    while (2 * reach + 1) ** free > (most if reach > 1 else MOST_CANDIDATES):
+    reach = MAX_REACH
+    while (2 * reach + 1) ** free > (most if reach > 1 else MAX_CANDIDATES):
         reach -= 1
     if reach == 0:
         raise InvalidInputError(
@@ -98,10 +98,10 @@ def _choices(centres: IntArray, most: int) -> IntArray:
     moves = list(itertools.product(range(-reach, reach + 1), repeat=free))
     samples = np.repeat(centres[None], len(moves), axis=0)
     samples[:, 1:] += np.array(moves, dtype=int)
-    ordered: IntArray = samples[np.all(np.diff(samples, axis=1) > 0, axis=1)]
+    ordered: AnyIntArray = samples[np.all(np.diff(samples, axis=1) > 0, axis=1)]
     return ordered
 
 
-def _shortest(samples: IntArray, among: IntArray) -> int:
+def _shortest(samples: AnyIntArray, among: AnyIntArray) -> int:
     """Return the first of the shortest: rows come in lexical order, so that it is the earlier."""
     return int(among[np.argmin(samples[among, -1])])

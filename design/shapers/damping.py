@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 from design.errors import InvalidInputError
-from design.formulations.gaps import SHORTEST_GAP_RAD
-from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.formulations.gaps import MIN_GAP_RAD
+from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +24,7 @@ class DampingBound:
     beyond: str
 
 
-EVERY_PLANT = DampingBound(most=LARGEST_DAMPING_RATIO, beyond="there is no such plant")
+EVERY_PLANT = DampingBound(most=MAX_DAMPING_RATIO, beyond="there is no such plant")
 
 
 def require_damping(
@@ -72,9 +72,7 @@ def require_modes_damped(name: str, damping: DampingBound, modes: tuple[Mode, ..
         require_damping(name, damping, mode, field_name)
 
 
-LAST_PULSE_VANISHES = (
-    f"its last pulse is shorter than impulses are kept apart, {SHORTEST_GAP_RAD:g} rad"
-)
+LAST_PULSE_VANISHES = f"its last pulse is shorter than impulses are kept apart, {MIN_GAP_RAD:g} rad"
 """What becomes of steps up and down in turn as damping grows: early swings decay by themselves."""
 
 

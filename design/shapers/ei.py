@@ -1,4 +1,4 @@
-"""EI, two- and three-hump EI, UM-EI and UM-2EI: what a shaper leaves may reach a tolerance.
+"""EI, two- and three-hump EI, UM-EI and UM-2EI: the residual of a shaper may reach a tolerance.
 
 At the price of that the band of frequencies is wider than that of a shaper without vibration at the
 nominal one. The equations and their solution are those of `design.formulations.humps`.
@@ -10,18 +10,18 @@ from dataclasses import dataclass
 from design.checks import require_between
 from design.claims import ZERO_LIMITS, Promise, within
 from design.formulations.formulation import ClosedForm, Formulation
-from design.formulations.humps import Humps, humped
+from design.formulations.humps import Humps, follow_from_undamped
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
 from design.shapers.actuators import EVERY_ACTUATOR_BY_ITS_LAG
 from design.shapers.kind import DesignCase, KindOf, ShaperKind
 from design.shapers.options import (
-    LARGEST_TOLERANCE,
-    SMALLEST_TOLERANCE,
+    MAX_TOLERANCE,
+    MIN_TOLERANCE,
     ShaperOptions,
     tolerance_field,
 )
-from design.shapers.positive import served
+from design.shapers.positive import exact_actuator
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +37,7 @@ class ToleranceOptions(ShaperOptions):
     tolerance: float = tolerance_field("Residual vibration that each hump of the curve reaches.")
 
     def __post_init__(self) -> None:
-        require_between("tolerance", self.tolerance, SMALLEST_TOLERANCE, LARGEST_TOLERANCE)
+        require_between("tolerance", self.tolerance, MIN_TOLERANCE, MAX_TOLERANCE)
 
 
 def extra_insensitive(case: DesignCase[ToleranceOptions], *, seed: str) -> Formulation:
@@ -61,12 +61,12 @@ def extra_insensitive(case: DesignCase[ToleranceOptions], *, seed: str) -> Formu
         If the mode is damped too much for the tolerance.
     """
     mode, options = case.mode, case.options
-    found = humped(seed, mode.damping_ratio, options.tolerance)
+    found = follow_from_undamped(seed, mode.damping_ratio, options.tolerance)
     return ClosedForm(
         impulses=Impulses(
             times_s=found.phases_rad / mode.natural_frequency_rad_s, amplitudes=found.amplitudes
         ),
-        designed_for=Ideal() if found.unity else served(case.actuator),
+        designed_for=Ideal() if found.unity else exact_actuator(case.actuator),
         claims=_promises(found, options.tolerance),
         method="newton" if mode.damping_ratio > 0 or found.unity else "closed_form",
     )

@@ -43,7 +43,6 @@ class KindOf(Generic[Options]):
     claims: tuple[Quantity, ...]
     options: type[Options]  # Record of its parameters; field metadata hold description and bounds
     actuators: tuple[str, ...]  # Names of the actuator kinds that it serves
-    # From a case to a closed form or a problem
     formulation: Callable[[DesignCase[Options]], Formulation]
     most_modes: int = 1  # Modes of a plant that it serves, at most
     # Up to which damping ratio of the plant it is: `formulate` refuses what is beyond

@@ -27,7 +27,7 @@ SOURCE = (
     "J. Dyn. Sys., Meas., Control 119 (1997)"
 )
 
-LONGEST_PERIODS = 3.0
+MAX_PERIODS = 3.0
 """Longest of these shapers that is searched, in damped periods [-]."""
 
 HALVINGS = 60
@@ -72,7 +72,7 @@ def sna_zv(case: DesignCase[NegativeOptions]) -> Formulation:
     The first and third swing alike at the end: undamped the fastest of all their shares, damped by
     less than 0.05 % slower up to z = 0.1, 0.6 % at 0.5. Where the first would be above 1 it is 1,
     and the third as large as the second. A switched actuator gets the amplitudes of a superposed
-    one, and times of its own.
+    one, and other times.
     """
     mode, actuator, options = case.mode, case.actuator, case.options
     b, z = options.negative_amplitude, mode.damping_ratio
@@ -92,7 +92,7 @@ def sna_zv(case: DesignCase[NegativeOptions]) -> Formulation:
         mode,
         actuator,
         settle=False,
-        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
+        max_duration_periods=damped_periods(mode, MAX_PERIODS),
         amplitudes=amplitudes,
     )
 
@@ -148,7 +148,7 @@ def sna_zvd(case: DesignCase[NegativeOptions]) -> Formulation:
     """
     mode, actuator, options = case.mode, case.actuator, case.options
     b, z = options.negative_amplitude, mode.damping_ratio
-    x, y = _mirrored(b)
+    x, y = _solve_mirrored(b)
     damped = math.sqrt(1 - z * z)
     shift = cmath.phase(decel_over_accel(mode, actuator))
     near = np.array([0.0, y - x + shift, y, y + x + shift, 2 * y]) / damped
@@ -157,13 +157,13 @@ def sna_zvd(case: DesignCase[NegativeOptions]) -> Formulation:
         mode,
         actuator,
         settle=False,
-        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
+        max_duration_periods=damped_periods(mode, MAX_PERIODS),
         amplitudes=_decaying(b, math.exp(y * z / damped)),
         seeds=(Seed(name="undamped_mirror_image", gaps_rad=np.diff(near)),),
     )
 
 
-def _mirrored(b: float) -> tuple[float, float]:
+def _solve_mirrored(b: float) -> tuple[float, float]:
     """Return x and y of the undamped shaper a, -b, c, -b, a, each from its middle [rad].
 
     V and dV/dw vanish if::

@@ -12,7 +12,7 @@ from design.claims import ZERO_LIMITS, Promise, within
 from design.errors import InfeasibleDesignError
 from design.formulations.alternating import AlternatingBand
 from design.formulations.equal_sets import with_equal_sets
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.expressions import Expressions
 from design.formulations.formulation import Formulation
 from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
@@ -22,7 +22,7 @@ from design.formulations.humps import (
     UNITY_TWO_HUMPS,
     Ends,
     Humps,
-    humped,
+    follow_from_undamped,
 )
 from design.formulations.lag_parameters import decel_over_accel, lag_parameters, switched_order
 from design.formulations.seeds import Ratios, Seed
@@ -32,7 +32,7 @@ from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.shapers.actuators import EVERY_ACTUATOR
 from design.shapers.kind import DesignCase, KindOf, ShaperKind
-from design.shapers.options import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, tolerance_field
+from design.shapers.options import MAX_TOLERANCE, MIN_TOLERANCE, tolerance_field
 from design.shapers.settle_options import SettleOptions
 from design.types import FloatArray
 
@@ -54,7 +54,7 @@ rounding, which IPOPT wants below 1e-12; with as many equations as unknowns they
 RATIO_BOUNDS = (0.01, 100.0)
 """How far zeros and peaks of the curve are looked for, ratios of the nominal frequency [-]."""
 
-NEAREST_TO_ONE = 1e-4
+MIN_DISTANCE_FROM_ONE = 1e-4
 """How near to 1 a zero or peak may be, other than that which is there: apart at all [-]."""
 
 
@@ -72,7 +72,7 @@ class HumpOptions(SettleOptions):
 
     def __post_init__(self) -> None:
         SettleOptions.__post_init__(self)
-        require_between("tolerance", self.tolerance, SMALLEST_TOLERANCE, LARGEST_TOLERANCE)
+        require_between("tolerance", self.tolerance, MIN_TOLERANCE, MAX_TOLERANCE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -176,7 +176,7 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
     lowest, highest = RATIO_BOUNDS
     nominal = options.tolerance if humps == 1 else ZERO_LIMITS["residual"]
     below = np.arange(2 * humps) < humps
-    return Problem(
+    return GapProblem(
         model=model,
         parameters=parameters,
         amplitudes=alternating(model.impulses),
@@ -190,8 +190,8 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
             within(options.tolerance, band=None),
         ),
         ratios=Ratios(
-            lowest=np.where(below, lowest, 1 + NEAREST_TO_ONE),
-            highest=np.where(below, 1 - NEAREST_TO_ONE, highest),
+            lowest=np.where(below, lowest, 1 + MIN_DISTANCE_FROM_ONE),
+            highest=np.where(below, 1 - MIN_DISTANCE_FROM_ONE, highest),
             usual=_moving(near),
         ),
     )
@@ -204,7 +204,7 @@ def _ideal(mode: Mode, tolerance: float, humps: int) -> tuple[str, Humps, Ends]:
     """
     kind, undamped = IDEAL_KINDS[humps]
     try:
-        found = humped(kind, mode.damping_ratio, tolerance)
+        found = follow_from_undamped(kind, mode.damping_ratio, tolerance)
     except InfeasibleDesignError:
         return f"{kind}_undamped", undamped, (0.0, UNITY_TOLERANCE)
     return kind, found, (mode.damping_ratio, tolerance)

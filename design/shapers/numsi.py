@@ -21,14 +21,14 @@ from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.shapers.actuators import EVERY_ACTUATOR
 from design.shapers.kind import DesignCase, KindOf
-from design.shapers.options import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, tolerance_field
+from design.shapers.options import MAX_TOLERANCE, MIN_TOLERANCE, tolerance_field
 from design.shapers.settle_options import SettleOptions
 
-NARROWEST = 1e-3
-WIDEST = 0.6
+MIN_HALF_WIDTH = 1e-3
+MAX_HALF_WIDTH = 0.6
 """Bounds of the band's half width: nine impulses reach .45 at 5 % [-]."""
 
-SHORTEST_PULSE_RAD = PERIOD_RAD / 100
+MIN_PULSE_RAD = PERIOD_RAD / 100
 """Shortest gap of superposed steps, where none has to settle [rad].
 
 Superposed sets, each answering its own steps, would make something of pulses that vanish: no drive
@@ -64,7 +64,7 @@ The shortest of dozens of random starts each, found here; digits beyond need not
 """
 
 
-WIDEST_AT = {3: 0.0285, 5: 0.187, 7: 0.337, 9: 0.455}
+MAX_HALF_WIDTH_OF_COUNT = {3: 0.0285, 5: 0.187, 7: 0.337, 9: 0.455}
 """Widest half width of each number of impulses, undamped and ideal at 5 %, as found here [-]."""
 
 FAR = 1.3
@@ -90,8 +90,8 @@ class UnityBandOptions(SettleOptions):
         default=0.15,
         metadata={
             "description": "The band goes from 1 less this to 1 plus this, of the frequency.",
-            "ge": NARROWEST,
-            "le": WIDEST,
+            "ge": MIN_HALF_WIDTH,
+            "le": MAX_HALF_WIDTH,
         },
     )
     impulses: int | None = field(
@@ -105,8 +105,8 @@ class UnityBandOptions(SettleOptions):
 
     def __post_init__(self) -> None:
         SettleOptions.__post_init__(self)
-        require_between("tolerance", self.tolerance, SMALLEST_TOLERANCE, LARGEST_TOLERANCE)
-        require_between("half_width", self.half_width, NARROWEST, WIDEST)
+        require_between("tolerance", self.tolerance, MIN_TOLERANCE, MAX_TOLERANCE)
+        require_between("half_width", self.half_width, MIN_HALF_WIDTH, MAX_HALF_WIDTH)
         if self.impulses is not None and self.impulses not in COUNTS:
             raise InvalidInputError(
                 "impulses",
@@ -141,10 +141,12 @@ def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
     counts = COUNTS if options.impulses is None else (options.impulses,)
     horizon = options.max_duration_periods * PERIOD_RAD
     problems = []
-    for count in sorted(counts, key=lambda one: (_alike(one, options) > FAR * WIDEST_AT[one], one)):
+    for count in sorted(
+        counts, key=lambda one: (_alike(one, options) > FAR * MAX_HALF_WIDTH_OF_COUNT[one], one)
+    ):
         shortest = settling_gaps_rad(mode, actuator, count, settle=options.settle)
         if actuator.model == "superposed":
-            shortest = np.maximum(shortest, SHORTEST_PULSE_RAD)
+            shortest = np.maximum(shortest, MIN_PULSE_RAD)
         if shortest.sum() <= horizon:
             problems.append(
                 UnityBandProblem(

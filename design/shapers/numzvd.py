@@ -15,7 +15,7 @@ from design.shapers.settle_options import SettleOptions
 def numzvd(case: DesignCase[SettleOptions]) -> Formulation:
     """Formulate the fastest five-impulse shaper flat in frequency.
 
-    V = 0 and dV/dw = 0, the actuator's own slope included, which the thesis leaves out. Behind
+    V = 0 and dV/dw = 0, the actuator's own slope included, which the thesis omits. Behind
     limits it has as many impulses as the fastest course of the reference takes.
     """
     if follows_one_lag(case.actuator) and not case.options.settle:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import ClassVar, Self
 
-SMALLEST_TOLERANCE, LARGEST_TOLERANCE = 1e-3, 0.5
+MIN_TOLERANCE, MAX_TOLERANCE = 1e-3, 0.5
 """Bounds of a tolerance: below, zeros do as well; above, hardly any shaper is needed [-]."""
 
 USUAL_TOLERANCE = 0.05
@@ -13,14 +13,14 @@ USUAL_TOLERANCE = 0.05
 def tolerance_field(description: str) -> float:
     """Return the field of a tolerance, with default and bounds.
 
-    The bounds are `SMALLEST_TOLERANCE` and `LARGEST_TOLERANCE`.
+    The bounds are `MIN_TOLERANCE` and `MAX_TOLERANCE`.
     """
     return field(
         default=USUAL_TOLERANCE,
         metadata={
             "description": description,
-            "ge": SMALLEST_TOLERANCE,
-            "le": LARGEST_TOLERANCE,
+            "ge": MIN_TOLERANCE,
+            "le": MAX_TOLERANCE,
         },
     )
 

@@ -18,7 +18,7 @@ from design.model.impulses import Impulses
 from design.shapers.actuators import EVERY_ACTUATOR_BY_ITS_LAG
 from design.shapers.damping import LAST_PULSE_VANISHES, DampingBound, damped_periods
 from design.shapers.kind import DesignCase, KindOf
-from design.shapers.negative import LONGEST_PERIODS, SOURCE
+from design.shapers.negative import MAX_PERIODS, SOURCE
 from design.shapers.options import NoOptions
 
 PARTIAL_SUMS = np.array([1.0, -2.0, 2.0])
@@ -49,7 +49,7 @@ def ps_zv(case: DesignCase[NoOptions]) -> Formulation:
         mode,
         Ideal(),
         settle=False,
-        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
+        max_duration_periods=damped_periods(mode, MAX_PERIODS),
         amplitudes=PARTIAL_SUMS,
     )
 
@@ -66,7 +66,7 @@ def ps_zvd(case: DesignCase[NoOptions]) -> Formulation:
         mode,
         Ideal(),
         settle=False,
-        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
+        max_duration_periods=damped_periods(mode, MAX_PERIODS),
         amplitudes=PARTIAL_SUMS_DERIVATIVE,
         seeds=(Seed(name="undamped_partial_sums", gaps_rad=gaps),),
     )

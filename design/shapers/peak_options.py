@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from design.checks import require_between
 from design.shapers.settle_options import SettleOptions
 
-SMALLEST_PEAK = 0.01
-LARGEST_PEAK = 100.0
+MIN_PEAK = 0.01
+MAX_PEAK = 100.0
 """Bounds of the peak command over the cruise speed: beyond them one of the two is nothing [-]."""
 
 
@@ -19,11 +19,11 @@ class PeakOptions(SettleOptions):
         default=1.0,
         metadata={
             "description": "Peak of the command, over its cruise speed.",
-            "ge": SMALLEST_PEAK,
-            "le": LARGEST_PEAK,
+            "ge": MIN_PEAK,
+            "le": MAX_PEAK,
         },
     )
 
     def __post_init__(self) -> None:
         SettleOptions.__post_init__(self)
-        require_between("max_velocity_ratio", self.max_velocity_ratio, SMALLEST_PEAK, LARGEST_PEAK)
+        require_between("max_velocity_ratio", self.max_velocity_ratio, MIN_PEAK, MAX_PEAK)

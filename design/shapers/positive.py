@@ -20,7 +20,7 @@ from design.model.actuators.ideal import Ideal
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import ROUNDING, Impulses
-from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 from design.shapers.actuators import EVERY_ACTUATOR_BY_ITS_LAG
 from design.shapers.damping import DampingBound, require_damping
 from design.shapers.kind import DesignCase, KindOf, ShaperKind
@@ -33,18 +33,18 @@ DERIVATIVES: tuple[Quantity, ...] = (
     "third_derivative",
 )
 
-LAST_IS_ROUNDING = f"its last impulse is less than {ROUNDING:g} of the command, which is rounding"
+LAST_IS_ROUNDING = f"its last impulse is less than {ROUNDING:g} of the command, and so rounding"
 
 BINOMIALS = ((1.0, 1.0), (1.0, 2.0, 1.0), (1.0, 3.0, 3.0, 1.0), (1.0, 4.0, 6.0, 4.0, 1.0))
 
-FEWEST_MZV, MOST_MZV = 3, 12
+MIN_MZV, MAX_MZV = 3, 12
 """Impulses of an MZV: from twelve on its zeros lie so close that a wide band costs little more."""
 
 MZV_DURATION = 0.75
 """Duration of an MZV in damped periods if neither t nor tau is given [-]."""
 
 
-def served(actuator: Actuator) -> Actuator:
+def exact_actuator(actuator: Actuator) -> Actuator:
     """Return the actuator for which a positive shaper is exact.
 
     It is the one given, or an ideal one in place of a rate-limited one.
@@ -87,7 +87,7 @@ def evenly(
             times_s=gap * np.arange(len(weights)),
             amplitudes=np.array([amplitude / total for amplitude in amplitudes]),
         ),
-        designed_for=served(actuator),
+        designed_for=exact_actuator(actuator),
     )
 
 
@@ -116,7 +116,7 @@ def damping_bound(weights: tuple[float, ...], spacing_rad: float) -> DampingBoun
         else:
             low = z
     rounded = math.floor(low / DAMPING_STEP) * DAMPING_STEP
-    return DampingBound(most=min(round(rounded, 2), LARGEST_DAMPING_RATIO), beyond=LAST_IS_ROUNDING)
+    return DampingBound(most=min(round(rounded, 2), MAX_DAMPING_RATIO), beyond=LAST_IS_ROUNDING)
 
 
 def _last_is_rounding(weights: tuple[float, ...], spacing_rad: float, damping_ratio: float) -> bool:
@@ -186,8 +186,8 @@ class MzvOptions(ShaperOptions):
     """
 
     n: int = field(
-        default=FEWEST_MZV,
-        metadata={"description": "Number of impulses.", "ge": FEWEST_MZV, "le": MOST_MZV},
+        default=MIN_MZV,
+        metadata={"description": "Number of impulses.", "ge": MIN_MZV, "le": MAX_MZV},
     )
     t: float | None = field(
         default=None,
@@ -211,7 +211,7 @@ class MzvOptions(ShaperOptions):
     def __post_init__(self) -> None:
         if not isinstance(self.n, int):
             raise InvalidInputError("n", self.n, "a whole number", code="not_whole")
-        require_between("n", self.n, FEWEST_MZV, MOST_MZV)
+        require_between("n", self.n, MIN_MZV, MAX_MZV)
         if self.t is not None and self.tau is not None:
             raise InvalidInputError(
                 "tau", self.tau, "left out where t is given", code="duration_said_twice"
@@ -296,8 +296,7 @@ def mzv_weights(n: int, phase: float) -> tuple[float, ...]:
 
 MZV = KindOf(
     name="mzv",
-    summary="Evenly spaced positive impulses, zero vibration; three in 3/4 of a period unless told "
-    "otherwise.",
+    summary="Evenly spaced positive impulses, zero vibration; by default three in 3/4 of a period.",
     source="D. Butyugin, Klipper firmware, input shapers (2020), decay per impulse "
     "exp(-2 pi t z / ((n - 1) sqrt(1 - z^2)))",
     claims=("residual",),

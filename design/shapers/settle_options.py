@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from design.checks import require_between
 from design.shapers.options import ShaperOptions
 
-SHORTEST_HORIZON_PERIODS = 0.1
-LONGEST_HORIZON_PERIODS = 100.0
+MIN_HORIZON_PERIODS = 0.1
+MAX_HORIZON_PERIODS = 100.0
 """Bounds of how long a shaper is searched, in undamped periods [-]."""
 
 
@@ -26,8 +26,8 @@ class SettleOptions(ShaperOptions):
         default=3.0,
         metadata={
             "description": "Longest shaper searched, in undamped periods of the plant.",
-            "ge": SHORTEST_HORIZON_PERIODS,
-            "le": LONGEST_HORIZON_PERIODS,
+            "ge": MIN_HORIZON_PERIODS,
+            "le": MAX_HORIZON_PERIODS,
         },
     )
 
@@ -35,6 +35,6 @@ class SettleOptions(ShaperOptions):
         require_between(
             "max_duration_periods",
             self.max_duration_periods,
-            SHORTEST_HORIZON_PERIODS,
-            LONGEST_HORIZON_PERIODS,
+            MIN_HORIZON_PERIODS,
+            MAX_HORIZON_PERIODS,
         )

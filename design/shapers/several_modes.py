@@ -7,18 +7,18 @@ from typing import Literal
 import numpy as np
 
 from design.errors import InvalidInputError
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, Formulation, JointProblem
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
-from design.model.plants.modes import MOST_MODES
+from design.model.plants.modes import MAX_MODES
 from design.shapers.actuators import EVERY_ACTUATOR_BY_ITS_LAG
 from design.shapers.damping import require_modes_damped
 from design.shapers.ei import EI, THREE_HUMP_EI, TWO_HUMP_EI, ToleranceOptions
 from design.shapers.kind import DesignCase, KindOf, ShaperKind
-from design.shapers.options import LARGEST_TOLERANCE, SMALLEST_TOLERANCE, NoOptions, ShaperOptions
-from design.shapers.positive import MZV, ZV, ZVD, ZVDD, ZVDDD, served
+from design.shapers.options import MAX_TOLERANCE, MIN_TOLERANCE, NoOptions, ShaperOptions
+from design.shapers.positive import MZV, ZV, ZVD, ZVDD, ZVDDD, exact_actuator
 from design.shapers.umzv import UMZV, UMZVD
 
 BASES: dict[str, ShaperKind] = {
@@ -31,17 +31,17 @@ Steps of shapers for asymmetric actuators would change their sets.
 """
 
 
-FREQUENCIES_A_RADIAN = 10.0
+FREQUENCIES_PER_RADIAN = 10.0
 """Frequencies at which a band is simulated, a radian of the turn of the last impulse over it."""
 
-MOST_DECAY = 24.0
+MAX_DECAY_NEPERS = 24.0
 """Nepers that a mode may decay by within half a period of the slowest: 4e-11 of a swing is left.
 
 By then what a joint shaper does early is in that mode below what counts as zero at its end, and no
-search tells where it should be. Of random plants all are solved up to 8, none from here on [-].
+search shows where it should be. Of random plants all are solved up to 8, none from here on [-].
 """
 
-MOST_OVER_A_BAND = 4e6
+MAX_BAND_WORK = 4e6
 """Work of proving bands, at most: as much as a search may take [units]."""
 
 
@@ -73,13 +73,13 @@ def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> Joi
     w = min(mode.natural_frequency_rad_s for mode in modes)
     for number, mode in enumerate(modes):
         decay = math.pi * mode.damping_ratio * mode.natural_frequency_rad_s / w
-        if len(modes) > 1 and decay > MOST_DECAY:
+        if len(modes) > 1 and decay > MAX_DECAY_NEPERS:
             raise InvalidInputError(
                 f"plant.modes.{number}.damping_ratio",
                 mode.damping_ratio,
-                f"at most {MOST_DECAY * w / math.pi / mode.natural_frequency_rad_s:.4g} for "
+                f"at most {MAX_DECAY_NEPERS * w / math.pi / mode.natural_frequency_rad_s:.4g} for "
                 f"{'multi_zv' if positive else 'multi_umzv'}: beyond it the mode's swing decays by "
-                f"more than {MOST_DECAY:g} nepers within half a period of the slowest mode; "
+                f"more than {MAX_DECAY_NEPERS:g} nepers within half a period of the slowest mode; "
                 "convolved serves such modes",
                 code="mode_decays_too_fast",
             )
@@ -87,7 +87,7 @@ def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> Joi
         unit_poles=np.array([mode.pole_rad_s / w for mode in modes], dtype=np.complex128),
         natural_frequency_rad_s=w,
         positive=positive,
-        designed_for=served(actuator) if positive else Ideal(),
+        designed_for=exact_actuator(actuator) if positive else Ideal(),
     )
 
 
@@ -129,8 +129,8 @@ class ConvolvedOptions(ShaperOptions):
         default=None,
         metadata={
             "description": "For the ei kinds: residual that each hump reaches, 0.05 if not given.",
-            "ge": SMALLEST_TOLERANCE,
-            "le": LARGEST_TOLERANCE,
+            "ge": MIN_TOLERANCE,
+            "le": MAX_TOLERANCE,
         },
     )
 
@@ -155,7 +155,7 @@ def impulses_of(parts: tuple[Formulation, ...]) -> int:
     counts = [
         part.impulses.times_s.size if isinstance(part, ClosedForm) else part.amplitudes.size
         for part in parts
-        if isinstance(part, ClosedForm | Problem)  # as all bases are
+        if isinstance(part, ClosedForm | GapProblem)  # as all bases are
     ]
     return math.prod(counts)
 
@@ -163,7 +163,7 @@ def impulses_of(parts: tuple[Formulation, ...]) -> int:
 def _require_provable(
     base: ShaperKind, parts: tuple[Formulation, ...], modes: tuple[Mode, ...], actuator: Actuator
 ) -> None:
-    """Refuse so many impulses over so many frequencies that their bands take too long to prove."""
+    """Refuse impulses whose bands take too long to prove, at the frequencies that they need."""
     duration = sum(part.impulses.duration_s for part in parts if isinstance(part, ClosedForm))
     radians = sum(
         duration * mode.natural_frequency_rad_s * (claim.band[1] - claim.band[0])
@@ -171,20 +171,21 @@ def _require_provable(
         for claim in part.claims
         if claim.band is not None
     )
-    impulses, frequencies = impulses_of(parts), FREQUENCIES_A_RADIAN * radians
+    impulses, frequencies = impulses_of(parts), FREQUENCIES_PER_RADIAN * radians
     each = actuator.PROOF_WORK
-    if each * impulses * frequencies > MOST_OVER_A_BAND:
+    if each * impulses * frequencies > MAX_BAND_WORK:
         raise InvalidInputError(
             "shaper.base",
             base.name,
-            f"of fewer impulses for these {len(modes)} modes: convolved they are {impulses}, to be "
-            f"simulated at some {frequencies:.0f} frequencies to prove their bands, and at most "
-            f"{MOST_OVER_A_BAND / each:.2g} in all are behind an actuator of kind {actuator.kind}",
+            f"of fewer impulses for these {len(modes)} modes: convolved they are {impulses}, "
+            f"which are simulated at some {frequencies:.0f} frequencies to prove their bands. "
+            f"Behind an actuator of kind {actuator.kind} the product of the two is at most "
+            f"{MAX_BAND_WORK / each:.2g}",
             code="too_many_convolved",
         )
 
 
-def convolved(case: DesignCase[ConvolvedOptions]) -> Convolution:
+def formulate_convolved(case: DesignCase[ConvolvedOptions]) -> Convolution:
     """Formulate a shaper for each mode, each shaping the one before.
 
     Returns
@@ -223,7 +224,7 @@ MULTI_ZV = KindOf(
     options=NoOptions,
     actuators=EVERY_ACTUATOR_BY_ITS_LAG,
     formulation=multi_zv,
-    most_modes=MOST_MODES,
+    most_modes=MAX_MODES,
 )
 
 MULTI_UMZV = KindOf(
@@ -235,7 +236,7 @@ MULTI_UMZV = KindOf(
     options=NoOptions,
     actuators=EVERY_ACTUATOR_BY_ITS_LAG,
     formulation=multi_umzv,
-    most_modes=MOST_MODES,
+    most_modes=MAX_MODES,
 )
 
 CONVOLVED = KindOf(
@@ -247,6 +248,6 @@ CONVOLVED = KindOf(
     claims=("residual",),
     options=ConvolvedOptions,
     actuators=EVERY_ACTUATOR_BY_ITS_LAG,
-    formulation=convolved,
-    most_modes=MOST_MODES,
+    formulation=formulate_convolved,
+    most_modes=MAX_MODES,
 )

@@ -11,18 +11,18 @@ from design.formulations.bands import BandProblem
 from design.shapers.actuators import UNLIMITED_ACTUATORS
 from design.shapers.kind import DesignCase, KindOf
 from design.shapers.options import ShaperOptions
-from design.shapers.settle_options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
+from design.shapers.settle_options import MAX_HORIZON_PERIODS, MIN_HORIZON_PERIODS
 
-NARROWEST, WIDEST = 0.01, 0.9
+MIN_HALF_WIDTH, MAX_HALF_WIDTH = 0.01, 0.9
 """Bounds of half the band's width over its centre: beyond them shapers take tens of periods [-]."""
 
-SMALLEST_RATIO, LARGEST_RATIO = 0.01, 100.0
+MIN_RATIO, MAX_RATIO = 0.01, 100.0
 """Bounds of the band's ends [-]."""
 
-SMALLEST_TOLERANCE = 1e-3
+MIN_TOLERANCE = 1e-3
 """Below it the peaks that hold the optimum differ by what the cone program cannot tell [-]."""
 
-LARGEST_LEVEL = 10.0
+MAX_LEVEL = 10.0
 """Farthest limit of the command from 0 and 1, in cruise speeds [-]."""
 
 
@@ -52,8 +52,8 @@ class BandOptions(ShaperOptions):
         metadata={
             "description": "The band is 1 - half_width to 1 + half_width of the natural "
             f"frequency; {USUAL_HALF_WIDTH} if neither it nor the ratios are given.",
-            "ge": NARROWEST,
-            "le": WIDEST,
+            "ge": MIN_HALF_WIDTH,
+            "le": MAX_HALF_WIDTH,
         },
     )
     lower_ratio: float | None = field(
@@ -61,23 +61,23 @@ class BandOptions(ShaperOptions):
         metadata={
             "description": "Lower end of the band over the natural frequency, in place of "
             "half_width.",
-            "ge": SMALLEST_RATIO,
-            "le": LARGEST_RATIO,
+            "ge": MIN_RATIO,
+            "le": MAX_RATIO,
         },
     )
     upper_ratio: float | None = field(
         default=None,
         metadata={
             "description": "Upper end of the band, with lower_ratio.",
-            "ge": SMALLEST_RATIO,
-            "le": LARGEST_RATIO,
+            "ge": MIN_RATIO,
+            "le": MAX_RATIO,
         },
     )
     tolerance: float = field(
         default=0.05,
         metadata={
             "description": "Largest residual over the band.",
-            "ge": SMALLEST_TOLERANCE,
+            "ge": MIN_TOLERANCE,
             "lt": 1.0,
         },
     )
@@ -92,7 +92,7 @@ class BandOptions(ShaperOptions):
         default=0.0,
         metadata={
             "description": "Lowest command over its cruise speed, for negative amplitudes.",
-            "ge": -LARGEST_LEVEL,
+            "ge": -MAX_LEVEL,
             "le": 0.0,
         },
     )
@@ -101,35 +101,35 @@ class BandOptions(ShaperOptions):
         metadata={
             "description": "Highest command over its cruise speed, for negative amplitudes.",
             "ge": 1.0,
-            "le": 1.0 + LARGEST_LEVEL,
+            "le": 1.0 + MAX_LEVEL,
         },
     )
     max_duration_periods: float = field(
         default=10.0,
         metadata={
             "description": "Longest shaper, in undamped periods of the plant.",
-            "ge": SHORTEST_HORIZON_PERIODS,
-            "le": LONGEST_HORIZON_PERIODS,
+            "ge": MIN_HORIZON_PERIODS,
+            "le": MAX_HORIZON_PERIODS,
         },
     )
 
     BAND_FIELDS: ClassVar[tuple[str, ...]] = ("half_width", "lower_ratio", "upper_ratio")
 
     def __post_init__(self) -> None:
-        if not SMALLEST_TOLERANCE <= self.tolerance < 1:
+        if not MIN_TOLERANCE <= self.tolerance < 1:
             raise InvalidInputError(
                 "tolerance",
                 self.tolerance,
-                f"at least {SMALLEST_TOLERANCE:g} and below 1",
+                f"at least {MIN_TOLERANCE:g} and below 1",
                 code="out_of_range",
             )
-        require_between("lowest_command", self.lowest_command, -LARGEST_LEVEL, 0.0)
-        require_between("highest_command", self.highest_command, 1.0, 1.0 + LARGEST_LEVEL)
+        require_between("lowest_command", self.lowest_command, -MAX_LEVEL, 0.0)
+        require_between("highest_command", self.highest_command, 1.0, 1.0 + MAX_LEVEL)
         require_between(
             "max_duration_periods",
             self.max_duration_periods,
-            SHORTEST_HORIZON_PERIODS,
-            LONGEST_HORIZON_PERIODS,
+            MIN_HORIZON_PERIODS,
+            MAX_HORIZON_PERIODS,
         )
         if self.amplitudes == "positive":
             for name, usual in (("lowest_command", 0.0), ("highest_command", 1.0)):
@@ -149,12 +149,12 @@ class BandOptions(ShaperOptions):
     def _require_band(self) -> None:
         require_said_once(self)
         if self.half_width is not None:
-            require_between("half_width", self.half_width, NARROWEST, WIDEST)
+            require_between("half_width", self.half_width, MIN_HALF_WIDTH, MAX_HALF_WIDTH)
             return
         lower, upper = self.band
-        require_between("lower_ratio", lower, SMALLEST_RATIO, LARGEST_RATIO)
-        require_between("upper_ratio", upper, SMALLEST_RATIO, LARGEST_RATIO)
-        narrow, wide = ((1 + h) / (1 - h) for h in (NARROWEST, WIDEST))
+        require_between("lower_ratio", lower, MIN_RATIO, MAX_RATIO)
+        require_between("upper_ratio", upper, MIN_RATIO, MAX_RATIO)
+        narrow, wide = ((1 + h) / (1 - h) for h in (MIN_HALF_WIDTH, MAX_HALF_WIDTH))
         # The quotient of 1 + h and 1 - h is off by a rounding.
         if not narrow * (1 - 1e-12) <= upper / lower <= wide * (1 + 1e-12):
             raise InvalidInputError(

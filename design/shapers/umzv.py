@@ -22,7 +22,7 @@ SOURCE = (
     "J. Dyn. Sys., Meas., Control 119 (1997)"
 )
 
-LONGEST_PERIODS, LONGEST_PERIODS_BEHIND_LIMITS = 1.5, 3.0
+MAX_PERIODS, MAX_PERIODS_BEHIND_LIMITS = 1.5, 3.0
 """Both shapers take less than one damped period; behind limits a ramp up and one down more [-]."""
 
 
@@ -30,8 +30,8 @@ def umzv(case: DesignCase[NoOptions]) -> Formulation:
     """Formulate the unity-magnitude zero-vibration shaper of one mode.
 
     Undamped: steps +1, -1, +1 at 0, T/6, T/3. Damped: the same two equations, solved.
-    Of the actuator it knows limits alone, and those only where one lag follows them; what it leaves
-    behind another is reported beside the design.
+    Of the actuator it knows limits alone, and those only where one lag follows them; the design
+    reports the residual behind another.
     """
     mode = case.mode
     if follows_one_lag(case.actuator):
@@ -46,7 +46,7 @@ def umzv(case: DesignCase[NoOptions]) -> Formulation:
         mode,
         Ideal(),
         settle=False,
-        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
+        max_duration_periods=damped_periods(mode, MAX_PERIODS),
     )
 
 
@@ -60,7 +60,7 @@ def umzvd(case: DesignCase[NoOptions]) -> Formulation:
         mode,
         Ideal(),
         settle=False,
-        max_duration_periods=damped_periods(mode, LONGEST_PERIODS),
+        max_duration_periods=damped_periods(mode, MAX_PERIODS),
     )
 
 
@@ -71,7 +71,7 @@ def _behind_limits(
         modes,
         actuator,
         derivatives=derivatives,
-        max_duration_periods=damped_periods(modes[0], LONGEST_PERIODS_BEHIND_LIMITS),
+        max_duration_periods=damped_periods(modes[0], MAX_PERIODS_BEHIND_LIMITS),
     )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from design.errors import TimeLimitError
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.gaps import of_gaps
 from design.solvers import ipopt
 from design.solvers.budget import Budget
@@ -17,7 +17,7 @@ JUDGING_WORK = 5_000.0
 
 
 def attempt(
-    problem: Problem, start: FloatArray, seed: str, tried: int, budget: Budget
+    problem: GapProblem, start: FloatArray, seed: str, tried: int, budget: Budget
 ) -> Iterator[Solution]:
     """Yield the solution to which IPOPT comes from a start, if to one.
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from design.errors import InfeasibleDesignError
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.solvers import newton
 from design.solvers.attempt import attempt
 from design.solvers.budget import Budget
@@ -25,7 +25,7 @@ SAME_ROOT_RAD = 1e-6
 """Roots closer than this are one [rad]."""
 
 
-def branches(problem: Problem, tried: int, budget: Budget) -> Iterator[Solution]:
+def branches(problem: GapProblem, tried: int, budget: Budget) -> Iterator[Solution]:
     """Yield the solution of each branch, after the seeds have not done.
 
     IPOPT starts at every root that Newton's method finds from `BRANCH_STARTS` starts spread over
@@ -81,11 +81,12 @@ def branches(problem: Problem, tried: int, budget: Budget) -> Iterator[Solution]
             start = problem.start(seed.gaps_rad)
             yield from attempt(problem, start, seed.name, tried, budget)
     raise InfeasibleDesignError(
-        _searched(searched, spread, tried) + _unsearched(problem, budget), code="no_solution_found"
+        _describe_search(searched, spread, tried) + _describe_early_end(problem, budget),
+        code="no_solution_found",
     )
 
 
-def _unsearched(problem: Problem, budget: Budget) -> str:
+def _describe_early_end(problem: GapProblem, budget: Budget) -> str:
     """Say that a search ended before its end, if it did."""
     if not budget.spent:
         return ""
@@ -95,7 +96,7 @@ def _unsearched(problem: Problem, budget: Budget) -> str:
     )
 
 
-def _horizons(problem: Problem) -> list[float]:
+def _horizons(problem: GapProblem) -> list[float]:
     """Return the horizons that are searched one after another, the problem's own last [rad].
 
     Starts spread over a long horizon are sparse: what is fast is looked for first.
@@ -108,7 +109,7 @@ def _horizons(problem: Problem) -> list[float]:
     ]
 
 
-def spread_starts(problem: Problem) -> FloatArray:
+def spread_starts(problem: GapProblem) -> FloatArray:
     """Return ordered starts spread evenly over the horizon.
 
     The starts are a Kronecker sequence on the generalised golden ratio, sorted into times: the same
@@ -155,7 +156,7 @@ def unit_starts(count: int) -> FloatArray:
     return gaps
 
 
-def _ordered_fastest_first(problem: Problem, ends: newton.Roots) -> Iterator[FloatArray]:
+def _ordered_fastest_first(problem: GapProblem, ends: newton.Roots) -> Iterator[FloatArray]:
     """Distinct roots within the problem's bounds, by duration."""
     durations = problem.split(ends.unknowns)[0].sum(axis=1)
     usable = np.flatnonzero(ends.converged & problem.allows(ends.unknowns))
@@ -166,7 +167,7 @@ def _ordered_fastest_first(problem: Problem, ends: newton.Roots) -> Iterator[Flo
             yield ends.unknowns[index]
 
 
-def _searched(problem: Problem, ends: newton.Roots | None, starts: int) -> str:
+def _describe_search(problem: GapProblem, ends: newton.Roots | None, starts: int) -> str:
     """Say how far was searched, and what came nearest; nothing did where there was no start."""
     period = 2 * np.pi
     report = (

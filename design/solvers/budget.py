@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from design.trace import TraceStep
 
-MOST_WORK = 4_000_000
+MAX_WORK_PER_DESIGN = 4_000_000
 """What the search for one design may take [units]."""
 
 
@@ -17,7 +17,7 @@ MOST_WORK = 4_000_000
 class Budget:
     """What a search may do yet."""
 
-    most: float = MOST_WORK  # Work that it may do in all [units]
+    most: float = MAX_WORK_PER_DESIGN  # Work that it may do in all [units]
     done: float = 0.0  # Work that it has done [units]
     # Steps of the search, in order, of one that is watched; None of others
     trace: list[TraceStep] | None = None

@@ -9,7 +9,7 @@ from design.types import FloatArray, Symbolic
 
 
 class Buffered:
-    """A CasADi function with arrays of its own for inputs and outputs.
+    """A CasADi function with its own arrays for inputs and outputs.
 
     Parameters
     ----------

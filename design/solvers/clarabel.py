@@ -30,7 +30,7 @@ PROGRAM_WORK = 1500.0
 ENTRY_WORK = 0.05
 """Work of a program, and of each of its rows' entries in each iteration [units]."""
 
-LONGEST_S = 10.0
+MAX_RUN_S = 10.0
 """Where Clarabel ends a run [s]."""
 
 
@@ -179,7 +179,7 @@ def solve(program: ConeProgram) -> ConeOutcome:
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_threads = 1  # programs this small only wait for each other's threads
-    settings.time_limit = LONGEST_S
+    settings.time_limit = MAX_RUN_S
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
     cost = np.append(np.zeros(unknowns - 1), 1.0)
     none = _Columns(

@@ -10,7 +10,7 @@ from design.types import FloatArray
 FIRST_STEP = 0.25
 """Step of the share that is tried first [-]."""
 
-LARGEST_MOVE_RAD = 0.5
+MAX_MOVE_RAD = 0.5
 """Farthest that an unknown may go in one step: beyond it, it is another branch [rad]."""
 
 
@@ -35,7 +35,7 @@ class Path:
         return self.share == 1.0
 
 
-def followed(
+def follow(
     start: FloatArray,
     solve: Callable[[FloatArray, float], FloatArray | None],
     shortest_step: float,
@@ -62,7 +62,7 @@ def followed(
     while share < 1 and step >= shortest_step:
         target = min(1.0, share + step)
         root = solve(now + slope * (target - share), target)
-        if root is None or np.abs(root - now).max() > LARGEST_MOVE_RAD:
+        if root is None or np.abs(root - now).max() > MAX_MOVE_RAD:
             step /= 2
             continue
         slope = (root - now) / (target - share)

@@ -1,17 +1,17 @@
 """A seed of another problem of the family, followed to the one that is asked."""
 
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.solvers import newton
 from design.solvers.budget import Budget
-from design.solvers.continuation import followed
+from design.solvers.continuation import follow
 from design.types import FloatArray
 
-SHORTEST_SHARE = 1e-3
+MIN_SHARE = 1e-3
 """Shortest step from what a seed solves to what is asked, over that way [-]."""
 
 
 def followed_seed(
-    problem: Problem, gaps_rad: FloatArray, solves: FloatArray, budget: Budget
+    problem: GapProblem, gaps_rad: FloatArray, solves: FloatArray, budget: Budget
 ) -> FloatArray | None:
     """Return the root to which a seed leads.
 
@@ -39,5 +39,5 @@ def followed_seed(
             return None
         return end.unknowns[0] if end.converged[0] and problem.allows(end.unknowns[0]) else None
 
-    path = followed(problem.start(gaps_rad), solve, SHORTEST_SHARE)
+    path = follow(problem.start(gaps_rad), solve, MIN_SHARE)
     return path.unknowns if path.complete else None

@@ -3,7 +3,7 @@
 import functools
 import threading
 
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.expressions import Model
 from design.solvers.ipopt_setup import STATUS, solver_of
 from design.solvers.newton import instructions_of
@@ -24,7 +24,7 @@ def iteration_work(model: Model) -> float:
     return ITERATION_WORK + INSTRUCTION_WORK * instructions_of(model)
 
 
-def solve(problem: Problem, start: FloatArray) -> Outcome:
+def solve(problem: GapProblem, start: FloatArray) -> Outcome:
     """Minimise the duration from one start.
 
     Parameters

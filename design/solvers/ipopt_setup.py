@@ -22,7 +22,7 @@ OPTIONS: dict[str, Any] = {
     "show_eval_warnings": False,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
-    # The default leaves residuals near 1e-9, which is the limit of the certificate.
+    # The default ends with residuals near 1e-9, which is the limit of the certificate.
     "ipopt.tol": 1e-12,
     # Seeds are good and the solutions isolated: a large barrier only pushes them away first.
     "ipopt.mu_init": 1e-12,

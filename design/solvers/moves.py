@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.errors import InfeasibleDesignError, TimeLimitError
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.gaps import PERIOD_RAD
 from design.formulations.whole_move import WholeMove, pulse_trains
 from design.solvers import ipopt
@@ -30,7 +30,7 @@ SPREAD_STARTS = 12
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MoveCandidate:
-    """A move by the solver's word, not yet verified.
+    """A move as reported by the solver, not yet verified.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class MoveCandidate:
         Gaps between its steps, shape (steps - 1,) [rad].
     """
 
-    problem: Problem
+    problem: GapProblem
     gaps_rad: FloatArray
 
     @property
@@ -56,7 +56,7 @@ class _Search:
         self.starts = 0
         self.budget = budget
 
-    def solved(self, problem: Problem, seeds: list[FloatArray]) -> Iterator[FloatArray]:
+    def solve_runs(self, problem: GapProblem, seeds: list[FloatArray]) -> Iterator[FloatArray]:
         """Yield the ends of the runs that the solver calls solved."""
         for seed in seeds:
             if self.budget.spent:
@@ -74,7 +74,9 @@ class _Search:
             if outcome.status is Status.SOLVE_SUCCEEDED and in_time:
                 yield outcome.unknowns
 
-    def with_fewer_steps(self, problem: Problem, gaps_rad: FloatArray) -> Iterator[MoveCandidate]:
+    def with_fewer_steps(
+        self, problem: GapProblem, gaps_rad: FloatArray
+    ) -> Iterator[MoveCandidate]:
         """Yield the move without its coinciding steps, if that can be solved, then as it is.
 
         Steps up and down at one moment leave something only in the superposed model, where each
@@ -82,25 +84,25 @@ class _Search:
         """
         fewer = _with_two_steps_fewer(problem)
         if gaps_rad.min() <= COINCIDE_RAD and fewer is not None:
-            for end in self.solved(fewer, [_without_shortest(gaps_rad)]):
+            for end in self.solve_runs(fewer, [_without_shortest(gaps_rad)]):
                 yield from self.with_fewer_steps(fewer, end)
         yield MoveCandidate(problem=problem, gaps_rad=gaps_rad)
 
-    def everywhere(self, problem: Problem, usual_rad: float) -> Iterator[MoveCandidate]:
+    def everywhere(self, problem: GapProblem, usual_rad: float) -> Iterator[MoveCandidate]:
         """Yield what seeds and trains lead to, then what fewer steps do."""
         seeds = [*(seed.gaps_rad for seed in problem.seeds), *pulse_trains(problem)]
-        for end in self.solved(problem, seeds):
+        for end in self.solve_runs(problem, seeds):
             yield from self.with_fewer_steps(problem, end)
         fewer = _with_two_steps_fewer(problem)
         while fewer is not None:
             spread = spread_starts(replace(fewer, horizon_rad=usual_rad))[:SPREAD_STARTS]
-            for end in self.solved(fewer, [*pulse_trains(fewer), *spread]):
+            for end in self.solve_runs(fewer, [*pulse_trains(fewer), *spread]):
                 yield MoveCandidate(problem=fewer, gaps_rad=end)
             fewer = _with_two_steps_fewer(fewer)
 
 
 def move_candidates(
-    problem: Problem, usual_rad: float, budget: Budget | None = None
+    problem: GapProblem, usual_rad: float, budget: Budget | None = None
 ) -> Iterator[MoveCandidate]:
     """Yield moves, the likeliest minimum first.
 
@@ -150,7 +152,7 @@ def move_candidates(
     )
 
 
-def _with_two_steps_fewer(problem: Problem) -> Problem | None:
+def _with_two_steps_fewer(problem: GapProblem) -> GapProblem | None:
     """Return the same move with two steps less; None if there would be more equations than gaps."""
     model = problem.model
     if not isinstance(model, WholeMove) or model.steps - 2 <= model.equations:

@@ -12,8 +12,7 @@ _one_at_a_time = threading.Lock()
 def root(model: Model, start: FloatArray, parameters: FloatArray) -> FloatArray:
     """Return where Newton's method ends from one start: a root or not.
 
-    This takes a tenth of the time of `roots`, for a start that is near: full steps only, a dozen at
-    most.
+    A tenth of the time of `roots`, for a start that is near: full steps only, a dozen at most.
 
     Parameters
     ----------

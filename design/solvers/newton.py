@@ -15,7 +15,7 @@ from design.types import BoolArray, FloatArray
 LANES = 64
 """Designs evaluated by one call of the compiled expressions."""
 
-LARGEST_STEP_RAD = 0.7
+MAX_STEP_RAD = 0.7
 """Longest step of any unknown: a tenth of a period keeps it near the branch of its start [rad]."""
 
 TOLERANCE = 1e-12
@@ -175,7 +175,7 @@ def _run(
         regular = lanes + np.maximum(1e-14 * largest, 1e-300) * np.eye(unknowns.shape[1])
         steps = _steps(regular, values[going])
         longest = np.abs(steps).max(axis=1, keepdims=True)
-        unknowns[active] -= steps * np.minimum(1.0, LARGEST_STEP_RAD / np.maximum(longest, 1e-300))
+        unknowns[active] -= steps * np.minimum(1.0, MAX_STEP_RAD / np.maximum(longest, 1e-300))
     return unknowns, misses, iteration + 1
 
 

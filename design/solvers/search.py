@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.seeds import Seed
 from design.solvers.attempt import attempt
 from design.solvers.branches import branches
@@ -14,7 +14,7 @@ from design.solvers.solution import Solution
 from design.types import FloatArray
 
 
-def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Solution]:
+def candidates(problem: GapProblem, budget: Budget | None = None) -> Iterator[Solution]:
     """Yield ordered solutions, the likeliest minimum first.
 
     Each solution comes from IPOPT, which starts at the problem's own seeds first. Newton's method
@@ -36,7 +36,7 @@ def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Solut
     tried = 0
     for seed in problem.seeds:
         tried += 1
-        sharpened = _sharpened(problem, seed, budget)
+        sharpened = _sharpen_seed(problem, seed, budget)
         allowed = sharpened is not None and bool(problem.allows(sharpened))
         if budget.trace is not None:
             budget.note(seed_step(problem, seed, sharpened, allowed=allowed))
@@ -45,7 +45,7 @@ def candidates(problem: Problem, budget: Budget | None = None) -> Iterator[Solut
     yield from branches(problem, tried, budget)
 
 
-def _sharpened(problem: Problem, seed: Seed, budget: Budget) -> FloatArray | None:
+def _sharpen_seed(problem: GapProblem, seed: Seed, budget: Budget) -> FloatArray | None:
     """Return where Newton's method ends from a seed: a root or not, within bounds or not.
 
     None if the seed is to be followed from what it solves, and the path ends on the way.

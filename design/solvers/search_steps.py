@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.seeds import Seed
 from design.solvers.outcome import Outcome
 from design.solvers.solution import Solution
@@ -12,7 +12,7 @@ from design.trace import TraceStep
 from design.types import FloatArray
 
 
-def _duration_s(problem: Problem, gaps_rad: FloatArray) -> float | None:
+def _duration_s(problem: GapProblem, gaps_rad: FloatArray) -> float | None:
     """Return what gaps add up to; None where they ran away [s]."""
     with np.errstate(all="ignore"):
         duration = float(gaps_rad.sum()) / problem.natural_frequency_rad_s
@@ -20,7 +20,7 @@ def _duration_s(problem: Problem, gaps_rad: FloatArray) -> float | None:
 
 
 def seed_step(
-    problem: Problem, seed: Seed, sharpened: FloatArray | None, *, allowed: bool
+    problem: GapProblem, seed: Seed, sharpened: FloatArray | None, *, allowed: bool
 ) -> TraceStep:
     """Return what became of a seed before the solver itself starts there.
 
@@ -76,7 +76,7 @@ def verdict_step(solution: Solution, shortfall: str) -> TraceStep:
     )
 
 
-def attempt_step(problem: Problem, seed: str, outcome: Outcome, *, in_time: bool) -> TraceStep:
+def attempt_step(problem: GapProblem, seed: str, outcome: Outcome, *, in_time: bool) -> TraceStep:
     """Return how the solver ended from one start.
 
     Parameters

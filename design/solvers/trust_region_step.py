@@ -31,7 +31,7 @@ ROOM = 0.1
 _one_at_a_time = threading.Lock()
 
 
-class _Program:
+class _StepSolver:
     """The solver for one number of unknowns."""
 
     def __init__(self, unknowns: int) -> None:
@@ -89,8 +89,8 @@ class _Program:
 
 
 @functools.cache
-def _program(unknowns: int) -> _Program:
-    return _Program(unknowns)
+def _program(unknowns: int) -> _StepSolver:
+    return _StepSolver(unknowns)
 
 
 def step_over_disks(

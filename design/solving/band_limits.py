@@ -15,14 +15,14 @@ from design.trace import TraceStep
 NO_FASTER = 0.01
 """Share of a wait by which nothing must be shorter [-]."""
 
-LARGEST_OFFERED = 0.5
+MAX_OFFERED_TOLERANCE = 0.5
 """A tolerance above it is not worth to be offered instead: little is suppressed [-]."""
 
 FAR_BEYOND = 1.5
 """Estimated duration over the horizon from which on it is not looked for [-]."""
 
 
-def excluded(problem: BandProblem, obstacle: Obstacle, budget: Budget) -> bool:
+def proves_exclusion(problem: BandProblem, obstacle: Obstacle, budget: Budget) -> bool:
     """Return whether an obstacle proves that no shaper is so short.
 
     Parameters
@@ -79,11 +79,13 @@ def require_long_enough(problem: BandProblem, budget: Budget) -> None:
     if needed < FAR_BEYOND * problem.horizon_rad:
         return
     obstacle, least = obstacle_at(problem, problem.horizon_rad, budget)
-    if not excluded(problem, obstacle, budget):
+    if not proves_exclusion(problem, obstacle, budget):
         return
     lower, upper = problem.band
     tolerance = EASIER * least
-    instead = f"; a tolerance of {tolerance:.4g} can be met" if tolerance < LARGEST_OFFERED else ""
+    instead = (
+        f"; a tolerance of {tolerance:.4g} can be met" if tolerance < MAX_OFFERED_TOLERANCE else ""
+    )
     raise InfeasibleDesignError(
         f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "
         f"within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural frequency: none "
@@ -115,12 +117,12 @@ def require_more_than_waiting(problem: BandProblem, budget: Budget) -> None:
     wait = -math.log(problem.tolerance) / (decay * lower)
     if budget.done + obstacle_work(problem, wait) > budget.most:
         return
-    if excluded(problem, obstacle_at(problem, (1 - NO_FASTER) * wait, budget)[0], budget):
+    if proves_exclusion(problem, obstacle_at(problem, (1 - NO_FASTER) * wait, budget)[0], budget):
         raise InfeasibleDesignError(
-            f"no shaper keeps a residual within {problem.tolerance:g} from {lower:g} to "
-            f"{problem.band[1]:g} of the natural frequency faster, by more than "
-            f"{100 * NO_FASTER:g} %, than {wait / PERIOD_RAD:.4g} periods of waiting for the "
-            "mode's own damping (proven): a smaller tolerance needs one",
+            f"after {wait / PERIOD_RAD:.4g} periods without a shaper, damping alone keeps a "
+            f"residual within {problem.tolerance:g} from {lower:g} to {problem.band[1]:g} of the "
+            f"natural frequency; no shaper is faster by more than {100 * NO_FASTER:g} % "
+            "(proven): only a smaller tolerance needs one",
             code="waiting_is_as_fast",
         )
 
@@ -153,7 +155,7 @@ def require_in_time(problem: BandProblem, found: Bounded, budget: Budget) -> Non
     )
     tolerance = EASIER * obstacle_at(problem, problem.horizon_rad, budget)[1]
     # What a grid allows is found where an optimum is found.
-    offered = tolerance < LARGEST_OFFERED and found.gap <= SMALL_GAP
+    offered = tolerance < MAX_OFFERED_TOLERANCE and found.gap <= SMALL_GAP
     instead = f" or a tolerance of {tolerance:.4g}" if offered else ""
     raise InfeasibleDesignError(
         f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "

@@ -14,7 +14,7 @@ OVER_RANGE = 1e-9
 """What a command may be out of range by: rounding of its amplitudes [-]."""
 
 
-def convolved(solved: list[Solution]) -> Solution:
+def convolve_solutions(solved: list[Solution]) -> Solution:
     """Convolve a solution for each mode.
 
     Parameters
@@ -32,7 +32,7 @@ def convolved(solved: list[Solution]) -> Solution:
     InfeasibleDesignError
         If the command would be below 0 or above full speed.
     """
-    impulses = functools.reduce(_convolved, (one.impulses for one in solved))
+    impulses = functools.reduce(_convolve, (one.impulses for one in solved))
     levels = np.cumsum(impulses.amplitudes)
     low, high = float(levels.min()), float(levels.max())
     if low < -OVER_RANGE or high > 1 + OVER_RANGE:
@@ -49,7 +49,7 @@ def convolved(solved: list[Solution]) -> Solution:
     return Solution(impulses=impulses, solver=report)
 
 
-def _convolved(first: Impulses, second: Impulses) -> Impulses:
+def _convolve(first: Impulses, second: Impulses) -> Impulses:
     """Return each step of one shaper shaped by the other; small steps may count."""
     times = np.add.outer(first.times_s, second.times_s).ravel()
     amplitudes = np.multiply.outer(first.amplitudes, second.amplitudes).ravel()

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from design.analysis.shortest import excluded_rad
+from design.analysis.shortest import excluded_duration_rad
 from design.errors import InfeasibleDesignError
 from design.formulations.bands import BandProblem, Obstacle
 from design.formulations.formulation import JointProblem
@@ -12,7 +12,7 @@ from design.solvers.convex_band.search import BandOptimum, candidates, obstacles
 from design.solvers.joint.search import shortest
 from design.solvers.solution import Solution
 from design.solving.band_limits import (
-    excluded,
+    proves_exclusion,
     require_in_time,
     require_long_enough,
     require_more_than_waiting,
@@ -44,7 +44,9 @@ def solve_jointly(problem: JointProblem, budget: Budget) -> Iterator[Solution]:
     w = problem.natural_frequency_rad_s
     for found in shortest(problem, budget):
         duration = float(found.times_rad[-1])
-        bound = excluded_rad(problem.unit_poles, found.vectors, duration, positive=problem.positive)
+        bound = excluded_duration_rad(
+            problem.unit_poles, found.vectors, duration, positive=problem.positive
+        )
         bounded = Bounded(
             times_rad=found.times_rad,
             amplitudes=found.amplitudes,
@@ -103,20 +105,22 @@ def _band_optima(problem: BandProblem, budget: Budget) -> Iterator[Bounded]:
     bound = 0.0  # nothing is shorter than no time
     for found in candidates(problem, budget):
         if isinstance(found, Obstacle):
-            bound = max(bound, found.duration_rad if excluded(problem, found, budget) else 0.0)
+            bound = max(
+                bound, found.duration_rad if proves_exclusion(problem, found, budget) else 0.0
+            )
         else:
             bound = max(bound, _lower_bound(problem, found, budget))
             if best is None or found.times_rad[-1] < best.times_rad[-1]:
                 best = found
         if best is None:
             continue
-        proved = _bounded(best, bound)
+        proved = _attach_bound(best, bound)
         if proved.gap <= SMALL_GAP:
             require_in_time(problem, proved, budget)
             yield proved
             best, answered = None, True
     if best is not None:
-        proved = _bounded(best, bound)
+        proved = _attach_bound(best, bound)
         require_in_time(problem, proved, budget)
         yield proved
     elif not answered:
@@ -124,13 +128,13 @@ def _band_optima(problem: BandProblem, budget: Budget) -> Iterator[Bounded]:
         if budget.spent:
             lower, upper = problem.band
             raise InfeasibleDesignError(
-                f"no shaper found that keeps a residual within {problem.tolerance:g} from "
+                f"no shaper was found that keeps a residual within {problem.tolerance:g} from "
                 f"{lower:g} to {upper:g} of the natural frequency: {budget.in_words}",
                 code="band_search_out_of_budget",
             )
 
 
-def _bounded(found: BandOptimum, lower_bound_rad: float) -> Bounded:
+def _attach_bound(found: BandOptimum, lower_bound_rad: float) -> Bounded:
     duration = float(found.times_rad[-1])
     return Bounded(
         times_rad=found.times_rad,
@@ -144,6 +148,6 @@ def _bounded(found: BandOptimum, lower_bound_rad: float) -> Bounded:
 
 def _lower_bound(problem: BandProblem, candidate: BandOptimum, budget: Budget) -> float:
     for obstacle in obstacles(problem, candidate, budget):
-        if excluded(problem, obstacle, budget):
+        if proves_exclusion(problem, obstacle, budget):
             return obstacle.duration_rad
     return 0.0

@@ -59,7 +59,7 @@ def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solu
             best = None
     if best is None:
         raise InfeasibleDesignError(
-            "no course of the reference within the limits was found that leaves nothing"
+            "no course of the reference without residual was found within the limits"
             + (f": {budget.in_words}" if budget.spent else ""),
             code="no_ramped_command_found",
         )

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from design.formulations.bands import BandProblem, BandSearch
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, Formulation, JointProblem
 from design.formulations.ramped import RampedProblem
 from design.solvers import search
@@ -13,7 +13,7 @@ from design.solvers.solution import Solution
 from design.solvers.unity_band import search as unity_band
 from design.solving import optima
 from design.solving.closed_form import solve_closed_form
-from design.solving.convolution import convolved
+from design.solving.convolution import convolve_solutions
 from design.solving.ramps import solve_behind_limits
 
 
@@ -42,12 +42,12 @@ def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[So
 
 
 def _convolution(formulation: Convolution, budget: Budget) -> Iterator[Solution]:
-    yield convolved([next(solve(part, budget)) for part in formulation.parts])
+    yield convolve_solutions([next(solve(part, budget)) for part in formulation.parts])
 
 
 SOLVERS: dict[type[Formulation], Callable[[Any, Budget], Iterator[Solution]]] = {
     ClosedForm: solve_closed_form,
-    Problem: search.candidates,
+    GapProblem: search.candidates,
     BandSearch: unity_band.solve,
     BandProblem: optima.solve_over_band,
     JointProblem: optima.solve_jointly,

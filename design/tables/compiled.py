@@ -25,7 +25,7 @@ def compiled(function: Function) -> Function:
     Products and sums are rounded one by one as written, on every kind of machine: without
     ``fastmath`` they are neither reordered nor contracted.
     """
-    return _compiled(function, forceinline=False)
+    return _compile(function, forceinline=False)
 
 
 def inlined(function: Function) -> Function:
@@ -35,10 +35,10 @@ def inlined(function: Function) -> Function:
 
     Only so do loops over it become vector instructions.
     """
-    return _compiled(function, forceinline=True)
+    return _compile(function, forceinline=True)
 
 
-def _compiled(function: Function, *, forceinline: bool) -> Function:
+def _compile(function: Function, *, forceinline: bool) -> Function:
     options = {
         "nogil": True,
         "error_model": "numpy",

@@ -29,7 +29,7 @@ IndexArray = NDArray[np.int_]
 
 
 GUARDED_SHARE = 5000
-"""One row in so many is designed by the pipeline as well, to guard against a wrong branch [-]."""
+"""One row in this many is designed by the pipeline as well, to guard against a wrong branch [-]."""
 
 SAME = 1e-10
 """Times that differ by less are the same, as a share of the duration [-]."""
@@ -137,10 +137,10 @@ def compute_rows(specification: TableSpecification, start: int, stop: int) -> Ro
         Every row with a status. A row marked verified holds what its shaper claims with the
         actuator given; one marked verified_ideal does with an ideal one alone.
     """
-    return counted_rows(specification, start, stop)[0]
+    return compute_with_counts(specification, start, stop)[0]
 
 
-def counted_rows(
+def compute_with_counts(
     specification: TableSpecification, start: int, stop: int
 ) -> tuple[Rows, RowCounts]:
     """Return rows of a table, and how they came about.
@@ -161,15 +161,17 @@ def counted_rows(
     RowCounts
         How many rows were designed in which way.
     """
-    specification = counted(specification)
+    specification = with_impulse_count(specification)
     values = specification.field_values(start, stop)
     table = _empty(specification, len(values))
     guarded = corrected = compiled_rows = 0
-    how = _compiled(specification)
+    how = _kernel_rows(specification)
     if how is not None:
         _compile_rows(specification, how, row_parameters(specification, values), table)
         compiled_rows = int(table.designed.sum())
-        for row in np.flatnonzero(table.designed & _guarded(specification, start, stop)).tolist():
+        for row in np.flatnonzero(
+            table.designed & _select_guarded(specification, start, stop)
+        ).tolist():
             guarded += 1
             corrected += _correct(specification, values[row], table, row)
     without = np.zeros(len(values), dtype=np.int8)
@@ -197,7 +199,7 @@ def counted_rows(
     )
 
 
-def counted(specification: TableSpecification) -> TableSpecification:
+def with_impulse_count(specification: TableSpecification) -> TableSpecification:
     """Return a specification that says how many impulses a row has.
 
     Its first row is designed where the kind does not say.
@@ -220,7 +222,7 @@ def counted(specification: TableSpecification) -> TableSpecification:
 
 
 def _empty(specification: TableSpecification, rows: int) -> _Table:
-    impulses = specification.impulses or 0  # `counted` has been here
+    impulses = specification.impulses or 0  # `with_impulse_count` has been here
     return _Table(
         times_s=np.full((rows, impulses), np.nan),
         amplitudes=np.full((rows, impulses), np.nan),
@@ -233,7 +235,7 @@ def _empty(specification: TableSpecification, rows: int) -> _Table:
     )
 
 
-def _compiled(specification: TableSpecification) -> CompiledRows | None:
+def _kernel_rows(specification: TableSpecification) -> CompiledRows | None:
     """Return how the kernel solves the rows; None where it knows not all that they depend on."""
     kind, options = specification.kind, specification.options
     if specification.actuator.kind not in kind.actuators:
@@ -255,7 +257,7 @@ def _compile_rows(
 ) -> None:
     """Enter what the kernel solves and the compiled certificate verifies."""
     # Numba takes half a second to import, which nothing but tables should pay.
-    from design.tables.kernel import closed_triangles, rows_of_problems, solved  # noqa: PLC0415
+    from design.tables.kernel import closed_triangles, rows_of_problems, solve_rows  # noqa: PLC0415
     from design.tables.starts import FOUND  # noqa: PLC0415
 
     kind, impulses = specification.kind, table.times_s.shape[1]
@@ -278,7 +280,7 @@ def _compile_rows(
         if which is closed:
             gaps, ends = closed_triangles(problems[index])
         else:
-            gaps, ends = solved(problems[index], impulses, switched=designed_for.switched)
+            gaps, ends = solve_rows(problems[index], impulses, switched=designed_for.switched)
         index, gaps = index[ends == FOUND], gaps[ends == FOUND]
         times = np.zeros((index.size, impulses))
         np.cumsum(gaps, axis=1, out=times[:, 1:])
@@ -346,7 +348,7 @@ def _zeros_hold(left: FloatArray, *, slopes: bool) -> BoolArray:
     return holds & (left[:, 1] <= ZERO_LIMITS["slope"]) if slopes else holds
 
 
-def _guarded(specification: TableSpecification, start: int, stop: int) -> BoolArray:
+def _select_guarded(specification: TableSpecification, start: int, stop: int) -> BoolArray:
     """Return which rows both routes design: a hash of specification and row number decides."""
     base = (specification.plant, specification.actuator, specification.options)
     key = zlib.crc32(repr((*base, specification.kind.name, specification.fields)).encode())

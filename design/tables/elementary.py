@@ -5,7 +5,7 @@ machine and version; and as nothing in them branches, loops over them become vec
 They are right to one unit in the last place, or two.
 
 An argument is a whole multiple of ln 2 or pi / 2 and a remainder, whose function is summed as its
-Taylor series. The multiple is rounded to a whole number by adding `WHOLE`, which leaves the number
+Taylor series. The multiple is rounded to a whole number by adding `WHOLE`, which puts the number
 in the last bits of the sum.
 """
 
@@ -42,7 +42,7 @@ PER_QUARTER = float(2 / PI)
 QUARTER_TURN = float(PI / 2)
 HALF_TURN = float(PI)
 
-LARGEST_EXPONENT = 700.0
+MAX_EXPONENT = 700.0
 """Beyond it the exponential stays as it is there: 1e304 and its inverse stand for all of those."""
 
 E3, E4, E5, E6, E7, E8, E9, E10, E11, E12, E13, E14, E15, E16, E17 = (
@@ -57,8 +57,8 @@ A1, A3, A5, A7, A9 = 0.9998660, 0.3302995, 0.1801410, 0.0851330, 0.0208351
 @inlined
 def _powers(x: float) -> tuple[float, float]:
     """Return ``2^k`` and ``exp(r) - 1`` where ``x = k ln 2 + r`` and r is smallest."""
-    x = -LARGEST_EXPONENT if x < -LARGEST_EXPONENT else x
-    x = LARGEST_EXPONENT if x > LARGEST_EXPONENT else x
+    x = -MAX_EXPONENT if x < -MAX_EXPONENT else x
+    x = MAX_EXPONENT if x > MAX_EXPONENT else x
     shifted = x * PER_LN2 + WHOLE
     k = shifted - WHOLE
     r = (x - k * LN2_HIGH) - k * LN2_LOW
@@ -142,6 +142,6 @@ def angle(x: float, y: float) -> float:
     """
     near = near_angle(x, y)
     sine, cosine = sine_and_cosine(near)
-    # What is left is so little that its sine tells it by two terms.
+    # What is left is so little that two terms of its sine give it.
     left = (y * cosine - x * sine) / math.sqrt(x * x + y * y)
     return near + left * (1.0 + left * left / 6.0)

@@ -5,20 +5,20 @@ is recomputed in `design.tables.proofs`, apart from them.
 
 `LANES` designs lie in one array, which is cut into runs of that length, one for each quantity. All
 innermost loops go over the lanes, and nothing in them branches, so that they become vector
-instructions; an array of its own for each quantity would hide from the compiler that they are
+instructions; a separate array for each quantity would hide from the compiler that they are
 apart. Complex quantities take two runs, real part first.
 """
 
 import math
 from typing import Literal
 
-from design.formulations.symbolic import SHORTEST_TIME_CONSTANT, SMALLEST_ROOT
+from design.formulations.symbolic import MIN_ROOT, MIN_TIME_CONSTANT
 from design.tables.compiled import compiled, inlined
 from design.tables.elementary import exponential, exponential_less_one, sine_and_cosine
 from design.types import FloatArray
 
 Switched = Literal[True] | None
-"""None for superposed steps, not False: by its type numba leaves out the other model's code."""
+"""None for superposed steps, not False: by its type numba omits the other model's code."""
 
 Unknowns = tuple[int, ...]
 """As many zeros as unknowns: numba knows the length by the type, and unrolls loops."""
@@ -26,7 +26,7 @@ Unknowns = tuple[int, ...]
 LANES = 32
 """Designs side by side: a few vectors of any machine, and all their runs in its nearest cache."""
 
-MOST_UNKNOWNS = 4
+MAX_UNKNOWNS = 4
 
 PARAMETERS = 0
 """z, then first and second of the acceleration and of the deceleration set [-]."""
@@ -43,10 +43,10 @@ RATIO_SLOPE = RATIO + 2 * LANES
 GAPS = RATIO_SLOPE + 2 * LANES
 """The unknowns [rad]."""
 
-TURNS = GAPS + MOST_UNKNOWNS * LANES
+TURNS = GAPS + MAX_UNKNOWNS * LANES
 """``exp(s L)``, L the time from each step to the last."""
 
-LEFT = TURNS + 2 * (MOST_UNKNOWNS + 1) * LANES
+LEFT = TURNS + 2 * (MAX_UNKNOWNS + 1) * LANES
 """L of the present step."""
 
 SUM = LEFT + LANES
@@ -55,11 +55,11 @@ SUM = LEFT + LANES
 SYSTEM = SUM + 4 * LANES
 """Jacobian, by rows, each with its equation's value last; that becomes the Newton step."""
 
-COLUMNS = MOST_UNKNOWNS + 1
-VALUE = MOST_UNKNOWNS
+COLUMNS = MAX_UNKNOWNS + 1
+VALUE = MAX_UNKNOWNS
 """Columns of the system, and the last."""
 
-EXCHANGED = SYSTEM + MOST_UNKNOWNS * COLUMNS * LANES
+EXCHANGED = SYSTEM + MAX_UNKNOWNS * COLUMNS * LANES
 FACTOR = EXCHANGED + LANES
 """Of the elimination of an element: whether its rows change places, and the multiplier."""
 
@@ -67,10 +67,10 @@ STATE = FACTOR + LANES
 """Error and rate of a switched actuator."""
 
 ERRORS_BY_GAPS = STATE + 2 * LANES
-RATES_BY_GAPS = ERRORS_BY_GAPS + MOST_UNKNOWNS * LANES
+RATES_BY_GAPS = ERRORS_BY_GAPS + MAX_UNKNOWNS * LANES
 """Their derivatives by each gap."""
 
-MOTION = RATES_BY_GAPS + MOST_UNKNOWNS * LANES
+MOTION = RATES_BY_GAPS + MAX_UNKNOWNS * LANES
 """Matrix [a, b; c, d] that moves error and rate over a gap, by rows."""
 
 BY_STATE = MOTION + 4 * LANES
@@ -153,10 +153,10 @@ def free_motion(gap: float, first: float, second: float) -> tuple[float, float, 
     corner = 1.0 / math.sqrt(1.0 if at_once else second)
     damping = first * corner / 2.0
     phase = corner * gap
-    root = max(math.sqrt(abs(damping * damping - 1.0)), SMALLEST_ROOT)
+    root = max(math.sqrt(abs(damping * damping - 1.0)), MIN_ROOT)
     swings = damping < 1.0
     exponent = -damping * phase if swings else -phase / (damping + root)
-    exponent = -gap / max(first, SHORTEST_TIME_CONSTANT) if at_once else exponent
+    exponent = -gap / max(first, MIN_TIME_CONSTANT) if at_once else exponent
     size = exponential(exponent)
     sine, cosine = sine_and_cosine(root * phase)
     both = exponential_less_one(-2.0 * root * phase)
@@ -214,7 +214,7 @@ def _relax(block: FloatArray, i: int) -> None:
         error, rate = a * error + b * rate, c * error + d * rate
         block[STATE + lane], block[STATE + LANES + lane] = error, rate
         at_once = second == 0.0
-        slope = -error / max(first, SHORTEST_TIME_CONSTANT)
+        slope = -error / max(first, MIN_TIME_CONSTANT)
         bend = -(error + first * rate) / (1.0 if at_once else second)
         block[ERRORS_BY_GAPS + i * LANES + lane] = slope if at_once else rate
         block[RATES_BY_GAPS + i * LANES + lane] = 0.0 if at_once else bend

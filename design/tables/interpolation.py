@@ -5,7 +5,7 @@ actuator's frequency against it bend little, as in `design.curve_fit`; those are
 the cubic through the four nearest points along each axis (by all points, where there are fewer).
 
 Neighbouring rows may be designs of different branches, with nothing to interpolate between them.
-Every cell is tried in its middles, and one that leaves too much there is closed.
+Every cell is tried in its middles, and one whose residual is too large there is closed.
 """
 
 from dataclasses import dataclass, replace

@@ -13,9 +13,9 @@ from decimal import Decimal
 
 import numpy as np
 
-from design.formulations.gaps import PERIOD_RAD, SHORTEST_GAP_RAD
+from design.formulations.gaps import MIN_GAP_RAD, PERIOD_RAD
 from design.formulations.published_times import ZV_POLYNOMIALS, ZVD_POLYNOMIALS
-from design.formulations.vector_diagram import LARGEST_ALPHA
+from design.formulations.vector_diagram import MAX_ALPHA
 from design.model.lags import SETTLED_SHARE
 from design.solvers.branches import HORIZONS_PERIODS, unit_starts
 from design.tables.compiled import compiled
@@ -26,7 +26,7 @@ from design.tables.starts import (
     FOUND,
     NO_SEED,
     UNSURE,
-    IntArray,
+    Int8Array,
     fastest,
     nearest_to_seeds,
     within,
@@ -38,7 +38,7 @@ ZVD = np.array(ZVD_POLYNOMIALS)
 
 
 @compiled
-def _settled(first: float, second: float, band: float, decay: float) -> float:
+def _settling_time(first: float, second: float, band: float, decay: float) -> float:
     """Return `design.model.settling.settling_time_s` in units of the plant's frequency."""
     if second == 0.0:
         return first * decay
@@ -65,8 +65,8 @@ def _settled(first: float, second: float, band: float, decay: float) -> float:
 def _settle(rows: FloatArray, band: float, decay: float) -> None:
     for m in range(rows.shape[0]):
         row = rows[m]
-        row[5] = max(row[5], _settled(row[1], row[2], band, decay))
-        row[6] = max(row[6], _settled(row[3], row[4], band, decay))
+        row[5] = max(row[5], _settling_time(row[1], row[2], band, decay))
+        row[6] = max(row[6], _settling_time(row[3], row[4], band, decay))
 
 
 @compiled
@@ -75,7 +75,7 @@ def _not_before(angle: float, earliest: float) -> float:
 
 
 @compiled
-def _close_triangles(rows: FloatArray, gaps: FloatArray, ends: IntArray) -> None:
+def _close_triangles(rows: FloatArray, gaps: FloatArray, ends: Int8Array) -> None:
     """Write the gaps of `design.formulations.vector_diagram.undamped_times_rad`."""
     block = np.ones(LENGTH)
     for m in range(rows.shape[0]):
@@ -84,7 +84,7 @@ def _close_triangles(rows: FloatArray, gaps: FloatArray, ends: IntArray) -> None
         p, q = block[RATIO], block[RATIO + LANES]
         beta, side = -angle(p, q), math.sqrt(p * p + q * q) / 2.0
         best = np.inf
-        if 2.0 * side <= LARGEST_ALPHA:
+        if 2.0 * side <= MAX_ALPHA:
             for sign in (1.0, -1.0):
                 half = sign * angle(side, math.sqrt((1.0 - side) * (1.0 + side)))
                 t2 = _not_before(half - beta, row[5])
@@ -115,7 +115,7 @@ def rows_of_problems(lags: FloatArray, longest_periods: FloatArray, *, settle: b
     """
     rows = np.empty((len(lags), 8))
     rows[:, :5] = lags
-    rows[:, 5:7] = SHORTEST_GAP_RAD
+    rows[:, 5:7] = MIN_GAP_RAD
     rows[:, 7] = longest_periods * PERIOD_RAD
     if settle:
         band = 1 - SETTLED_SHARE
@@ -124,7 +124,7 @@ def rows_of_problems(lags: FloatArray, longest_periods: FloatArray, *, settle: b
     return rows
 
 
-def closed_triangles(rows: FloatArray) -> tuple[FloatArray, IntArray]:
+def closed_triangles(rows: FloatArray) -> tuple[FloatArray, Int8Array]:
     """Return the gaps of undamped three-impulse shapers in closed form.
 
     Steps are superposed.
@@ -138,7 +138,7 @@ def closed_triangles(rows: FloatArray) -> tuple[FloatArray, IntArray]:
     -------
     FloatArray
         Gaps, shape (m, 2) [rad].
-    IntArray
+    Int8Array
         How each row ended, shape (m,).
     """
     gaps, ends = np.empty((len(rows), 2)), np.empty(len(rows), dtype=np.int8)
@@ -146,7 +146,7 @@ def closed_triangles(rows: FloatArray) -> tuple[FloatArray, IntArray]:
     return gaps, ends
 
 
-def solved(rows: FloatArray, impulses: int, *, switched: bool) -> tuple[FloatArray, IntArray]:
+def solve_rows(rows: FloatArray, impulses: int, *, switched: bool) -> tuple[FloatArray, Int8Array]:
     """Solve the problems of many rows.
 
     Parameters

@@ -23,7 +23,7 @@ def _solve(block: FloatArray, unknowns: Unknowns) -> None:
 
     Each element below the diagonal is eliminated by the row above or, if that has the smaller
     pivot, by its own, the two then changing places: pairwise pivoting (Sorensen 1985), without
-    branches. What a singular matrix leaves is not finite.
+    branches. The result of a singular matrix is not finite.
     """
     size = len(unknowns)
     for c in range(size):

@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 
 from design.analysis.workable import RESONANCE, SLOWEST
-from design.checks import LARGEST, SMALLEST
+from design.checks import MAX_VALUE, MIN_VALUE
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
-from design.model.actuators.second_order import LARGEST_DAMPING_RATIO as LARGEST_LAG_DAMPING
-from design.model.actuators.second_order import SMALLEST_DAMPING_RATIO as SMALLEST_LAG_DAMPING
+from design.model.actuators.second_order import MAX_DAMPING_RATIO as MAX_LAG_DAMPING
+from design.model.actuators.second_order import MIN_DAMPING_RATIO as MIN_LAG_DAMPING
 from design.model.actuators.second_order import SecondOrder
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
-from design.shapers.settle_options import LONGEST_HORIZON_PERIODS, SHORTEST_HORIZON_PERIODS
-from design.shapers.umzv import LONGEST_PERIODS
+from design.shapers.settle_options import MAX_HORIZON_PERIODS, MIN_HORIZON_PERIODS
+from design.shapers.umzv import MAX_PERIODS
 from design.tables.specification import TableSpecification
 from design.types import BoolArray, FloatArray
 
@@ -56,7 +56,7 @@ class _Fields:
         self.lawful = np.ones(len(values), dtype=np.bool_)
 
     def __call__(
-        self, *path: str, least: float = SMALLEST, most: float = LARGEST, zero: bool = False
+        self, *path: str, least: float = MIN_VALUE, most: float = MAX_VALUE, zero: bool = False
     ) -> FloatArray:
         """Return one field of every row, shape (m,)."""
         if path in self._specification.fields:
@@ -101,12 +101,12 @@ def row_parameters(specification: TableSpecification, values: FloatArray) -> Row
             longest = field(
                 "shaper",
                 "max_duration_periods",
-                least=SHORTEST_HORIZON_PERIODS,
-                most=LONGEST_HORIZON_PERIODS,
+                least=MIN_HORIZON_PERIODS,
+                most=MAX_HORIZON_PERIODS,
             )
         else:
-            longest = LONGEST_PERIODS / np.sqrt(1 - z * z)
-        workable = field.lawful & (w >= SMALLEST) & (w <= LARGEST)
+            longest = MAX_PERIODS / np.sqrt(1 - z * z)
+        workable = field.lawful & (w >= MIN_VALUE) & (w <= MAX_VALUE)
         for first, second in ((lags[:, 1], lags[:, 2]), (lags[:, 3], lags[:, 4])):
             workable &= (first <= SLOWEST) & (second <= SLOWEST**2)
             # 1/G at the plant's pole -z + j sqrt(1 - z^2).
@@ -145,8 +145,8 @@ def _lags(specification: TableSpecification, field: _Fields, w: FloatArray) -> l
                 "actuator",
                 name,
                 "damping_ratio",
-                least=SMALLEST_LAG_DAMPING,
-                most=LARGEST_LAG_DAMPING,
+                least=MIN_LAG_DAMPING,
+                most=MAX_LAG_DAMPING,
             )
             slowness = w / corner
             lags += [2 * damping * slowness, slowness * slowness]

@@ -28,7 +28,7 @@ from design.tables.elementary import exponential, sine_and_cosine
 from design.types import FloatArray
 
 Optional = Literal[True] | None
-"""None for no, not False: by its type numba leaves out what is not wanted."""
+"""None for no, not False: by its type numba omits what is not wanted."""
 
 CRITICAL_ROOT = 1e-7
 """Distance of a lag's poles from critical damping below which the double-pole form is exact [-]."""
@@ -78,7 +78,7 @@ SWING = FORCED + 8 * FREQUENCIES * LANES
 """At each frequency q, p."""
 
 UNIT = SWING + 2 * FREQUENCIES * LANES
-"""What an unshaped step leaves."""
+"""Residual of an unshaped step."""
 
 RESULTS = UNIT + LANES
 """Residual, then slope."""
@@ -88,7 +88,7 @@ LENGTH = RESULTS + 2 * LANES
 
 
 @inlined
-def _forced(z: float, r: float, first: float, second: float) -> tuple[float, float, float, float]:
+def _forcing(z: float, r: float, first: float, second: float) -> tuple[float, float, float, float]:
     """Return what a lag's e and e' force: q by each, p by each."""
     swings = second > 0.0
     lag = second if swings else 1.0
@@ -108,7 +108,7 @@ def _forced(z: float, r: float, first: float, second: float) -> tuple[float, flo
 
 
 @inlined
-def _relaxed(gap: float, first: float, second: float, e: float, d: float) -> tuple[float, float]:
+def _relax_lag(gap: float, first: float, second: float, e: float, d: float) -> tuple[float, float]:
     """Return a lag's e and e' after a gap."""
     has_rate, has_error = second > 0.0, first > 0.0
     corner = 1.0 / math.sqrt(second if has_rate else 1.0)
@@ -142,20 +142,20 @@ def _little_turn(x: float, y: float) -> tuple[float, float]:
 
 
 @inlined
-def _write_forced(block: FloatArray, f: np.intp, k: np.intp) -> None:
+def _write_forcing(block: FloatArray, f: np.intp, k: np.intp) -> None:
     """Write what a lag's e and e' force at a frequency: q by each, p by each."""
     out, lags = FORCED + (8 * f + 4 * k) * LANES, LAGS + 2 * k * LANES
     for lane in range(LANES):
         z, r = block[DAMPING + lane], block[RATIOS + f * LANES + lane]
         first, second = block[lags + lane], block[lags + LANES + lane]
-        a, b, c, d = _forced(z, r, first, second)
+        a, b, c, d = _forcing(z, r, first, second)
         block[out + lane], block[out + LANES + lane] = a, b
         block[out + 2 * LANES + lane], block[out + 3 * LANES + lane] = c, d
 
 
 @inlined
 def _begin(block: FloatArray) -> None:
-    """Put all at rest; write the frequencies, and what an unshaped step leaves."""
+    """Put all at rest; write the frequencies, and the residual of an unshaped step."""
     for k in range(8):
         for lane in range(LANES):
             block[AT_STEP + k * LANES + lane] = 0.0
@@ -166,7 +166,7 @@ def _begin(block: FloatArray) -> None:
         step = STEP_PHASE_RAD / max(1.0, block[DURATION + lane])
         block[RATIOS + lane] = 1.0
         block[RATIOS + LANES + lane], block[RATIOS + 2 * LANES + lane] = 1.0 - step, 1.0 + step
-    _write_forced(block, OWN, ACCEL)
+    _write_forcing(block, OWN, ACCEL)
     for lane in range(LANES):
         # Through the acceleration set; an ideal one forces nothing.
         q, p = block[FORCED + lane] - 1.0, block[FORCED + 2 * LANES + lane]
@@ -190,7 +190,7 @@ def _relax(block: FloatArray, k: np.intp) -> None:
     for lane in range(LANES):
         first, second = block[lags + lane], block[lags + LANES + lane]
         e, d = block[state + lane], block[state + LANES + lane]
-        e, d = _relaxed(block[GAP + lane], first, second, e, d)
+        e, d = _relax_lag(block[GAP + lane], first, second, e, d)
         block[state + lane], block[state + LANES + lane] = e, d
 
 
@@ -295,12 +295,12 @@ def _prove(
                 block[LAGS + k * LANES + lane] = lags[m, 1 + k]
             block[DURATION + lane] = w[m] * times[m, times.shape[1] - 1]
         _begin(block)
-        _write_forced(block, OWN, DECEL)
+        _write_forcing(block, OWN, DECEL)
         if slopes is not None:
-            _write_forced(block, BELOW, ACCEL)
-            _write_forced(block, BELOW, DECEL)
-            _write_forced(block, ABOVE, ACCEL)
-            _write_forced(block, ABOVE, DECEL)
+            _write_forcing(block, BELOW, ACCEL)
+            _write_forcing(block, BELOW, DECEL)
+            _write_forcing(block, ABOVE, ACCEL)
+            _write_forcing(block, ABOVE, DECEL)
         _take_step(block, switched, ACCEL)
         for i in range(1, times.shape[1]):
             for lane in range(LANES):

@@ -56,14 +56,16 @@ def amplitudes_of(
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,
-            "one with as many impulses in every row: those for several modes change with the plant",
+            "one with the same number of impulses in every row: those for several modes change "
+            "with the plant",
             code="impulses_vary_with_plant",
         )
     if isinstance(formulation, BandProblem | BandSearch):
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,
-            "one with as many impulses in every row: those of a band change with plant and band",
+            "one with the same number of impulses in every row: those of a band change with "
+            "plant and band",
             code="impulses_vary_with_band",
         )
     if isinstance(formulation, ClosedForm):
@@ -102,7 +104,8 @@ def impulses_of(plant: Plant, kind: ShaperKind, options: ShaperOptions | None) -
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,
-            "one with as many impulses in every row: of those for several modes, convolved",
+            "one with the same number of impulses in every row: of those for several modes, "
+            "convolved",
             code="joint_kind_in_table",
         )
     return len(amplitudes_of(kind, options))

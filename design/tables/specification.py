@@ -25,13 +25,13 @@ COLUMNS = ("times_s", "amplitudes", "phases_rad", "duration_s", "residual", "slo
 DEFAULT_COLUMNS = ("times_s", "residual")
 
 
-MOST_ROWS = 10_000_000_000
+MAX_ROWS = 10_000_000_000
 """Rows of one table: at 40 bytes a row, 400 GB of results."""
 
-MOST_CHUNKS = 1_000_000
+MAX_CHUNKS = 1_000_000
 """Chunks of one table; the store holds a record of each."""
 
-MOST_CHUNK_ROWS = 1_000_000
+MAX_CHUNK_ROWS = 1_000_000
 """Rows of one chunk, which a worker holds in memory."""
 
 
@@ -56,7 +56,7 @@ class TableSpecification:
         else of the specification, and on nothing outside of it.
     impulses
         Of each row. Where the kind of shaper does not say how many, the table has one row, and None
-        stands for what its design will have; `design.tables.compute.counted` finds out.
+        stands for what its design will have; `design.tables.compute.with_impulse_count` finds out.
 
     Raises
     ------
@@ -104,7 +104,7 @@ class TableSpecification:
                 )
         self._check_shaper()
         self._check_columns()
-        require_between("chunk_rows", self.chunk_rows, 1, MOST_CHUNK_ROWS)
+        require_between("chunk_rows", self.chunk_rows, 1, MAX_CHUNK_ROWS)
         if self.listed is not None:
             if self.listed.shape[0] == 0:
                 raise InvalidInputError(
@@ -182,11 +182,11 @@ class TableSpecification:
 
     def _check_size(self) -> None:
         require_rows(self.rows)
-        if self.chunks > MOST_CHUNKS:
+        if self.chunks > MAX_CHUNKS:
             raise InvalidInputError(
                 "chunk_rows",
                 self.chunk_rows,
-                f"at least {math.ceil(self.rows / MOST_CHUNKS)} for {self.rows} rows",
+                f"at least {math.ceil(self.rows / MAX_CHUNKS)} for {self.rows} rows",
                 code="chunks_too_small",
             )
 
@@ -318,13 +318,13 @@ def require_rows(rows: int) -> None:
     Raises
     ------
     InvalidInputError
-        If there are more than ``MOST_ROWS``; its rule says what to do instead.
+        If there are more than ``MAX_ROWS``; its rule says what to do instead.
     """
-    if rows > MOST_ROWS:
+    if rows > MAX_ROWS:
         raise InvalidInputError(
             "axes",
             f"{rows:.3g} rows",
-            f"of at most {MOST_ROWS:.0e} rows in all: take fewer points and interpolate, vary the "
+            f"of at most {MAX_ROWS:.0e} rows in all: take fewer points and interpolate, vary the "
             "ratio of two frequencies in place of both, or cut it into several tables",
             code="too_many_rows",
         )
@@ -348,7 +348,7 @@ def columns_of(specification: TableSpecification) -> tuple[Column, ...]:
         raise InvalidInputError(
             "impulses",
             None,
-            "counted first, by design.tables.compute.counted",
+            "counted first, by design.tables.compute.with_impulse_count",
             code="impulses_not_counted",
         )
     series = {

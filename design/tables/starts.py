@@ -9,8 +9,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from design.formulations.gaps import PERIOD_RAD, SHORTEST_GAP_RAD
-from design.solvers.newton import LARGEST_STEP_RAD, TOLERANCE
+from design.formulations.gaps import MIN_GAP_RAD, PERIOD_RAD
+from design.solvers.newton import MAX_STEP_RAD, TOLERANCE
 from design.tables.compiled import compiled
 from design.tables.elementary import near_angle
 from design.tables.equations import (
@@ -28,7 +28,7 @@ from design.tables.equations import (
 from design.tables.newton import newton_step
 from design.types import FloatArray
 
-IntArray = NDArray[np.int8]
+Int8Array = NDArray[np.int8]
 
 FULL_STEPS = 12
 """Newton steps from a seed, as the single design's root finder takes [-]."""
@@ -126,7 +126,7 @@ def _start(block: FloatArray, lane: int, table: FloatArray, row: FloatArray, tri
             block[GAPS + k * LANES + lane] = time - before
             settled = settled and time - before >= _shortest(row, k)
             before = time
-        if settled or max(row[5], row[6]) <= SHORTEST_GAP_RAD:
+        if settled or max(row[5], row[6]) <= MIN_GAP_RAD:
             return tried
     return 0
 
@@ -138,7 +138,7 @@ def nearest_to_seeds(
     switched: Switched,
     rows: FloatArray,
     gaps: FloatArray,
-    ends: IntArray,
+    ends: Int8Array,
 ) -> None:
     """Write where full Newton steps end from the first seed within bounds.
 
@@ -285,4 +285,4 @@ def fastest(
                 busy = True
         if not busy:
             return duration
-        newton_step(block, switched, unknowns, LARGEST_STEP_RAD)
+        newton_step(block, switched, unknowns, MAX_STEP_RAD)

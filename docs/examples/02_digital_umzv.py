@@ -21,7 +21,7 @@ from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
 from design.response.closed_form import history
-from design.sampling.sample_grid import carried, nearest
+from design.sampling.sample_grid import nearest, round_with_carry
 from design.sampling.sampled import sample
 from design.shapers.registry import SHAPERS
 
@@ -47,7 +47,7 @@ for panel, (case, (mode, sample_s)) in zip(panels, CASES.items(), strict=True):
     shapers = {
         "analog": analog,
         "nearest samples": nearest(analog, sample_s),
-        "equations 7 and 8": carried(analog, sample_s),
+        "equations 7 and 8": round_with_carry(analog, sample_s),
         "searched, within 1 %": searched.impulses,
     }
     times = np.linspace(0.0, max(s.duration_s for s in shapers.values()) + 2 * mode.period_s, 1000)

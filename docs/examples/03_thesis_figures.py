@@ -81,7 +81,7 @@ def case(
     )
 
 
-def compared(
+def compare(
     title: str, actuator: SecondOrder, x: Axis, y: Axis
 ) -> tuple[Figure, FloatArray, FloatArray]:
     """Map what moves by NUMZV, designed in each cell, and by UMZV leave [cm]."""
@@ -187,7 +187,7 @@ def residuals() -> Iterator[Drawn]:
             axis(Z2, 0.3, 2, 22),
         ),
     ):
-        figure, knowing, ignorant = compared(f"Residual over {title}", actuator, x, y)
+        figure, knowing, ignorant = compare(f"Residual over {title}", actuator, x, y)
         # Beyond the corner of the map where a set is slow or little damped.
         inner = np.ix_(y.values >= INNER[y.path[-1]], x.values >= INNER[x.path[-1]])
         told = "; ".join(

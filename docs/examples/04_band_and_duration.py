@@ -33,7 +33,7 @@ HALF_WIDTHS = [0.01, 0.02, 0.028, 0.04, 0.06, 0.08, 0.1, 0.12, 0.14, 0.16, 0.18,
 HALF_WIDTHS += [0.2, 0.22, 0.25, 0.28, 0.31, 0.335, 0.35, 0.38, 0.41, 0.44]
 
 
-def guaranteed(shaper: Impulses) -> float:
+def guaranteed_half_width(shaper: Impulses) -> float:
     """Return the half width of the centred band within the tolerance, 0 if there is none [-]."""
     found = insensitivity(shaper, CRANE.mode, ACTUATOR, TOLERANCE)
     return 0.0 if found is None else found.half_width
@@ -46,7 +46,7 @@ for name, kind in SHAPERS.items():
     if name == "num_si" or ACTUATOR.kind not in kind.actuators:
         continue
     shaper = design(CRANE, ACTUATOR, kind).impulses
-    band = guaranteed(shaper)
+    band = guaranteed_half_width(shaper)
     sys.stdout.write(
         f"{name:<16} {shaper.times_s.size:>6} {shaper.duration_s:>13.4f}   +- {100 * band:5.2f} %\n"
     )
@@ -58,7 +58,7 @@ curves: dict[int, list[tuple[float, float]]] = {}
 for half_width in HALF_WIDTHS:
     options = UnityBandOptions(half_width=half_width, tolerance=TOLERANCE)
     shaper = design(CRANE, ACTUATOR, SHAPERS["num_si"], options).impulses
-    band = guaranteed(shaper)
+    band = guaranteed_half_width(shaper)
     count = shaper.times_s.size
     curves.setdefault(count, []).append((shaper.duration_s, 100 * band))
     sys.stdout.write(

@@ -16,12 +16,12 @@ from schemas.tables import Tolerances
 NAMED = re.compile(rb"#define (\w+)_ROWS |FUNCTION_BLOCK (\w+)_table\b")
 """Lines of a C header and of Structured Text that hold the start of their names."""
 
-MOST_TOLD = 20
-"""Drifts that are told; all are counted."""
+MAX_LISTED_DRIFTS = 20
+"""Drifts that are listed; all are counted."""
 
 
 class Drifts:
-    """What has drifted: counted, the first ones told."""
+    """What has drifted: counted, the first ones listed."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -30,7 +30,7 @@ class Drifts:
     def add(self, text: str) -> None:
         """Add one."""
         self.count += 1
-        if len(self.told) < MOST_TOLD:
+        if len(self.told) < MAX_LISTED_DRIFTS:
             self.told.append(text)
 
 
@@ -91,7 +91,7 @@ def _compare(
     tolerances: Tolerances,
 ) -> None:
     names = [column.name for column in head.columns if column.kind in {"field", "result"}]
-    for first, was, becomes in _aligned(old, new):
+    for first, was, becomes in _align(old, new):
         if was is None or becomes is None:
             drifts.add(f"rows from {first} on are {'missing' if was is None else 'too many'}")
             return
@@ -121,7 +121,7 @@ def _numbers(rows: Rows) -> FloatArray:
     return np.hstack((rows.fields, rows.results))
 
 
-def _aligned(
+def _align(
     old: Iterable[Rows], new: Iterable[Rows]
 ) -> Iterator[tuple[int, Rows | None, Rows | None]]:
     """Yield runs of equal rows from two tables whose runs differ in length."""
@@ -157,7 +157,7 @@ def _part(rows: Rows, start: int, stop: int | None) -> Rows:
     )
 
 
-def named_in(path: Path) -> Path:
+def file_named_in(path: Path) -> Path:
     """Return a program's file by the name that its own names begin with.
 
     The file may have another name now.

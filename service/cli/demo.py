@@ -62,12 +62,12 @@ def main(folder: Path) -> int:
 
 
 def _wait_until_ready(address: str, server: "subprocess.Popen[bytes]") -> None:
-    """Wait for the service's word that it answers; a start that takes long is told once."""
+    """Wait until the service answers; a start that takes long is reported once."""
     started = time.monotonic()
     slow = False
     while True:
         try:
-            _asked(f"{address}/health/ready")
+            _ask(f"{address}/health/ready")
             return
         except DemoError as error:
             reason = error
@@ -82,7 +82,7 @@ def _wait_until_ready(address: str, server: "subprocess.Popen[bytes]") -> None:
         time.sleep(0.1)
 
 
-def _asked(request: str | urllib.request.Request) -> bytes:
+def _ask(request: str | urllib.request.Request) -> bytes:
     """Return what the service answers.
 
     Raises
@@ -107,7 +107,7 @@ def _show(address: str, kind: str, folder: Path) -> None:
     request = urllib.request.Request(
         f"{address}/v1/designs", body, {"content-type": "application/json"}
     )
-    response = DesignResponse.model_validate_json(_asked(request))
+    response = DesignResponse.model_validate_json(_ask(request))
     _say(f"{kind} for the thesis's crane:\n\n{as_table(response)}")
     for image_format in ("png", "svg"):
         picture = folder / f"{kind}.{image_format}"

@@ -30,7 +30,7 @@ TABLE_HELP = "a table of designs over axes or a list, into a file (POST /v1/tabl
 PROGRAMS = tuple(name for name, row in FORMATS.items() if row.is_program)
 """Formats of a table that a single design has too."""
 
-MOST_WORKERS = 1024
+MAX_WORKERS = 1024
 
 PICTURES = {".png": "png", ".svg": "svg"}
 
@@ -107,7 +107,7 @@ def _parser() -> argparse.ArgumentParser:
                     help="report each step of the search; with --plot, draw it in place",
                 )
             command.add_argument(
-                "--plot", metavar="FILE", type=Path, help="draw it: FILE.png or FILE.svg"
+                "--plot", metavar="FILE", type=Path, help="draw the answer: FILE.png or FILE.svg"
             )
     _add_format(commands.add_parser("shapers", help="every kind of shaper (GET /v1/shapers)"))
     _add_table(commands.add_parser("table", help=TABLE_HELP, description=TABLE_HELP))
@@ -122,7 +122,7 @@ def _add_format(command: argparse.ArgumentParser, more: tuple[str, ...] = ()) ->
     command.add_argument(
         "--format",
         choices=("json", "table", "csv", *more),
-        help="of the answer: json if not given; given, json also holds for errors"
+        help="format of the answer, json if not given; if given, json also holds for errors"
         + (programs if more else ""),
     )
 
@@ -133,10 +133,19 @@ def _add_table(table: argparse.ArgumentParser) -> None:
     )
     table.add_argument("-o", "--output", metavar="FILE", type=Path, help="the file to write")
     table.add_argument(
-        "--format", choices=tuple(FORMATS), help="of the file; by the end of its name if not given"
+        "--format",
+        choices=tuple(FORMATS),
+        help="format of the file; by the end of its name if not given",
     )
-    table.add_argument("--workers", metavar="N", type=int, help="processes; one a processor if not")
-    table.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster to compute on")
+    table.add_argument(
+        "--workers",
+        metavar="N",
+        type=int,
+        help="worker processes; one for each processor if not given",
+    )
+    table.add_argument(
+        "--scheduler", metavar="ADDRESS", help="address of a Dask cluster to compute on"
+    )
     table.add_argument(
         "--check",
         metavar="FILE",
@@ -154,8 +163,8 @@ def _table(options: argparse.Namespace) -> int:
             raise UsageError("--check takes a file, or that of -o")
     if options.check is None and options.output is None:
         raise UsageError("table needs -o FILE to write, or --check FILE")
-    if options.workers is not None and not 1 <= options.workers <= MOST_WORKERS:
-        raise UsageError(f"--workers must be between 1 and {MOST_WORKERS}, got {options.workers}")
+    if options.workers is not None and not 1 <= options.workers <= MAX_WORKERS:
+        raise UsageError(f"--workers must be between 1 and {MAX_WORKERS}, got {options.workers}")
     content, read = _read(options.request)
     if options.check is None:
         _require_file(options.output, read, "the specification itself")

@@ -27,7 +27,7 @@ class Progress:
         self._shown = now
         text = line_of(job)
         if self._live:
-            filled = BAR_CELLS * job.done // max(job.rows, 1)  # none are told of a damaged one
+            filled = BAR_CELLS * job.done // max(job.rows, 1)  # a damaged one has none
             bar = "#" * filled + "." * (BAR_CELLS - filled)
             sys.stderr.write(f"\r[{bar}] {text}\x1b[K")
         else:

@@ -36,7 +36,7 @@ class Source:
     read: os.stat_result | None = None
     lines: list[int] = field(default_factory=list)
 
-    def located(self, problem: Problem) -> Problem:
+    def locate(self, problem: Problem) -> Problem:
         """Return a problem with the place of a listed design that is at fault.
 
         Parameters
@@ -153,7 +153,7 @@ def _from_csv(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
                     code="cells_unlike_headings",
                 )
             else:
-                designs.append((number, _nested(name, number, header, cells)))
+                designs.append((number, _nest(name, number, header, cells)))
     except csv.Error as error:
         _refuse(f"{name} line {table.line_num}: {error}", code="line_not_csv")
     return designs
@@ -172,7 +172,7 @@ def _header(name: str, number: int, cells: list[str]) -> list[str]:
     return pointers
 
 
-def _nested(name: str, number: int, header: list[str], cells: list[str]) -> dict[str, Any]:
+def _nest(name: str, number: int, header: list[str], cells: list[str]) -> dict[str, Any]:
     design: dict[str, Any] = {}
     for pointer, cell in zip(header, cells, strict=True):
         try:

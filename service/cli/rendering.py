@@ -203,7 +203,7 @@ def _findings(response: Response) -> list[str]:
             f"pulse {response.pulse_s:.9g} s{', solved as one' if response.joint else ''}",
             _certificate(response.certificate),
             f"residual    {100 * response.residual:.4g} % with the actuator given",
-            *_as_played(response.program),
+            *_program_lines(response.program),
             *_warnings(response.warnings),
         ]
     if isinstance(response, SimulationResponse):
@@ -248,7 +248,7 @@ def _trace(steps: Iterable[TraceStepOut]) -> list[str]:
     ]
 
 
-def _as_played(program: ProgramOut | None) -> list[str]:
+def _program_lines(program: ProgramOut | None) -> list[str]:
     if program is None:
         return []
     return [f"program     {100 * program.residual:.4g} % as it is played on its samples"]
@@ -291,6 +291,6 @@ def _fit(fit: FitOut) -> list[str]:
     return [
         f"fit         {fit.formula}",
         f"            x = {variable.is_}, {variable.from_:.6g} to {variable.to:.6g}",
-        f"            leaves at most {100 * fit.worst_residual:.3g} %, "
+        f"            residual at most {100 * fit.worst_residual:.3g} %, "
         f"{fit.worst_timing_error_s:.3g} s off at most, on {fit.checked_points} points",
     ]

@@ -1,4 +1,4 @@
-"""The command `table`: a job of its own, its store beside the file that is asked for."""
+"""The command `table`: a separate job, its store beside the file that is asked for."""
 
 import argparse
 import os
@@ -14,19 +14,19 @@ from sqlalchemy.exc import DBAPIError
 from design.errors import DesignError, InvalidInputError
 from design.export.registry import EXPORTS
 from schemas.tables import TableRequest
-from service.cli.checks import drifts_of_file, drifts_of_text, named_in, readable
+from service.cli.checks import drifts_of_file, drifts_of_text, file_named_in, readable
 from service.cli.progress import Progress
 from service.cli.reading import ReadingError, Source, read_source
 from service.files import (
     LockedError,
     NotReplaceableError,
-    locked,
+    hold_lock,
     remove_parts,
     require_not_input,
 )
 from service.jobs.database import StoreError, disk_full, url_of
 from service.jobs.executors import SchedulerError, starter
-from service.jobs.plan import Plan, planned
+from service.jobs.plan import Plan, plan_table
 from service.jobs.records import Job
 from service.jobs.results import head_for, pieces, require_taken, rows_of_job, write_result
 from service.jobs.runner import Runner
@@ -67,9 +67,9 @@ def run_table(options: argparse.Namespace, content: bytes) -> int | Problem:
     CommandError
         If the command is stopped, or the store, the scheduler or a file cannot be used.
     """
-    source, plan = _planned(options, content)
+    source, plan = _plan_of_file(options, content)
     if isinstance(plan, Problem):
-        return source.located(plan)
+        return source.locate(plan)
     check: Path | None = options.check
     path: Path = check or options.output
     try:
@@ -108,13 +108,13 @@ def run_table(options: argparse.Namespace, content: bytes) -> int | Problem:
         ) from None
 
 
-def _planned(options: argparse.Namespace, content: bytes) -> tuple[Source, Plan | Problem]:
+def _plan_of_file(options: argparse.Namespace, content: bytes) -> tuple[Source, Plan | Problem]:
     given = Path(options.request)
     try:
         source = read_source(content, toml=given.suffix.lower() == ".toml", folder=given.parent)
     except ReadingError as error:
         return Source(b""), error.problem
-    return source, planned(source.body)
+    return source, plan_table(source.body)
 
 
 def _format_of(path: Path) -> str:
@@ -133,12 +133,12 @@ def _say(text: str) -> None:
 
 def _write(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> int | Problem:
     try:
-        with locked(path.with_name(f".{path.name}.lock")):
+        with hold_lock(path.with_name(f".{path.name}.lock")):
             remove_parts(path)
             file = path.with_name(f".{path.name}.job")
-            store, job = _resumed(file, plan)
+            store, job = _resume(file, plan)
             try:
-                ended = _computed(options, store, job)
+                ended = _compute(options, store, job)
                 if ended.state == "failed":
                     return Problem(SOLVER_FAILED, ended.reason)
                 write_result(store, ended, name, path)
@@ -159,9 +159,9 @@ def _counts(job: Job) -> str:
     )
 
 
-def _resumed(file: Path, plan: Plan) -> tuple[Store, str]:
+def _resume(file: Path, plan: Plan) -> tuple[Store, str]:
     """Open the store beside the file; go on with its job if that is the same, else begin anew."""
-    store = _opened(file)
+    store = _open_store(file)
     held = store.jobs(1)
     if held:
         job = held[0]
@@ -172,14 +172,14 @@ def _resumed(file: Path, plan: Plan) -> tuple[Store, str]:
                 _say(f"going on at {job.done:,} rows")
             return store, job.id
         store.close()
-        _say("what was begun of another specification, or by another version, is dropped")
+        _say("an unfinished table of another specification, or by another version, is dropped")
         _remove(file)
-        store = _opened(file)
+        store = _open_store(file)
     store.add(plan.job)
     return store, plan.job.id
 
 
-def _opened(file: Path) -> Store:
+def _open_store(file: Path) -> Store:
     return Store(url_of(file), stalled_s=STALLED_S)
 
 
@@ -188,7 +188,7 @@ def _remove(file: Path) -> None:
         file.with_name(file.name + end).unlink(missing_ok=True)
 
 
-def _computed(options: argparse.Namespace, store: Store, job: str) -> Job:
+def _compute(options: argparse.Namespace, store: Store, job: str) -> Job:
     """Run a job to its end."""
     workers = options.workers or os.cpu_count() or 1
     progress = Progress()
@@ -210,7 +210,7 @@ def _computed(options: argparse.Namespace, store: Store, job: str) -> Job:
         return now.ended
 
     if not ended:
-        with _stopped_by_interrupt(runner):
+        with _stop_on_interrupt(runner):
             try:
                 runner.run(until=until, pause_s=PAUSE_S)
             finally:
@@ -221,7 +221,7 @@ def _computed(options: argparse.Namespace, store: Store, job: str) -> Job:
 
 
 @contextmanager
-def _stopped_by_interrupt(runner: Runner) -> Iterator[None]:
+def _stop_on_interrupt(runner: Runner) -> Iterator[None]:
     """Let an interrupt stop the runner between two rounds, never in the middle of a lock."""
     before = signal.signal(signal.SIGINT, lambda *_: runner.stopping.set())
     try:
@@ -236,7 +236,7 @@ def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
     tolerances = TableRequest.model_validate_json(plan.job.specification).tolerances
     with _temporary_store() as store:
         store.add(plan.job)
-        job = _computed(options, store, plan.job.id)
+        job = _compute(options, store, plan.job.id)
         if job.state == "failed":
             return Problem(SOLVER_FAILED, job.reason)
         try:
@@ -244,7 +244,7 @@ def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
                 head, rows = head_for(plan.job, name), rows_of_job(store, job.id)
                 drifts = drifts_of_file(path, name, head, rows, tolerances)
             else:
-                drifts = drifts_of_text(path, pieces(store, job, name, named_in(path)))
+                drifts = drifts_of_text(path, pieces(store, job, name, file_named_in(path)))
         except InvalidInputError as error:
             raise CommandError(f"{path} cannot be checked: {error}") from None
     if not drifts.count:
@@ -253,14 +253,16 @@ def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
     for text in drifts.told:
         _say(text)
     more = drifts.count - len(drifts.told)
-    _say(f"{path} has drifted: {drifts.count} differences" + (f", {more} not told" if more else ""))
+    _say(
+        f"{path} has drifted: {drifts.count} differences" + (f", {more} not listed" if more else "")
+    )
     return DRIFTED
 
 
 @contextmanager
 def _temporary_store() -> Iterator[Store]:
     with tempfile.TemporaryDirectory(prefix="shapersmith-") as folder:
-        store = _opened(Path(folder) / "check.job")
+        store = _open_store(Path(folder) / "check.job")
         try:
             yield store
         finally:

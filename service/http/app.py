@@ -79,7 +79,7 @@ def create_app(
     app.state.jobs = jobs
     app.state.pool = pool
     app.state.catalogue = shaper_catalogue().model_dump_json().encode()
-    app.state.stopping = lambda: False  # the server tells: streams must not hold it up
+    app.state.stopping = lambda: False  # the server says so: streams must not hold it up
     if jobs is not None:
         jobs.stopping = lambda: app.state.stopping()
     for part in (routes, batch_routes, status_routes, table_routes):

@@ -29,7 +29,7 @@ router = APIRouter()
     responses={
         **PROBLEMS,
         200: {
-            "description": "An answer or a problem a line, in order",
+            "description": "One answer or problem for each line, in order",
             "content": {"application/jsonl": {}},
         },
     },

@@ -43,7 +43,7 @@ async def read_body(request: Request, *, limit_bytes: int, media_types: tuple[st
     ProblemError
         If it is longer or late, or its ``content-type`` is not accepted.
     ClientDisconnect
-        If the client leaves before the body is whole.
+        If the client is gone before the body is whole.
     """
     media_type = request.headers.get("content-type", media_types[0]).split(";")[0].strip().lower()
     if media_type not in media_types:
@@ -113,26 +113,24 @@ def _share_of(host: str) -> str:
 
 
 async def while_connected(request: Request, work: Awaitable[Answered]) -> Answered:
-    """Return the result of work, which ends when the client leaves.
-
-    Then ClientDisconnect is raised.
+    """Return the result of work, which ends when the client is gone.
 
     Parameters
     ----------
     request, work
-        The request, whose body has been read; work that is cancelled when the client leaves.
+        The request, whose body has been read; work that is cancelled when the client is gone.
 
     Returns
     -------
     Answered
-        Its result.
+        Its result; ClientDisconnect is raised where the client has gone.
     """
     async with _Connection(request):
         return await work
 
 
 class _Connection:
-    """Cancels the task that has entered it when the client leaves; as `asyncio.timeout` does."""
+    """Cancels the task that has entered it when the client is gone; as `asyncio.timeout` does."""
 
     def __init__(self, request: Request) -> None:
         self._request = request

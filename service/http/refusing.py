@@ -30,7 +30,7 @@ class RefusingProtocol(HttpToolsProtocol):
         request_id = request_id_of(scope)
         # What is yet to come of the body is dropped.
         cycle.response_started = cycle.response_complete = True
-        self.transport.write(self._written(problem, request_id, keep_alive=cycle.keep_alive))
+        self.transport.write(self._encode(problem, request_id, keep_alive=cycle.keep_alive))
         log_request(scope, request_id, problem.kind.http.value, started)
         if not cycle.keep_alive:
             self.transport.close()
@@ -42,7 +42,7 @@ class RefusingProtocol(HttpToolsProtocol):
         pool: Pool = cast(FastAPI, self.config.app).state.pool
         return pool
 
-    def _written(self, problem: Problem, request_id: str, *, keep_alive: bool) -> bytes:
+    def _encode(self, problem: Problem, request_id: str, *, keep_alive: bool) -> bytes:
         """Return a problem as it goes over the wire."""
         body = problem.document(request_id).model_dump_json().encode()
         status = problem.kind.http

@@ -20,7 +20,7 @@ async def shapers(request: Request) -> Response:
 
 @router.get("/health/live", summary="Whether the process serves")
 async def live() -> dict[str, str]:
-    """Answer as long as the process does."""
+    """Answer 200 as long as the process serves."""
     return {"status": "live"}
 
 
@@ -30,7 +30,7 @@ async def live() -> dict[str, str]:
     responses=problems(OPERATION_TEXTS, 503),
 )
 async def ready(request: Request) -> Response:
-    """Answer 200 while a worker lives whose solvers are built, and the queue has room."""
+    """Answer 200 while the queue has room and a worker lives whose solvers are built."""
     pool: Pool = request.app.state.pool
     if not pool.ready:
         problem = Problem(OVERLOADED, "no worker is ready, or too much work is waiting")

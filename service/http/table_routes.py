@@ -16,7 +16,7 @@ from service.http.bodies import client_of, read_body, while_connected
 from service.http.byte_ranges import file_response
 from service.http.openapi import TABLE_TEXTS, body_of, problems
 from service.jobs.adding import KeyReusedError
-from service.jobs.plan import Plan, planned, told
+from service.jobs.plan import Plan, plan_table, wire_job
 from service.jobs.protocol import Jobs
 from service.jobs.records import Job
 from service.jobs.results import export_of
@@ -35,7 +35,7 @@ from service.workers.protocol import Pool
 from service.workers.shapes import shape_of
 
 JSON = ("application/json",)
-MOST_LISTED = 100
+MAX_LISTED_JOBS = 100
 
 ID = re.compile(r"[0-9a-f]{32}\Z")
 
@@ -61,16 +61,18 @@ def _missing(job_id: str) -> ProblemError:
     return ProblemError(Problem(NOT_FOUND, f"there is no table job {job_id[:64]!r}"))
 
 
-async def _found(request: Request, job_id: str) -> Job:
+async def _find_job(request: Request, job_id: str) -> Job:
     jobs = _jobs(request)
-    job = await jobs.found(job_id) if ID.match(job_id) else None
+    job = await jobs.find(job_id) if ID.match(job_id) else None
     if job is None:
         raise _missing(job_id)
     return job
 
 
-def _answered(job: Job, status: int = 200) -> Response:
-    return Response(told(job).model_dump_json(), status_code=status, media_type="application/json")
+def _answer(job: Job, status: int = 200) -> Response:
+    return Response(
+        wire_job(job).model_dump_json(), status_code=status, media_type="application/json"
+    )
 
 
 @router.post(
@@ -84,8 +86,8 @@ def _answered(job: Job, status: int = 200) -> Response:
                 "name": KEY_HEADER,
                 "in": "header",
                 "required": False,
-                "description": "Any text that names this request: sent once more with it, it "
-                "begins no second table but is answered with the first.",
+                "description": "Any text that names this request. A request that is sent again "
+                "with it begins no second table: its answer is the first one.",
                 "schema": {
                     "type": "string",
                     "minLength": 1,
@@ -99,13 +101,13 @@ def _answered(job: Job, status: int = 200) -> Response:
     summary="Begin a table of designs over axes or a list",
 )
 async def begin(request: Request) -> Response:
-    """Answer with the job's size and, in `Location`, where its state is."""
+    """Answer with the job's size and, in `Location`, the address of its state."""
     settings: Settings = request.app.state.settings
     jobs = _jobs(request)
     key = _key_of(request)
     body = await read_body(request, limit_bytes=settings.max_table_bytes, media_types=JSON)
     work = _pool(request).run(
-        planned, body, client=client_of(request), shape=shape_of("planned", body)
+        plan_table, body, client=client_of(request), shape=shape_of("planned", body)
     )
     plan: Plan | Problem = await while_connected(request, work)
     if isinstance(plan, Problem):
@@ -113,10 +115,10 @@ async def begin(request: Request) -> Response:
     try:
         job_id = await jobs.add(plan.job, key)
     except KeyReusedError:
-        raise _refused_key(
+        raise _refuse_key(
             "not be one that began a table of another specification", code="key_reused"
         ) from None
-    response = _answered(await _found(request, job_id), 202)
+    response = _answer(await _find_job(request, job_id), 202)
     response.headers["location"] = f"/v1/tables/{job_id}"
     return response
 
@@ -126,13 +128,13 @@ def _key_of(request: Request) -> str | None:
     if not keys:
         return None
     if len(keys) > 1 or not KEY.match(keys[0]):
-        raise _refused_key(
+        raise _refuse_key(
             "be given once, as 1 to 255 printable ASCII characters", code="unreadable_key"
         )
     return keys[0]
 
 
-def _refused_key(rule: str, code: str) -> ProblemError:
+def _refuse_key(rule: str, code: str) -> ProblemError:
     detail = f"the header {KEY_HEADER} must {rule}"
     fault = FieldFault(pointer="", code=code, detail=detail)
     return ProblemError(invalid_fields(detail, (fault,)))
@@ -144,11 +146,11 @@ def _refused_key(rule: str, code: str) -> ProblemError:
     responses=problems(TABLE_TEXTS, 503),
     summary="The newest tables",
 )
-async def listed(request: Request) -> Response:
+async def list_tables(request: Request) -> Response:
     """Answer with the newest jobs, newest first."""
     jobs = _jobs(request)
-    found = await jobs.newest(MOST_LISTED)
-    tables = TableJobs(tables=[told(job) for job in found])
+    found = await jobs.newest(MAX_LISTED_JOBS)
+    tables = TableJobs(tables=[wire_job(job) for job in found])
     return Response(tables.model_dump_json(), media_type="application/json")
 
 
@@ -160,7 +162,7 @@ async def listed(request: Request) -> Response:
 )
 async def state(request: Request, id: str) -> Response:
     """Answer with the state, rows done, rate and time left."""
-    return _answered(await _found(request, id))
+    return _answer(await _find_job(request, id))
 
 
 @router.delete(
@@ -170,21 +172,25 @@ async def state(request: Request, id: str) -> Response:
     summary="Cancel a table, or delete one that has ended",
 )
 async def delete(request: Request, id: str) -> Response:
-    """Cancel an unfinished job; one that has ended is deleted with its rows and files.
+    """Cancel an unfinished job, or delete one that has ended, with its rows and files.
 
-    It is so at once; rows and files are erased thereafter. The answer is the job's state, of a
-    deleted one its last.
+    The state changes at once; rows and files are erased thereafter. The answer is the state of the
+    job; that of a deleted job is its last.
     """  # noqa: DOC501 - on the wire
     jobs = _jobs(request)
-    job = await _found(request, id)
+    job = await _find_job(request, id)
     if not job.ended:
         if await jobs.cancel(id):
-            return _answered(await _found(request, id))
-        raise ProblemError(Problem(CONFLICT, "the table has ended by now: once more deletes it"))
+            return _answer(await _find_job(request, id))
+        raise ProblemError(
+            Problem(CONFLICT, "the table has ended meanwhile: the same request again deletes it")
+        )
     if not await jobs.delete(id):
-        now = await _found(request, id)
-        raise ProblemError(Problem(CONFLICT, f"the table is {now.state} by now: once more cancels"))
-    return _answered(job)
+        now = await _find_job(request, id)
+        raise ProblemError(
+            Problem(CONFLICT, f"the table is {now.state} by now: the same request again cancels it")
+        )
+    return _answer(job)
 
 
 @router.post(
@@ -195,15 +201,15 @@ async def delete(request: Request, id: str) -> Response:
     summary="Go on with a table that has failed",
 )
 async def resume(request: Request, id: str) -> Response:
-    """Try again what failed; the rows that are done are kept."""
+    """Compute what failed once more; the rows that are done are kept."""
     jobs = _jobs(request)
-    job = await _found(request, id)
+    job = await _find_job(request, id)
     if not job.sound:
         raise ProblemError(Problem(CONFLICT, f"the table cannot go on: {job.reason}"))
     resumed = job.state == "failed" and await jobs.resume(id)
-    job = await _found(request, id)
+    job = await _find_job(request, id)
     if resumed:
-        return _answered(job, 202)
+        return _answer(job, 202)
     if job.state != "failed":
         problem = Problem(CONFLICT, f"the table is {job.state}: only a failed one is resumed")
         raise ProblemError(problem)
@@ -221,8 +227,8 @@ async def resume(request: Request, id: str) -> Response:
     responses={
         **problems(TABLE_TEXTS, 404, 503),
         200: {
-            "description": "An event `progress` a change, then one named for the last state; "
-            "`gone` where the table was deleted",
+            "description": "An event `progress` for each change, then one with the name of the "
+            "last state; `gone` where the table was deleted",
             "content": {"text/event-stream": {}},
         },
     },
@@ -230,7 +236,7 @@ async def resume(request: Request, id: str) -> Response:
 )
 async def events(request: Request, id: str) -> Response:
     """Send the state whenever it changes, until the job has ended."""
-    job = await _found(request, id)
+    job = await _find_job(request, id)
     return StreamingResponse(
         _jobs(request).events(job),
         media_type="text/event-stream",
@@ -259,7 +265,7 @@ async def result(
 ) -> Response:
     """Answer with the file; takes Range, If-Range and If-None-Match."""
     jobs = _jobs(request)
-    job = await _found(request, id)
+    job = await _find_job(request, id)
     if job.state != "done":
         yet = "" if job.ended else " yet"
         raise ProblemError(Problem(CONFLICT, f"the table is {job.state}: it has no result{yet}"))
@@ -273,7 +279,7 @@ async def result(
         return Response(status_code=304, headers={"etag": tag})
     path = jobs.path_of(id, format)
     if not path.is_file():
-        await _made(request, job, format, path)
+        await _make_file(request, job, format, path)
     if "*" in held:
         return Response(status_code=304, headers={"etag": tag})
     name = f"table-{id[:8]}{export.suffix}"
@@ -288,7 +294,7 @@ async def result(
         raise _missing(id) from None  # deleted meanwhile
 
 
-async def _made(request: Request, job: Job, name: str, path: Path) -> None:
+async def _make_file(request: Request, job: Job, name: str, path: Path) -> None:
     """Have a worker make a file, once for all who ask for it, as long as one of them waits."""
     settings: Settings = request.app.state.settings
     work = _pool(request).run(

@@ -57,7 +57,7 @@ def add(database: Database, job: NewJob, key: str | None, now: sa.ColumnElement[
             connection.execute(JOBS.insert().values(new))
             connection.execute(SPECIFICATIONS.insert().values(apart))
     except IntegrityError:
-        begun = _begun_by(database, key)
+        begun = _job_of_key(database, key)
         if begun is None:
             raise
         known, sha256 = begun
@@ -67,7 +67,7 @@ def add(database: Database, job: NewJob, key: str | None, now: sa.ColumnElement[
     return job.id
 
 
-def _begun_by(database: Database, key: str | None) -> tuple[str, str] | None:
+def _job_of_key(database: Database, key: str | None) -> tuple[str, str] | None:
     """Return id and hash of the job that a key began."""
     with database.reading.connect() as connection:
         wanted = sa.select(JOBS.c.id, JOBS.c.sha256).where(JOBS.c.key == key)

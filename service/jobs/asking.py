@@ -13,7 +13,7 @@ from sqlalchemy.exc import TimeoutError as NoConnectionError
 from service.jobs.database import LOCK_WAIT_S, reason_of
 from service.problems import OVERLOADED, Problem, ProblemError
 
-LONGEST_WAIT_S = LOCK_WAIT_S + 1.0
+MAX_WAIT_S = LOCK_WAIT_S + 1.0
 """How long a caller waits for an answer; a little more than the store for a lock [s]."""
 
 Arguments = ParamSpec("Arguments")
@@ -76,15 +76,13 @@ class Asking:
         future = self._threads.submit(call, *arguments, **named)
         future.add_done_callback(self._leave)
         try:
-            async with asyncio.timeout(LONGEST_WAIT_S):
+            async with asyncio.timeout(MAX_WAIT_S):
                 return await asyncio.wrap_future(future)
         except (DBAPIError, NoConnectionError) as error:
             ERRORS.error("the job store does not answer: %s", getattr(error, "orig", error))
             raise UnansweredError(f"the job store does not answer: {reason_of(error)}") from None
         except TimeoutError:
-            raise UnansweredError(
-                f"the job store did not answer within {LONGEST_WAIT_S:g} s"
-            ) from None
+            raise UnansweredError(f"the job store did not answer within {MAX_WAIT_S:g} s") from None
 
     def _leave(self, future: "Future[Answer]") -> None:
         del future

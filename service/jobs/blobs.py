@@ -40,12 +40,12 @@ def from_blob(blob: bytes) -> Rows:
     numbers = columns[:-1]
     return Rows(
         first=int(metadata[b"first"]),
-        fields=_stacked(numbers[:count], size),
-        results=_stacked(numbers[count:], size),
+        fields=_stack(numbers[:count], size),
+        results=_stack(numbers[count:], size),
         status=columns[-1].astype(np.int8),
         reasons={int(row): text for row, text in json.loads(metadata[b"reasons"]).items()},
     )
 
 
-def _stacked(columns: list[np.ndarray], size: int) -> np.ndarray:
+def _stack(columns: list[np.ndarray], size: int) -> np.ndarray:
     return np.stack(columns, axis=1) if columns else np.empty((size, 0))

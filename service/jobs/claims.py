@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import sqlalchemy as sa
 
-from service.jobs.records import UNFINISHED, Claim
+from service.jobs.records import UNFINISHED, ChunkClaim
 from service.jobs.schema import CHUNKS, JOBS
 from service.jobs.soundness import damage_of
 
@@ -43,7 +43,7 @@ class Turn:
 
 
 def shares(turns: Iterable[Turn], most: int) -> dict[str, int]:
-    """Return how many chunks each job gets of so many.
+    """Return how many of some chunks each job gets.
 
     The next chunk goes to the job with the fewest running, of these to the one that has waited
     longest, of these to the oldest.
@@ -92,8 +92,8 @@ class Claimer:
     stalled_s: float
     version: str
 
-    def claim(self, connection: sa.Connection, most: int) -> list[Claim]:
-        """Claim so many chunks at most, in a transaction that is open.
+    def claim(self, connection: sa.Connection, most: int) -> list[ChunkClaim]:
+        """Claim a number of chunks at most, in a transaction that is open.
 
         Parameters
         ----------
@@ -111,9 +111,9 @@ class Claimer:
             # Two that lock several jobs each, in orders of their own, would wait for each other.
             connection.execute(sa.select(sa.func.pg_advisory_xact_lock(CLAIM_LOCK)))
         return [
-            Claim(job, number)
+            ChunkClaim(job, number)
             for job, share in shares(self._turns(connection), most).items()
-            for number in self._taken(connection, job, share)
+            for number in self._take_chunks(connection, job, share)
         ]
 
     @property
@@ -143,11 +143,11 @@ class Claimer:
                 created=found["created"],
             )
             version = found["version"]
-            if version == self.version or self._taken_over(connection, turn, version):
+            if version == self.version or self._take_over(connection, turn, version):
                 turns.append(turn)
         return turns
 
-    def _taken_over(self, connection: sa.Connection, turn: Turn, version: str) -> bool:
+    def _take_over(self, connection: sa.Connection, turn: Turn, version: str) -> bool:
         """Take over a job of another version without a row yet, or fail it.
 
         Its rows would be of both versions otherwise. While others compute it, it is left to them.
@@ -166,7 +166,7 @@ class Claimer:
         connection.execute(unfinished.values(version=self.version))
         return True
 
-    def _taken(self, connection: sa.Connection, job: str, most: int) -> list[int]:
+    def _take_chunks(self, connection: sa.Connection, job: str, most: int) -> list[int]:
         """Take the free chunks of a job, then those that nobody has begun."""
         held = connection.execute(
             sa

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from sqlalchemy.exc import DBAPIError
 
-from service.files import LockedError, locked, remove_parts
+from service.files import LockedError, hold_lock, remove_parts
 from service.jobs.database import reason_of
 from service.jobs.results import lock_of
 from service.jobs.store import Store
@@ -74,7 +74,7 @@ class Cleaner:
             self._woken.wait(CLEAN_EVERY_S)
 
     def _erase(self) -> None:
-        for job in self._store.left_over():
+        for job in self._store.jobs_to_erase():
             for path in self._files.iterdir():
                 if path.stem == job:
                     path.unlink(missing_ok=True)
@@ -98,7 +98,7 @@ class Cleaner:
         begun |= {name.rsplit(".", 2)[0] for name in hidden if name.endswith(".part")}
         for path in map(self._files.joinpath, begun):
             try:
-                with locked(lock_of(path)):
+                with hold_lock(lock_of(path)):
                     remove_parts(path)
             except LockedError:
                 continue  # it is being written

@@ -48,7 +48,7 @@ def hash_of(job: str, number: int, blob: bytes) -> str:
     return found.hexdigest()
 
 
-def made_of(engine: sa.Engine, job: str) -> NewJob:
+def read_contents(engine: sa.Engine, job: str) -> NewJob:
     """Return what a job is made of.
 
     Parameters

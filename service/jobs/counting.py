@@ -34,7 +34,7 @@ NOTHING: dict[str, Any] = {
 
 
 def with_chunk(rows: int, done: Done, now: sa.ColumnElement[float]) -> dict[str, Any]:
-    """Return what a job's record becomes by a chunk of so many rows.
+    """Return what a job's record becomes by a chunk of some rows.
 
     Parameters
     ----------

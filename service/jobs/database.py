@@ -73,7 +73,7 @@ def url_of(file: Path) -> str:
     return sa.URL.create("sqlite", database=str(file)).render_as_string()
 
 
-def opened(url: str) -> Database:
+def open_database(url: str) -> Database:
     """Return the database of a store, its schema made or migrated.
 
     Parameters
@@ -137,14 +137,14 @@ def _sqlite(file: Path) -> Database:
     writing = _sqlite_engine(file, "rw", wait_s=LOCK_WAIT_S)
     event.listen(writing, "begin", _lock)
     reading = _sqlite_engine(file, "rw", wait_s=LOCK_WAIT_S)
-    event.listen(reading, "connect", _only_read)
+    event.listen(reading, "connect", _set_read_only)
     for engine in (writing, reading):
         _keep_to(file, engine)
     return Database(writing, reading)
 
 
 def _sqlite_engine(file: Path, mode: str, *, wait_s: float, **options: Any) -> sa.Engine:  # noqa: ANN401
-    def connected() -> sqlite3.Connection:
+    def connect() -> sqlite3.Connection:
         connection = sqlite3.connect(
             f"{file.as_uri()}?mode={mode}",
             uri=True,
@@ -158,9 +158,7 @@ def _sqlite_engine(file: Path, mode: str, *, wait_s: float, **options: Any) -> s
         connection.execute("PRAGMA synchronous=NORMAL")
         return connection
 
-    return sa.create_engine(
-        "sqlite://", creator=connected, **{"poolclass": sa.QueuePool, **options}
-    )
+    return sa.create_engine("sqlite://", creator=connect, **{"poolclass": sa.QueuePool, **options})
 
 
 def _log_ahead(connection: sqlite3.Connection, record: object) -> None:
@@ -169,7 +167,7 @@ def _log_ahead(connection: sqlite3.Connection, record: object) -> None:
     connection.execute("PRAGMA journal_mode=WAL")
 
 
-def _only_read(connection: sqlite3.Connection, record: object) -> None:
+def _set_read_only(connection: sqlite3.Connection, record: object) -> None:
     del record
     connection.execute("PRAGMA query_only=ON")
 
@@ -182,17 +180,17 @@ def _lock(connection: sa.Connection) -> None:
 def _keep_to(file: Path, engine: sa.Engine) -> None:
     """Drop connections to a file that is the store's no more: what they wrote would be lost."""
 
-    def connected(connection: object, record: Any) -> None:  # noqa: ANN401
+    def note_file(connection: object, record: Any) -> None:  # noqa: ANN401
         del connection
         record.info["file"] = _identity(file)
 
-    def taken(connection: object, record: Any, proxy: object) -> None:  # noqa: ANN401
+    def check_file(connection: object, record: Any, proxy: object) -> None:  # noqa: ANN401
         del connection, proxy
         if record.info["file"] != _identity(file):
             raise DisconnectionError("the file of the job store was replaced")
 
-    event.listen(engine, "connect", connected)
-    event.listen(engine, "checkout", taken)
+    event.listen(engine, "connect", note_file)
+    event.listen(engine, "checkout", check_file)
 
 
 def _identity(file: Path) -> tuple[int, int] | None:

@@ -14,7 +14,7 @@ from service.workers.own_path import ensure_fork_server
 CONNECT_WAIT_S = 20.0
 """How long a scheduler may take to answer [s]."""
 
-MOST_DASK_SLOTS = 256
+MAX_DASK_SLOTS = 256
 """Chunks that wait at a scheduler at once, however many workers it has."""
 
 JOIN_WAIT_S = 10.0
@@ -52,7 +52,7 @@ class Started:
     end
         Ends it at once.
     fault
-        By what fault of its own a worker of it died, once it has broken: as "SIGSEGV" or "exit
+        The fault by which a worker of it died, once it has broken: as "SIGSEGV" or "exit
         status 1". Empty where none did, or nobody knows: it was killed then, by whomever.
     """
 
@@ -134,7 +134,7 @@ def dask(address: str) -> Started:
     Returns
     -------
     Started
-        An executor with two chunks for each thread of the cluster, `MOST_DASK_SLOTS` at most.
+        An executor with two chunks for each thread of the cluster, `MAX_DASK_SLOTS` at most.
 
     Raises
     ------
@@ -155,7 +155,7 @@ def dask(address: str) -> Started:
     threads = sum(client.nthreads().values())
     # Not pure: a chunk that failed is computed again, not remembered.
     executor: Executor = client.get_executor(pure=False)
-    return Started(executor, min(max(2 * threads, 2), MOST_DASK_SLOTS), client.close, str)
+    return Started(executor, min(max(2 * threads, 2), MAX_DASK_SLOTS), client.close, str)
 
 
 def starter(workers: int, scheduler: str | None) -> Start:

@@ -37,7 +37,7 @@ class MemoryJobs:
         self._folder = folder
         self._jobs: dict[str, Job] = {}
         self._keys: dict[str, str] = {}
-        self._watching = Watching(self.found, lambda: self.stopping())
+        self._watching = Watching(self.find, lambda: self.stopping())
 
     def start(self) -> None:
         """Do nothing: no process computes these jobs."""
@@ -76,7 +76,7 @@ class MemoryJobs:
             self._keys[key] = job.id
         return job.id
 
-    async def found(self, job: str) -> Job | None:
+    async def find(self, job: str) -> Job | None:
         """Return a job, or None."""
         self._require_answers()
         return self._jobs.get(job)
@@ -88,7 +88,7 @@ class MemoryJobs:
 
     async def cancel(self, job: str) -> bool:
         """Cancel a job, and return whether it is cancelled now."""
-        found = await self.found(job)
+        found = await self.find(job)
         if found is None:
             return False
         if found.state in UNFINISHED:
@@ -97,7 +97,7 @@ class MemoryJobs:
 
     async def delete(self, job: str) -> bool:
         """Delete a job that has ended, and return whether it had."""
-        found = await self.found(job)
+        found = await self.find(job)
         if found is None or not found.ended:
             return False
         del self._jobs[job]
@@ -106,7 +106,7 @@ class MemoryJobs:
 
     async def resume(self, job: str) -> bool:
         """Let a failed job be tried again; return whether it is unfinished now."""
-        found = await self.found(job)
+        found = await self.find(job)
         if found is None or not found.sound:
             return False
         if found.state == "failed":

@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from design.curve_fit.fit import fit
 from design.errors import DesignError
 from design.export.program import DEFAULT_TITLE
-from design.tables.compute import counted
+from design.tables.compute import with_impulse_count
 from design.tables.rows import TableHead
 from design.tables.specification import TableSpecification, columns_of
 from schemas.tables import TableJob, TableRequest, TableSize, sha256_of
@@ -20,7 +20,7 @@ from service.problems import (
     problem_of_validation,
 )
 from service.repeated_names import RepeatedNameError
-from service.strict_json import require_names_once
+from service.strict_json import loads
 from service.version import version
 
 STATUS_BYTES = 1
@@ -35,7 +35,7 @@ class Plan:
     size: TableSize
 
 
-def planned(body: bytes) -> Plan | Problem:
+def plan_table(body: bytes) -> Plan | Problem:
     """Return the job that the body of a request for a table asks for.
 
     Parameters
@@ -53,7 +53,7 @@ def planned(body: bytes) -> Plan | Problem:
     except ValidationError as error:
         return problem_of_validation(error, body)
     try:
-        require_names_once(body)
+        loads(body)  # every name stands once
     except RepeatedNameError as error:
         return problem_of_repetition(error)
     try:
@@ -82,7 +82,7 @@ def plan_of(request: TableRequest) -> Plan:
     DesignError
         If the number of impulses takes a design of the first row, and there is none.
     """
-    specification = counted(request.to_design())
+    specification = with_impulse_count(request.to_design())
     canonical = request.canonical()
     size = size_of(specification)
     job = NewJob(
@@ -157,7 +157,7 @@ def head_of(job: NewJob, *, fitted: bool, name: str = "") -> TableHead:
         If the polynomials cannot be fitted.
     """
     request = TableRequest.model_validate_json(job.specification)
-    specification = counted(specification_of(job.specification, job.impulses))
+    specification = with_impulse_count(specification_of(job.specification, job.impulses))
     polynomials = None
     if fitted and request.fit is not None:
         polynomials = fit(
@@ -182,7 +182,7 @@ def head_of(job: NewJob, *, fitted: bool, name: str = "") -> TableHead:
     )
 
 
-def told(job: Job) -> TableJob:
+def wire_job(job: Job) -> TableJob:
     """Return the state of a job for the wire."""
     left = job.left_s
     return TableJob(

@@ -14,7 +14,7 @@ class Jobs(Protocol):
     Attributes
     ----------
     stopping
-        Whether the service stops; the server tells.
+        Whether the service stops, as the server says.
     """
 
     stopping: Callable[[], bool]
@@ -48,7 +48,7 @@ class Jobs(Protocol):
             If the jobs cannot be asked now.
         """
 
-    async def found(self, job: str) -> Job | None:
+    async def find(self, job: str) -> Job | None:
         """Return a job, or None."""
 
     async def newest(self, most: int) -> list[Job]:

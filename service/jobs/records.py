@@ -54,7 +54,7 @@ class Job:
     created
         Seconds since 1970, by the database's clock [s].
     sound
-        Whether its record is one that this version can go on with; else it is told as failed.
+        Whether this version can go on with its record; otherwise it is shown as failed.
     """
 
     id: str
@@ -92,7 +92,7 @@ class Job:
 
 
 @dataclass(frozen=True, slots=True)
-class Claim:
+class ChunkClaim:
     """A chunk that a worker holds."""
 
     job: str

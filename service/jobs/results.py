@@ -11,7 +11,7 @@ from design.export.kind import Export
 from design.export.reading import READERS
 from design.export.registry import EXPORTS
 from design.tables.rows import Rows, TableHead
-from service.files import LockedError, locked, remove_parts, write_pieces
+from service.files import LockedError, hold_lock, remove_parts, write_pieces
 from service.jobs.blobs import from_blob
 from service.jobs.contents import DamagedError, GoneError
 from service.jobs.database import StoreError, reason_of
@@ -169,7 +169,7 @@ def pieces(store: Store, job: Job, name: str, path: Path | None = None) -> Itera
     DamagedError
         If the job's record or specification is damaged.
     """
-    head = head_for(store.made_of(job.id), name, path)
+    head = head_for(store.contents_of(job.id), name, path)
     return export_of(name).write(head, rows_of_job(store, job.id))
 
 
@@ -234,9 +234,9 @@ def write_result_of(url: str, job: str, name: str, path: str) -> Problem | None:
     try:
         while not target.is_file():
             try:
-                with locked(lock_of(target)):
+                with hold_lock(lock_of(target)):
                     remove_parts(target)
-                    return _written(url, job, name, target)
+                    return _write(url, job, name, target)
             except LockedError:
                 time.sleep(LOCK_PAUSE_S)
     except OSError as error:
@@ -244,11 +244,11 @@ def write_result_of(url: str, job: str, name: str, path: str) -> Problem | None:
     return None
 
 
-def _written(url: str, job: str, name: str, path: Path) -> Problem | None:
+def _write(url: str, job: str, name: str, path: Path) -> Problem | None:
     try:
         store = Store(url, stalled_s=0.0)
         try:
-            head, export = head_for(store.made_of(job), name), export_of(name)
+            head, export = head_for(store.contents_of(job), name), export_of(name)
             export.checks(head)
             write_pieces(path, export.write(head, rows_of_job(store, job)))
         finally:

@@ -16,18 +16,18 @@ from sqlalchemy.exc import DBAPIError, OperationalError
 from service.jobs.contents import DamagedError, GoneError
 from service.jobs.database import StoreError, disk_full
 from service.jobs.executors import Start, Started
-from service.jobs.records import Claim, Done
+from service.jobs.records import ChunkClaim, Done
 from service.jobs.store import Store
-from service.jobs.work import UnreadableError, compute_chunk, packed
+from service.jobs.work import UnreadableError, compute_chunk, pack
 
 Answer = TypeVar("Answer")
 
 LOG = logging.getLogger("shapersmith.jobs")
 
-BEATS_A_STALL = 4
+BEATS_PER_STALL = 4
 """Heartbeats in the time after which a silent worker counts as stalled."""
 
-LONGEST_PAUSE_S = 2.0
+MAX_PAUSE_S = 2.0
 """Between two attempts to reach a database that is gone [s]."""
 
 IDLE_PAUSE_S = 0.5
@@ -36,12 +36,12 @@ IDLE_PAUSE_S = 0.5
 START_PAUSE_S = 0.5
 """Before workers are started anew that could not be started [s]."""
 
-MOST_KILLS = 20
+MAX_KILLS = 20
 """A chunk whose worker is killed so often in a row, while it is computed alone, fails its job."""
 
 
 class Runner:
-    """Runs the jobs of a store until told to stop.
+    """Runs the jobs of a store until it is stopped.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class Runner:
     database_wait_s
         How long to wait for a database that is gone [s].
     tell
-        Is told what a person should know.
+        Takes what a person should know.
     """
 
     def __init__(
@@ -71,8 +71,8 @@ class Runner:
         self._tell = tell
         self._started: Started | None = None
         self._specifications: dict[str, tuple[bytes, int | None]] = {}
-        self._running: dict[Future[Done], Claim] = {}
-        self._suspects: deque[Claim] = deque()
+        self._running: dict[Future[Done], ChunkClaim] = {}
+        self._suspects: deque[ChunkClaim] = deque()
         self._kills = 0
         self._beaten = time.monotonic()
 
@@ -109,7 +109,7 @@ class Runner:
             if not self._suspects:
                 self.stopping.wait(pause_s)
             return
-        beat_s = self._store.stalled_s / BEATS_A_STALL
+        beat_s = self._store.stalled_s / BEATS_PER_STALL
         ended, _ = wait(
             self._running, timeout=min(beat_s, IDLE_PAUSE_S), return_when=FIRST_COMPLETED
         )
@@ -125,10 +125,10 @@ class Runner:
             self._start_over()
 
     @property
-    def _held(self) -> list[Claim]:
+    def _held(self) -> list[ChunkClaim]:
         return [*self._running.values(), *self._suspects]
 
-    def _next(self) -> list[Claim]:
+    def _next(self) -> list[ChunkClaim]:
         """Return the chunks to be computed next: of suspects one at a time, with none beside it."""
         if self._suspects:
             return [] if self._running else [self._suspects.popleft()]
@@ -136,7 +136,7 @@ class Runner:
         free = slots - len(self._running)
         return self.patiently(lambda: self._store.claim(self.name, free)) if free > 0 else []
 
-    def _submit(self, claim: Claim) -> None:
+    def _submit(self, claim: ChunkClaim) -> None:
         try:
             content, impulses = self._specification(claim.job)
         except GoneError:
@@ -149,7 +149,7 @@ class Runner:
                 self._started = self._start()
             future = self._started.executor.submit(compute_chunk, content, impulses, claim.number)
         except (BrokenExecutor, RuntimeError, OSError, EOFError) as error:
-            self._tell(f"workers are started anew: {type(error).__name__}: {error}")
+            self._tell(f"workers are restarted: {type(error).__name__}: {error}")
             self._suspects.appendleft(claim)
             self._suspects.extend(self._running.values())
             self._running.clear()
@@ -161,15 +161,15 @@ class Runner:
     def _specification(self, job: str) -> tuple[bytes, int | None]:
         """Return the specification of a job for workers, kept while a chunk of it is in flight."""
         if job not in self._specifications:
-            made_of = self.patiently(lambda: self._store.made_of(job))
+            contents = self.patiently(lambda: self._store.contents_of(job))
             in_flight = {claim.job for claim in self._held}
             kept = {
                 one: self._specifications[one] for one in self._specifications if one in in_flight
             }
-            self._specifications = {**kept, job: (packed(made_of.specification), made_of.impulses)}
+            self._specifications = {**kept, job: (pack(contents.specification), contents.impulses)}
         return self._specifications[job]
 
-    def _record(self, claim: Claim, future: "Future[Done]") -> None:
+    def _record(self, claim: ChunkClaim, future: "Future[Done]") -> None:
         error = future.exception()
         if error is None:
             done = future.result()
@@ -207,17 +207,17 @@ class Runner:
             return
         self._kills += 1
         self._tell(f"the worker of {of_job} was killed, {self._kills} times in a row")
-        if self._kills < MOST_KILLS:
+        if self._kills < MAX_KILLS:
             self._suspects.appendleft(claim)
             return
         self._kills = 0
         self._fail_job(
             claim,
-            f"the worker of chunk {claim.number} was killed {MOST_KILLS} times in a row, as the "
+            f"the worker of chunk {claim.number} was killed {MAX_KILLS} times in a row, as the "
             "system does for want of memory: take fewer chunk_rows, or fewer workers",
         )
 
-    def _fail_job(self, claim: Claim, reason: str) -> None:
+    def _fail_job(self, claim: ChunkClaim, reason: str) -> None:
         self.patiently(lambda: self._store.fail_job(claim.job, reason))
         self.patiently(lambda: self._store.give_back(self.name, [claim]))
 
@@ -263,7 +263,7 @@ class Runner:
                         f"does: {_first_line(error)}"
                     ) from None
                 time.sleep(pause)
-                pause = min(2 * pause, LONGEST_PAUSE_S)
+                pause = min(2 * pause, MAX_PAUSE_S)
             else:
                 if since is not None:
                     self._tell("the database answers again")

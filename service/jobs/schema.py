@@ -1,4 +1,4 @@
-"""The tables of the job store, as the newest migration leaves them.
+"""The tables of the job store, as the newest migration makes them.
 
 The first ``begun`` chunks of a job have a record each: it is made when the chunk is first claimed,
 so that a job costs the same to add whatever its size. What its chunks come to is counted in its own

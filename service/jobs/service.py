@@ -20,10 +20,10 @@ from service.settings import Settings
 
 DAY_S = 86_400.0
 
-READERS, MOST_READS = 4, 256
+READERS, MAX_READS = 4, 256
 """Threads that read from the store for requests; calls with them beyond which one is refused."""
 
-WRITERS, MOST_WRITES = 2, 32
+WRITERS, MAX_WRITES = 2, 32
 """The same of those that write, who may wait for a lock."""
 
 
@@ -37,7 +37,7 @@ class JobService:
     cleaner
         Erases what is cancelled or deleted.
     stopping
-        Whether the service stops; the server tells.
+        Whether the service stops, as the server says.
     """
 
     def __init__(self, settings: Settings) -> None:
@@ -48,10 +48,10 @@ class JobService:
             self.store = Store(store_url(settings), stalled_s=settings.stalled_s)
         except DBAPIError as error:
             raise StoreError(f"the job store does not answer: {error.orig}") from None
-        self._reading = Asking("store-reads", threads=READERS, most=MOST_READS)
-        self._writing = Asking("store-writes", threads=WRITERS, most=MOST_WRITES)
+        self._reading = Asking("store-reads", threads=READERS, most=MAX_READS)
+        self._writing = Asking("store-writes", threads=WRITERS, most=MAX_WRITES)
         self.stopping: Callable[[], bool] = lambda: False
-        self._watching = Watching(self.found, lambda: self.stopping())
+        self._watching = Watching(self.find, lambda: self.stopping())
         self._keeper = Keeper(settings)
         self.cleaner = Cleaner(self.store, self._files, keep_s=settings.keep_tables_days * DAY_S)
 
@@ -93,7 +93,7 @@ class JobService:
         """
         return await self._writing.ask(self.store.add, job, key)
 
-    async def found(self, job: str) -> Job | None:
+    async def find(self, job: str) -> Job | None:
         """Return a job, or None."""
         return await self._reading.ask(self.store.job, job)
 

@@ -4,8 +4,8 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-MOST_TOLD = 60
-"""Characters of a value that are told."""
+MAX_VALUE_CHARACTERS = 60
+"""Characters of a value that a message repeats."""
 
 
 def _text(value: object) -> bool:
@@ -86,5 +86,7 @@ def damage_of(record: Mapping[str, Any]) -> str:
         wrong = [name for name, holds in agreeing.items() if not holds]
     if not wrong:
         return ""
-    values = ", ".join(f"{name} cannot be {repr(record[name])[:MOST_TOLD]}" for name in wrong)
+    values = ", ".join(
+        f"{name} cannot be {repr(record[name])[:MAX_VALUE_CHARACTERS]}" for name in wrong
+    )
     return f"its record in the job store is damaged: {values}"

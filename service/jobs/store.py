@@ -13,13 +13,13 @@ import sqlalchemy as sa
 from service.jobs import adding, contents, erasing
 from service.jobs.claims import Claimer, has_rows
 from service.jobs.counting import NO_RATE, NOTHING, with_chunk
-from service.jobs.database import opened
-from service.jobs.records import DELETED, ENDED, UNFINISHED, Claim, Done, Job, NewJob
+from service.jobs.database import open_database
+from service.jobs.records import DELETED, ENDED, UNFINISHED, ChunkClaim, Done, Job, NewJob
 from service.jobs.schema import CHUNKS, JOBS
-from service.jobs.views import seen_jobs
+from service.jobs.views import see_jobs
 from service.version import version as version_of_product
 
-MOST_FAILURES = 3
+MAX_FAILURES = 3
 """A chunk that fails so often fails its job."""
 
 
@@ -40,7 +40,7 @@ class Store:
         self.url = url
         self.stalled_s = stalled_s
         self.version = version_of_product() if version is None else version
-        self._database = opened(url)
+        self._database = open_database(url)
         self._engine, self._reading = self._database.writing, self._database.reading
         postgres = self._engine.dialect.name == "postgresql"
         # One clock for all: that of the database.
@@ -75,7 +75,7 @@ class Store:
         """
         return adding.add(self._database, job, key, self._now)
 
-    def claim(self, worker: str, most: int) -> list[Claim]:
+    def claim(self, worker: str, most: int) -> list[ChunkClaim]:
         """Claim chunks for a worker, of the jobs in turn.
 
         Parameters
@@ -100,7 +100,7 @@ class Store:
         with self._engine.begin() as connection:
             return claimer.claim(connection, most)
 
-    def beat(self, worker: str, claims: Iterable[Claim]) -> None:
+    def beat(self, worker: str, claims: Iterable[ChunkClaim]) -> None:
         """Record that a worker still computes its chunks.
 
         Parameters
@@ -113,7 +113,7 @@ class Store:
         for claim in claims:
             self._change(worker, claim, heartbeat=self._now)
 
-    def give_back(self, worker: str, claims: Iterable[Claim]) -> None:
+    def give_back(self, worker: str, claims: Iterable[ChunkClaim]) -> None:
         """Free chunks for others, as a worker does when it stops.
 
         Parameters
@@ -126,7 +126,7 @@ class Store:
         for claim in claims:
             self._change(worker, claim, state="waiting", worker=None)
 
-    def finish(self, worker: str, claim: Claim, done: Done) -> bool:
+    def finish(self, worker: str, claim: ChunkClaim, done: Done) -> bool:
         """Record a chunk and count it, if its worker still holds it.
 
         Parameters
@@ -145,12 +145,12 @@ class Store:
         """
         told = contents.hash_of(claim.job, claim.number, done.blob)
         with self._engine.begin() as connection:
-            if _locked(connection, claim.job) in {None, "cancelled", DELETED}:
+            if _lock_job(connection, claim.job) in {None, "cancelled", DELETED}:
                 return False
             rows = connection.execute(
                 CHUNKS
                 .update()
-                .where(*_held(worker, claim))
+                .where(*_is_held(worker, claim))
                 .values(
                     state="done",
                     finished=self._now,
@@ -168,10 +168,10 @@ class Store:
             connection.execute(JOBS.update().where(JOBS.c.id == claim.job).values(counted))
         return True
 
-    def _change(self, _holder: str, _claim: Claim, **values: Any) -> None:  # noqa: ANN401
+    def _change(self, _holder: str, _claim: ChunkClaim, **values: Any) -> None:  # noqa: ANN401
         """Change a chunk if a worker holds it; one a transaction, so that none waits for two."""
         with self._engine.begin() as connection:
-            connection.execute(CHUNKS.update().where(*_held(_holder, _claim)).values(values))
+            connection.execute(CHUNKS.update().where(*_is_held(_holder, _claim)).values(values))
 
     def settle(self) -> None:
         """Mark jobs as done whose chunks all are.
@@ -188,10 +188,10 @@ class Store:
                 done = JOBS.update().where(JOBS.c.id == job, complete).values(state="done")
                 connection.execute(done)
 
-    def fail(self, worker: str, claim: Claim, reason: str) -> None:
+    def fail(self, worker: str, claim: ChunkClaim, reason: str) -> None:
         """Record that a chunk failed.
 
-        The chunk is tried again. One that fails `MOST_FAILURES` times fails its job.
+        The chunk is tried again. One that fails `MAX_FAILURES` times fails its job.
 
         Parameters
         ----------
@@ -203,11 +203,11 @@ class Store:
             Why it failed; the last reason becomes that of the job.
         """
         with self._engine.begin() as connection:
-            _locked(connection, claim.job)
+            _lock_job(connection, claim.job)
             held = connection.execute(
                 CHUNKS
                 .update()
-                .where(*_held(worker, claim))
+                .where(*_is_held(worker, claim))
                 .values(state="waiting", worker=None, attempt=CHUNKS.c.attempt + 1)
             )
             attempts = connection.scalar(
@@ -215,9 +215,9 @@ class Store:
                     CHUNKS.c.job == claim.job, CHUNKS.c.number == claim.number
                 )
             )
-            if held.rowcount == 1 and attempts is not None and attempts >= MOST_FAILURES:
+            if held.rowcount == 1 and attempts is not None and attempts >= MAX_FAILURES:
                 told = f"chunk {claim.number} failed {attempts} times, last: {reason}"
-                connection.execute(_failed(claim.job, told))
+                connection.execute(_set_failed(claim.job, told))
 
     def fail_job(self, job: str, reason: str) -> None:
         """Record that a job cannot go on, whatever its chunks do.
@@ -230,7 +230,7 @@ class Store:
             Why it failed.
         """
         with self._engine.begin() as connection:
-            connection.execute(_failed(job, reason))
+            connection.execute(_set_failed(job, reason))
 
     def release(self, job: str) -> None:
         """Take back all chunks of a job.
@@ -252,8 +252,8 @@ class Store:
         record is damaged.
         """
         with self._engine.begin() as connection:
-            state = _locked(connection, job)
-            seen = self._seen(connection, job)
+            state = _lock_job(connection, job)
+            seen = self._see(connection, job)
             if seen is None or not seen.sound:
                 return False
             if state == "failed":
@@ -271,7 +271,7 @@ class Store:
         Its rows count no more from the first moment on; `erase` drops them.
         """
         with self._engine.begin() as connection:
-            state = _locked(connection, job)
+            state = _lock_job(connection, job)
             if state in UNFINISHED:
                 cancelled = {"state": "cancelled", **NOTHING}
                 connection.execute(JOBS.update().where(JOBS.c.id == job).values(cancelled))
@@ -283,15 +283,15 @@ class Store:
         Nobody sees it from the first moment on; `erase` drops it and its rows.
         """
         with self._engine.begin() as connection:
-            _locked(connection, job)
-            seen = self._seen(connection, job)
+            _lock_job(connection, job)
+            seen = self._see(connection, job)
             if seen is None or not seen.ended:
                 return False
             deleted = {"state": DELETED, "key": None}
             connection.execute(JOBS.update().where(JOBS.c.id == job).values(deleted))
         return True
 
-    def left_over(self) -> list[str]:
+    def jobs_to_erase(self) -> list[str]:
         """Return the cancelled and deleted jobs that are still to be erased."""
         with self._reading.connect() as connection:
             return list(connection.scalars(sa.select(JOBS.c.id).where(erasing.LEFT)).all())
@@ -322,40 +322,40 @@ class Store:
     def job(self, job: str) -> Job | None:
         """Return a job, or None."""
         with self._reading.connect() as connection:
-            return self._seen(connection, job)
+            return self._see(connection, job)
 
-    def _seen(self, connection: sa.Connection, job: str) -> Job | None:
-        found = seen_jobs(connection, self._now, lambda seen: seen.where(JOBS.c.id == job))
+    def _see(self, connection: sa.Connection, job: str) -> Job | None:
+        found = see_jobs(connection, self._now, lambda seen: seen.where(JOBS.c.id == job))
         return found[0] if found else None
 
     def jobs(self, most: int) -> list[Job]:
         """Return the newest jobs, newest first."""
         newest = JOBS.c.created.desc(), JOBS.c.id
         with self._reading.connect() as connection:
-            return seen_jobs(connection, self._now, lambda seen: seen.order_by(*newest).limit(most))
+            return see_jobs(connection, self._now, lambda seen: seen.order_by(*newest).limit(most))
 
-    def made_of(self, job: str) -> NewJob:
-        """Return what a job is made of; see `contents.made_of`."""
-        return contents.made_of(self._reading, job)
+    def contents_of(self, job: str) -> NewJob:
+        """Return what a job is made of; see `contents.read_contents`."""
+        return contents.read_contents(self._reading, job)
 
     def blobs(self, job: str) -> Iterator[bytes]:
         """Return the rows of a job's chunks in order; see `contents.blobs`."""
         return contents.blobs(self._reading, job)
 
 
-def _failed(job: str, reason: str) -> sa.Update:
+def _set_failed(job: str, reason: str) -> sa.Update:
     unfinished = JOBS.c.id == job, JOBS.c.state.in_(UNFINISHED)
     return JOBS.update().where(*unfinished).values(state="failed", reason=reason)
 
 
-def _locked(connection: sa.Connection, job: str) -> str | None:
+def _lock_job(connection: sa.Connection, job: str) -> str | None:
     """Lock a job, before its chunks as all do who need both, and return its state."""
     wanted = sa.select(JOBS.c.state).where(JOBS.c.id == job).with_for_update()
     state: str | None = connection.scalar(wanted)
     return state
 
 
-def _held(worker: str, claim: Claim) -> tuple[sa.ColumnElement[bool], ...]:
+def _is_held(worker: str, claim: ChunkClaim) -> tuple[sa.ColumnElement[bool], ...]:
     return (
         CHUNKS.c.job == claim.job,
         CHUNKS.c.number == claim.number,

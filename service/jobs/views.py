@@ -19,10 +19,10 @@ UNKNOWN: dict[str, Any] = {
     "sha256": "",
     "version": "",
 }
-"""What is told in place of a value that cannot be."""
+"""What is shown in place of a value that cannot be."""
 
 
-def seen_jobs(
+def see_jobs(
     connection: sa.Connection,
     now: sa.ColumnElement[float],
     which: Callable[[sa.Select[Any]], sa.Select[Any]],
@@ -44,10 +44,10 @@ def seen_jobs(
         One whose record is damaged, or of no state known here, is there as failed.
     """
     wanted = which(sa.select(JOBS, now.label("now")).where(JOBS.c.state != DELETED))
-    return [_seen(dict(record)) for record in connection.execute(wanted).mappings()]
+    return [_see_job(dict(record)) for record in connection.execute(wanted).mappings()]
 
 
-def _seen(record: Mapping[str, Any]) -> Job:
+def _see_job(record: Mapping[str, Any]) -> Job:
     """Return a job; one whose record cannot be, or is of no state known here, as failed."""
     damage = damage_of(record)
     if damage:

@@ -5,7 +5,7 @@ import logging
 from collections.abc import AsyncIterator, Awaitable, Callable
 
 from service.jobs.asking import UnansweredError
-from service.jobs.plan import told
+from service.jobs.plan import wire_job
 from service.jobs.records import Job
 
 LOOK_EVERY_S = 0.5
@@ -111,7 +111,7 @@ class Watching:
                 watched.changed.notify_all()
 
     async def _show(self, watched: _Watched, job: Job, name: str) -> None:
-        event = f"event: {name}\ndata: {told(job).model_dump_json()}\n\n"
+        event = f"event: {name}\ndata: {wire_job(job).model_dump_json()}\n\n"
         if event != watched.event:
             async with watched.changed:
                 watched.event = event

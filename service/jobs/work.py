@@ -20,7 +20,7 @@ ALONE = threading.Lock()
 """One solver at a time in a process, however many threads a Dask worker has: CasADi crashes when
 threads share it."""
 
-MOST_SPECIFICATIONS = 2
+MAX_SPECIFICATIONS = 2
 """Specifications that a worker keeps expanded: two jobs in turn are not read again and again."""
 
 
@@ -28,7 +28,7 @@ class UnreadableError(Exception):
     """The specification of a job is none, or none that this version knows."""
 
 
-def packed(specification: str) -> bytes:
+def pack(specification: str) -> bytes:
     """Return a specification as it travels to workers.
 
     Workers alone read and expand it.
@@ -36,8 +36,8 @@ def packed(specification: str) -> bytes:
     return zlib.compress(specification.encode())
 
 
-@functools.lru_cache(maxsize=MOST_SPECIFICATIONS)
-def _expanded(content: bytes, impulses: int | None) -> TableSpecification:
+@functools.lru_cache(maxsize=MAX_SPECIFICATIONS)
+def _expand(content: bytes, impulses: int | None) -> TableSpecification:
     try:
         return specification_of(zlib.decompress(content).decode(), impulses)
     except (DesignError, ValueError) as error:  # pydantic's are ValueErrors
@@ -50,7 +50,7 @@ def compute_chunk(content: bytes, impulses: int | None, number: int) -> Done:
     Parameters
     ----------
     content
-        The specification of the job, `packed`.
+        The specification of the job, `pack`.
     impulses
         Of each row; None where the kind of shaper says.
     number
@@ -69,7 +69,7 @@ def compute_chunk(content: bytes, impulses: int | None, number: int) -> Done:
     with ALONE, warnings.catch_warnings():
         # Results are checked to be finite.
         warnings.simplefilter("ignore", RuntimeWarning)
-        specification = _expanded(content, impulses)
+        specification = _expand(content, impulses)
         rows = compute_rows(specification, *specification.chunk(number))
     return Done(
         blob=to_blob(rows),

@@ -10,7 +10,7 @@ from schemas.ranges import RangeOut
 from schemas.sensitivity_curves import SensitivityOut
 from schemas.trace import TraceStepOut
 from service.operations.design_picture import design_picture
-from service.operations.fit import fitted
+from service.operations.fit import fit_with_residual
 from service.operations.operation import Operation
 from service.operations.requested_design import requested_design
 from service.operations.residuals_of_modes import of_modes
@@ -23,7 +23,7 @@ def design_shaper(request: DesignRequest) -> DesignResponse:
     fits = None
     if request.fit is not None:
         subject = FitDesign(plant=request.plant, actuator=request.actuator, shaper=request.shaper)
-        fits = fitted(subject, request.fit)
+        fits = fit_with_residual(subject, request.fit)
     scheduled = None
     if isinstance(done.plant, Scheduled) and done.design.worst_in_range is not None:
         scheduled = RangeOut.from_design(done.plant, done.design.worst_in_range)

@@ -40,7 +40,7 @@ def design_file(request: DesignRequest, format_name: str) -> bytes:
     plant, found = done.plant, done.design
     actuator, kind, options = (
         request.actuator.to_design(),
-        request.shaper.registered(),
+        request.shaper.shaper_kind(),
         request.shaper.options(),
     )
     polynomials = None

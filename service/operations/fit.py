@@ -6,7 +6,7 @@ from design.curve_fit.fit import fit
 from design.curve_fit.fit_range import FitRange, plants_at_ends
 from design.model.plants.registry import Plant
 from design.pipeline import design
-from schemas.base import named
+from schemas.base import name_field
 from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
 from schemas.samples import continuous_options
 from schemas.shapers import ShaperIn
@@ -37,10 +37,10 @@ def fit_curves(request: FitRequest) -> FitOut:
         If some point of the range has no such shaper, or no degree is good enough.
     """
     subject = FitDesign(plant=request.plant, actuator=request.actuator, shaper=request.shaper)
-    return fitted(subject, request.fit)
+    return fit_with_residual(subject, request.fit)
 
 
-def fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
+def fit_with_residual(subject: FitDesign, fit_in: FitIn) -> FitOut:
     """Return curve coefficients of a design, and their worst residual.
 
     Parameters
@@ -64,7 +64,7 @@ def fitted(subject: FitDesign, fit_in: FitIn) -> FitOut:
     """
     plant, actuator = subject_of(subject)
     options, wanted, ends = read_fit(subject.shaper, fit_in, subject.plant.kind, plant)
-    kind = subject.shaper.registered()
+    kind = subject.shaper.shaper_kind()
     found = fit(plant, actuator, kind, wanted, options)
     # Polynomials are no better than what they were fitted to.
     ignored = [
@@ -93,9 +93,9 @@ def read_fit(
     tuple of Any, FitRange and tuple of Plant
         Options of the kind of shaper, the range, and the plants at its ends.
     """
-    with named("shaper"):
+    with name_field("shaper"):
         options = continuous_options(shaper, NO_FIT_ON_SAMPLES)
-    with named("fit"):
+    with name_field("fit"):
         wanted = fit_in.to_design(plant_kind)
         return options, wanted, plants_at_ends(plant, wanted)
 

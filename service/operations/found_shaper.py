@@ -9,7 +9,7 @@ from design.pipeline import Design, design
 from design.sampling.sampled import Sampled
 from design.sampling.sampled_design import sampled_design
 from design.shapers.options import ShaperOptions
-from schemas.base import named
+from schemas.base import name_field
 from schemas.samples import grid_tolerance
 from schemas.shapers import ShaperIn
 
@@ -49,7 +49,7 @@ def found_shaper(
     TimeLimitError
         If a solver ran past its time.
     """
-    found = design(plant, actuator, shaper.registered(), options)
+    found = design(plant, actuator, shaper.shaper_kind(), options)
     if shaper.sample_time_s is None:
         return found
     return on_samples(found, plant, actuator, shaper, shaper.sample_time_s)[0]
@@ -85,7 +85,7 @@ def on_samples(
     SolverFailedError
         If simulation does not confirm the residual on samples.
     """
-    with named("shaper"):
+    with name_field("shaper"):
         return sampled_design(
             found, plant.mode, actuator, sample_time_s, tolerance=grid_tolerance(shaper)
         )

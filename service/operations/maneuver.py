@@ -2,7 +2,7 @@
 
 from design.moves.maneuvers import maneuver
 from design.moves.programs import program
-from schemas.base import named
+from schemas.base import name_field
 from schemas.maneuvers import ManeuverRequest, ManeuverResponse
 from schemas.samples import continuous_options
 from service.operations.operation import Operation
@@ -18,16 +18,16 @@ NO_MOVE_ON_SAMPLES = (
 def whole_move(request: ManeuverRequest) -> ManeuverResponse:
     """Design a move from rest to rest, and its program where asked."""
     plant, actuator = subject_of(request)
-    with named("shaper"):
+    with name_field("shaper"):
         options = continuous_options(request.shaper, NO_MOVE_ON_SAMPLES)
     initial = None
     if request.initial is not None:
-        with named("initial"):
+        with name_field("initial"):
             initial = request.initial.to_design()
     move = maneuver(
         plant,
         actuator,
-        request.shaper.registered(),
+        request.shaper.shaper_kind(),
         speed_m_s=request.speed_m_s,
         pulse_s=request.pulse_s,
         distance_m=request.distance_m,

@@ -7,7 +7,7 @@ from design.fields import Axis
 from design.maps.field_map import field_map
 from design.maps.map_case import Map, MapCase
 from design.model.impulses import Impulses
-from schemas.base import named
+from schemas.base import name_field
 from schemas.maps import MapRequest, MapResponse
 from service.operations.found_shaper import found_shaper
 from service.operations.operation import Operation
@@ -36,7 +36,7 @@ def map_over_fields(request: MapRequest) -> MapResponse:
     SolverFailedError
         If such a shaper was found and not verified.
     """
-    case, x, y, found = _mapped(request)
+    case, x, y, found = _make_map(request)
     warnings = sum_warnings(case.shaper) if isinstance(case.shaper, Impulses) else ()
     return MapResponse.from_design(request, x, y, found, warnings)
 
@@ -68,22 +68,22 @@ def map_picture(request: MapRequest, image_format: Literal["png", "svg"]) -> byt
     from design.pictures.design_sheet import figure_bytes  # noqa: PLC0415
     from design.pictures.map_sheet import map_sheet  # noqa: PLC0415
 
-    case, x, y, found = _mapped(request)
+    case, x, y, found = _make_map(request)
     return figure_bytes(map_sheet(case, x, y, found), image_format)
 
 
-def _mapped(request: MapRequest) -> tuple[MapCase, Axis, Axis | None, Map]:
+def _make_map(request: MapRequest) -> tuple[MapCase, Axis, Axis | None, Map]:
     plant, actuator = subject_of(request)
-    with named("x"):
+    with name_field("x"):
         x = request.x.to_design()
     y = None
     if request.y is not None:
-        with named("y"):
+        with name_field("y"):
             y = request.y.to_design()
     held = None
     shaper = request.shaper
-    if shaper is not None and shaper.sample_time_s is not None and request.plainly_held:
-        with named("shaper"):
+    if shaper is not None and shaper.sample_time_s is not None and request.holds_one_shaper:
+        with name_field("shaper"):
             options = shaper.options()
         held = found_shaper(plant, actuator, shaper, options).impulses
     case = request.to_design(plant, actuator, held)

@@ -8,7 +8,7 @@ from design.model.plants.registry import Plant
 from design.pipeline import Design, design
 from design.solvers.budget import Budget
 from design.trace import TraceStep
-from schemas.base import named
+from schemas.base import name_field
 from schemas.design_request import DesignRequest
 from schemas.sampled import SampledOut
 from service.operations.fit import read_fit
@@ -43,16 +43,16 @@ def requested_design(request: DesignRequest) -> RequestedDesign:
         If no such shaper was found; has the steps of the search, where they were asked for.
     """
     plant, actuator = subject_of(request)
-    with named("shaper"):
+    with name_field("shaper"):
         options = request.shaper.options()
     curve_range = None
     # Every fault of the request is found before the first computation.
     if request.sensitivity is not None:
-        with named("sensitivity"):
+        with name_field("sensitivity"):
             curve_range = request.sensitivity.to_design()
     if request.fit is not None:
         read_fit(request.shaper, request.fit, request.plant.kind, plant)
-    kind = request.shaper.registered()
+    kind = request.shaper.shaper_kind()
     sample_time_s = request.shaper.sample_time_s
     if sample_time_s is not None:
         require_one_mode(plant, sample_time_s)

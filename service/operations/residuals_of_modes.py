@@ -1,4 +1,4 @@
-"""What a shaper leaves in each of several modes."""
+"""The residual of a shaper in each of several modes."""
 
 from collections.abc import Iterable
 from itertools import zip_longest

@@ -5,7 +5,7 @@ from design.analysis.sensitivity import sensitivity
 from design.analysis.warnings import sum_warnings
 from design.analysis.workable import require_workable
 from design.analysis.worst_mode import worst_of
-from schemas.base import named
+from schemas.base import name_field
 from schemas.sensitivity import SensitivityRequest, SensitivityResponse
 from schemas.sensitivity_curves import SensitivityOut
 from schemas.warnings import WarningOut
@@ -18,7 +18,7 @@ def sensitivity_curve(request: SensitivityRequest) -> SensitivityResponse:
     """Return the sensitivity curve of any impulses."""
     plant, actuator = subject_of(request)
     wanted = request.to_design()
-    with named("impulses"):
+    with name_field("impulses"):
         impulses = request.impulses.to_design()
     for mode in plant.modes:
         require_workable(mode, actuator)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from design.analysis.warnings import DesignWarning, sum_warnings
-from design.checks import SMALLEST
+from design.checks import MIN_VALUE
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
@@ -12,7 +12,7 @@ from design.moves.shaped_commands import ShapedCommand, shaped_command
 from design.pipeline import design
 from design.sampling.sampled_design import claims_on_samples
 from design.shapers.options import ShaperOptions
-from schemas.base import named
+from schemas.base import name_field
 from schemas.samples import grid_tolerance
 from schemas.shapers import ShaperIn
 from schemas.simulations import ImpulsesCommand, SimulationRequest, SimulationResponse
@@ -51,15 +51,15 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
         If a solver ran past its time.
     """
     plant, actuator = subject_of(request)
-    with named("command"):
+    with name_field("command"):
         played = request.command.to_design(request.speed_m_s)
     warnings: list[DesignWarning] = []
     if isinstance(request.command, ImpulsesCommand):
         warnings += sum_warnings(played)
     if request.shaper is not None:
-        with named("shaper"):
+        with name_field("shaper"):
             options = request.shaper.options()
-        shaped = _shaped(played, plant, actuator, request.shaper, options)
+        shaped = _shape_command(played, plant, actuator, request.shaper, options)
         played, warnings = shaped.impulses, [*warnings, *shaped.warnings]
     end = request.until_s
     if end is None:
@@ -69,20 +69,20 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
             + AFTERMATH_PERIODS * plant.mode.period_s
         )
     first = min(0.0, float(played.times_s[0]))
-    times = np.linspace(first, max(end, first + SMALLEST), request.points)
+    times = np.linspace(first, max(end, first + MIN_VALUE), request.points)
     return SimulationResponse.from_design(
         motion(plant, actuator, played, request.speed_m_s, times), played, warnings
     )
 
 
-def _shaped(
+def _shape_command(
     command: Impulses,
     plant: Plant,
     actuator: Actuator,
     shaper: ShaperIn,
     options: ShaperOptions | None,
 ) -> ShapedCommand:
-    found, claims = design(plant, actuator, shaper.registered(), options), None
+    found, claims = design(plant, actuator, shaper.shaper_kind(), options), None
     if shaper.sample_time_s is not None:
         claims = claims_on_samples(found, grid_tolerance(shaper))
         found, _ = on_samples(found, plant, actuator, shaper, shaper.sample_time_s)

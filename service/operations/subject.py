@@ -5,7 +5,7 @@ from typing import Protocol
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from schemas.actuators import ActuatorIn
-from schemas.base import named
+from schemas.base import name_field
 from schemas.plants import PlantIn
 
 
@@ -34,8 +34,8 @@ def subject_of(request: Subject) -> tuple[Plant, Actuator]:
     InvalidInputError
         If a value breaks its rule: names the field from the request inward.
     """
-    with named("plant"):
+    with name_field("plant"):
         plant = request.plant.to_design()
-    with named("actuator"):
+    with name_field("actuator"):
         actuator = request.actuator.to_design()
     return plant, actuator

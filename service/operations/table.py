@@ -51,7 +51,7 @@ TABLE: dict[str, Row] = {
     ),
     "fit": Row(
         "/v1/fits",
-        "Curve coefficients of a shaper over one field, and what the fitted times leave",
+        "Curve coefficients of a shaper over one field, and the residual of the fitted times",
         "fit",
         "curve coefficients over a field of the plant",
     ),
@@ -76,9 +76,9 @@ TABLE: dict[str, Row] = {
     ),
     "recommendation": Row(
         "/v1/recommendations",
-        "From what is known to the fastest shaper that meets it, with the runners-up and reasons",
+        "The fastest shaper that meets what is required, with the runners-up and reasons",
         "recommend",
-        "from what is known to the fastest shaper that meets it",
+        "the fastest shaper that meets what is required",
     ),
 }
 

@@ -9,7 +9,7 @@ from collections.abc import Hashable
 SLICE_S = 0.25
 """Work that takes longer is large: it is moved out of the way of what is small [s]."""
 
-MOST_SHAPES = 4096
+MAX_SHAPES = 4096
 """Shapes that are remembered, the latest used."""
 
 LEARNING = 0.3
@@ -18,7 +18,7 @@ LEARNING = 0.3
 FIRST_GUESS_S = 0.005
 """What work of an unknown shape is expected to take before any was done [s]."""
 
-LEAST_S = 1e-4
+MIN_COST_S = 1e-4
 """Work costs no less: below it the system's clocks tell nothing [s]."""
 
 
@@ -78,7 +78,7 @@ class Costs:
         seconds
             Processor time [s].
         """
-        seconds = max(seconds, LEAST_S)
+        seconds = max(seconds, MIN_COST_S)
         if seconds < SLICE_S:
             self.small_s += LEARNING * (seconds - self.small_s)
         self._learn(shape, seconds)
@@ -96,7 +96,7 @@ class Costs:
             Processor time [s].
         """
         self._took_s += LEARNING * (seconds - self._took_s)
-        self._cost_s += LEARNING * (max(cost_s, LEAST_S) - self._cost_s)
+        self._cost_s += LEARNING * (max(cost_s, MIN_COST_S) - self._cost_s)
 
     def at_least(self, client: str, shape: Hashable, seconds: float) -> None:
         """Learn that a client's work takes so long at least: it still runs.
@@ -121,5 +121,5 @@ class Costs:
     def _remember(self, known: Hashable, seconds: float) -> None:
         self._means[known] = seconds
         self._means.move_to_end(known)
-        if len(self._means) > MOST_SHAPES:
+        if len(self._means) > MAX_SHAPES:
             self._means.popitem(last=False)

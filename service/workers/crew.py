@@ -27,7 +27,7 @@ class Foreman(Protocol):
     def may_begin(self) -> None:
         """Hear that a worker is idle that was not."""
 
-    def told(self, worker: Worker, outcome: Outcome, result: object) -> None:
+    def take_outcome(self, worker: Worker, outcome: Outcome, result: object) -> None:
         """Take the outcome of a busy worker; give the worker back or end it.
 
         Parameters
@@ -40,7 +40,7 @@ class Foreman(Protocol):
             What the task has returned, or the traceback of its error.
         """
 
-    def lost(self, worker: Worker) -> Callable[[bool], None]:
+    def forget(self, worker: Worker) -> Callable[[bool], None]:
         """Forget a busy worker that has died.
 
         Returned is what to call with whether the worker crashed by its own fault, once that is
@@ -56,7 +56,7 @@ class Crew:
     foreman
         Who gives them their tasks.
     memory_bytes
-        What each may have of memory of its own [bytes].
+        Memory that each may have for itself [bytes].
     """
 
     def __init__(self, foreman: Foreman, memory_bytes: int) -> None:
@@ -73,7 +73,7 @@ class Crew:
         self._tasks: set[asyncio.Task[None]] = set()
 
     @property
-    def built(self) -> bool:
+    def has_built_worker(self) -> bool:
         """Whether a worker lives whose solvers are built."""
         return bool(self.idle or self._busy)
 
@@ -121,7 +121,7 @@ class Crew:
             if pause_s:
                 await asyncio.sleep(pause_s)
             prepare()
-            worker = await self._made()
+            worker = await self._make()
         except (OSError, EOFError) as error:
             # EOFError: the fork server died while it forked; the next start begins another.
             self._failed_starts += 1
@@ -135,10 +135,10 @@ class Crew:
             await worker.connect()
         self.keep(self._wanted)
 
-    async def _made(self) -> Worker:
+    async def _make(self) -> Worker:
         """Return a new process; who is cancelled meanwhile does not forget it."""
         making = get_running_loop().run_in_executor(
-            self._starter, Worker, self._memory_bytes, self._told, self._lost
+            self._starter, Worker, self._memory_bytes, self._take_outcome, self._replace
         )
         try:
             return await asyncio.shield(making)
@@ -146,17 +146,17 @@ class Crew:
             (await making).kill()
             raise
 
-    def _told(self, worker: Worker, outcome: Outcome, result: object) -> None:
+    def _take_outcome(self, worker: Worker, outcome: Outcome, result: object) -> None:
         starting = self._starting.pop(worker, None)
         if starting is None:
-            self._foreman.told(worker, outcome, result)
+            self._foreman.take_outcome(worker, outcome, result)
             return
         starting.cancel()
         self._failed_starts = 0
         self.idle.append(worker)
         self._foreman.may_begin()
 
-    def _lost(self, worker: Worker) -> None:
+    def _replace(self, worker: Worker) -> None:
         """Replace a worker that has died."""
         if self._closed:
             return
@@ -164,7 +164,7 @@ class Crew:
         bury: Callable[[bool], None] = _nothing
         if worker in self._busy:
             self._busy.remove(worker)
-            where, bury = "at a task", self._foreman.lost(worker)
+            where, bury = "at a task", self._foreman.forget(worker)
         elif worker in self._starting:
             self._starting.pop(worker).cancel()
             self._failed_starts += 1
@@ -174,9 +174,9 @@ class Crew:
         else:
             return  # it was one too many
         self.keep(self._wanted)
-        self._soon(self._buried(worker, where, bury))
+        self._soon(self._log_death(worker, where, bury))
 
-    async def _buried(self, worker: Worker, where: str, bury: Callable[[bool], None]) -> None:
+    async def _log_death(self, worker: Worker, where: str, bury: Callable[[bool], None]) -> None:
         """Tell how a worker has died."""
         how = await worker.ending()
         LOG.error("worker %s died %s: %s; another takes its place", worker.pid, where, how)

@@ -1,4 +1,4 @@
-"""Which large task comes to a place for such work, and which leaves its worker to another."""
+"""Which large task comes to a place for such work, and which gives its worker to another."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -12,7 +12,7 @@ def oldest_overdue(busy: Iterable[Run]) -> Run | None:
 
     It waits in its worker; None where no task does.
     """
-    return min(_overdue(busy), key=_begun, default=None)
+    return min(_overdue(busy), key=_begin_of, default=None)
 
 
 def youngest_overdue(busy: Iterable[Run]) -> Run | None:
@@ -21,7 +21,7 @@ def youngest_overdue(busy: Iterable[Run]) -> Run | None:
     It is the latest begun of those that wait in their workers for a place for large work; None
     where no task does.
     """
-    return max(_overdue(busy), key=_begun, default=None)
+    return max(_overdue(busy), key=_begin_of, default=None)
 
 
 def youngest_second(busy: Iterable[Run], waiting: Iterable[Ticket]) -> Run | None:
@@ -43,12 +43,12 @@ def youngest_second(busy: Iterable[Run], waiting: Iterable[Ticket]) -> Run | Non
     holders = Counter(run.client for run in large)
     if all(ticket.flow.client in holders for ticket in waiting):
         return None
-    return max((run for run in large if holders[run.client] > 1), key=_begun, default=None)
+    return max((run for run in large if holders[run.client] > 1), key=_begin_of, default=None)
 
 
 def _overdue(busy: Iterable[Run]) -> list[Run]:
     return [run for run in busy if run.overdue]
 
 
-def _begun(run: Run) -> float:
+def _begin_of(run: Run) -> float:
     return run.begun

@@ -3,7 +3,7 @@
 import gc
 
 YOUNG = 10_000
-"""New objects, less those gone, at which Python looks for circles of dead ones: so many are made
+"""New objects, less those gone, at which Python looks for circles of dead ones: this many are made
 within a few requests, and hardly any in a circle."""
 
 

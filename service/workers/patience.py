@@ -22,7 +22,7 @@ GROWING = 1.2
 clients, each waiting for its own answer, has as many of the one as of the other. It begins only
 where some are expected to wait for half a burst."""
 
-FEW = 5
+MIN_SURPLUS_ARRIVALS = 5
 """Arrivals beyond that which are chance."""
 
 BURST_COSTS, STANDING_COSTS = 10.0, 1.0
@@ -93,7 +93,7 @@ class Patience:
             return max(STANDING_S, STANDING_COSTS * cost_s)
         return max(BURST_S, BURST_COSTS * cost_s)
 
-    def answered(self, now: float) -> None:
+    def count_answer(self, now: float) -> None:
         """Count an answer."""
         self._turn(now)
         self._answered += 1
@@ -102,7 +102,7 @@ class Patience:
         passed_s = now - self._since
         if passed_s <= INTERVAL_S:
             return
-        grows = self._arrived > GROWING * self._answered + FEW
+        grows = self._arrived > GROWING * self._answered + MIN_SURPLUS_ARRIVALS
         grows = grows and (self._growing >= INTERVALS or self._longest_s > BURST_S / 2)
         self._growing = self._growing + 1 if grows and passed_s <= OVER * INTERVAL_S else 0
         self._since, self._arrived, self._answered, self._longest_s = now, 0, 0, 0.0

@@ -26,15 +26,23 @@ from service.workers.patience import Patience
 from service.workers.process import Outcome, Worker
 from service.workers.protocol import Arguments, Result
 from service.workers.queue import FairQueue, Flow, Kind, Ticket
-from service.workers.runs import STOPPING, Run, SplitError, TaskError, expected, failure, refused
+from service.workers.runs import (
+    STOPPING,
+    Run,
+    SplitError,
+    TaskError,
+    failure,
+    long_wait_error,
+    no_room_error,
+)
 
-MOST_CRASHES = 2
+MAX_CRASHES = 2
 """Workers that a task may crash: it is the task's fault then."""
 
-MOST_DEATHS = 10
+MAX_DEATHS = 10
 """Workers of a task that may be killed from outside: then it may be the system, short of memory."""
 
-LONGEST_WAIT_S = 30.0
+MAX_WAIT_S = 30.0
 """How long a task may wait for a worker, or be expected to [s]."""
 
 IDLING_S = 4 * SLICE_S
@@ -55,7 +63,7 @@ class WorkerPool:
     max_pending
         Tasks running and waiting beyond which new ones are refused.
     memory_bytes
-        What a worker may have of memory of its own [bytes].
+        Memory that a worker may have for itself [bytes].
     """
 
     def __init__(
@@ -134,7 +142,7 @@ class WorkerPool:
         cost_s = self.costs.small_s
         wait_s = self._wait_s(Flow(client), cost_s)
         if self._patience.refuses(get_running_loop().time(), wait_s, cost_s):
-            return expected(wait_s).problem
+            return long_wait_error(wait_s).problem
         return None
 
     @property
@@ -145,7 +153,7 @@ class WorkerPool:
     @property
     def ready(self) -> bool:
         """Whether a worker has its solvers built and a task has room."""
-        return self._crew.built and self.pending < self._max_pending
+        return self._crew.has_built_worker and self.pending < self._max_pending
 
     # Waiting.
 
@@ -157,16 +165,16 @@ class WorkerPool:
         wait_s = self._wait_s(flow, cost_s)
         if run.kind != "batch":  # which has few under way, and waits until it ends
             if self.pending >= self._max_pending:
-                raise refused(f"{self.pending} tasks are running or waiting", wait_s)
+                raise no_room_error(f"{self.pending} tasks are running or waiting", wait_s)
             admitted = (
-                wait_s <= LONGEST_WAIT_S
+                wait_s <= MAX_WAIT_S
                 if large
                 else self._patience.admits(
                     get_running_loop().time(), wait_s, cost_s * self.costs.slowness
                 )
             )
             if not admitted:
-                raise expected(wait_s)
+                raise long_wait_error(wait_s)
         self._wait(run, flow, cost_s)
         if run.key is not None:
             self._shared[run.key] = run
@@ -184,11 +192,11 @@ class WorkerPool:
         self._runs[run.ticket] = run
         (self._large if flow.large else self._small).add(run.ticket, start)
         if run.kind != "batch":
-            run.timers.append(get_running_loop().call_later(LONGEST_WAIT_S, self._refuse_late, run))
+            run.timers.append(get_running_loop().call_later(MAX_WAIT_S, self._refuse_late, run))
 
     def _refuse_late(self, run: Run) -> None:
-        late = f"no worker was free within {LONGEST_WAIT_S:g} s"
-        self._fail(run, refused(late, LONGEST_WAIT_S))
+        late = f"no worker was free within {MAX_WAIT_S:g} s"
+        self._fail(run, no_room_error(late, MAX_WAIT_S))
 
     def _leave(self, run: Run) -> None:
         """Take a task out of the queue and the books."""
@@ -239,13 +247,13 @@ class WorkerPool:
             get_running_loop().call_later(run.limit_s, self._end_late, run),
         ]
 
-    def told(self, worker: Worker, outcome: Outcome, result: object) -> None:
+    def take_outcome(self, worker: Worker, outcome: Outcome, result: object) -> None:
         """Take the outcome of a worker's task.
 
         Parameters
         ----------
         worker, outcome, result
-            As of `Foreman.told`.
+            As of `Foreman.take_outcome`.
         """
         run = self._busy.pop(worker)
         if outcome == "memory" or run.large:
@@ -274,7 +282,7 @@ class WorkerPool:
         if not run.splits:
             self.costs.record(run.client, run.shape, spent_s)
         if not run.large and run.kind != "batch":
-            self._patience.answered(get_running_loop().time())
+            self._patience.count_answer(get_running_loop().time())
 
     def _charge(self, run: Run, spent_s: float) -> None:
         """Charge what a task has cost to its flow."""
@@ -346,8 +354,8 @@ class WorkerPool:
         for ticket in list(self._large):
             run = self._runs[ticket]
             wait_s = ahead_s / self._large_places
-            if wait_s > LONGEST_WAIT_S and run.kind != "batch":
-                self._fail(run, expected(wait_s))
+            if wait_s > MAX_WAIT_S and run.kind != "batch":
+                self._fail(run, long_wait_error(wait_s))
             else:
                 ahead_s += self.costs.of(run.client, run.shape)
 
@@ -386,7 +394,7 @@ class WorkerPool:
 
     # What dies.
 
-    def lost(self, worker: Worker) -> Callable[[bool], None]:
+    def forget(self, worker: Worker) -> Callable[[bool], None]:
         """Forget a worker that has died at a task, which others do."""
         run = self._busy.pop(worker)
         run.worker = None
@@ -398,7 +406,7 @@ class WorkerPool:
         if run.done.done():
             return
         run.crashes, run.deaths = run.crashes + crashed, run.deaths + (not crashed)
-        if run.crashes >= MOST_CRASHES or run.deaths >= MOST_DEATHS:
+        if run.crashes >= MAX_CRASHES or run.deaths >= MAX_DEATHS:
             self._fail(run, TaskError(Problem(INTERNAL, "every worker died at this request")))
         else:
             ticket = run.ticket
@@ -407,7 +415,7 @@ class WorkerPool:
         self.may_begin()
 
     async def close(self) -> None:
-        """End the workers; who still waits is told so."""
+        """End the workers; who still waits gets an error."""
         self._closed = True
         for run in list(self._runs.values()):
             self._fail(run, TaskError(STOPPING))

@@ -33,7 +33,7 @@ NICENESS, NICENESS_OF_LARGE = 5, 10
 """Of workers, which let the event loop go first on the processors too; of one that is busy with
 large work, which lets what is small go first."""
 
-TICKS_A_SECOND = os.sysconf("SC_CLK_TCK")
+TICKS_PER_SECOND = os.sysconf("SC_CLK_TCK")
 
 STATUS_WAIT_S = 0.5
 """How long the exit status of a process that has ended may take to arrive [s]."""
@@ -63,10 +63,10 @@ class Worker(asyncio.Protocol):
     Parameters
     ----------
     memory_bytes
-        What the process may have of memory of its own [bytes].
-    told
+        Memory that the process may have for itself [bytes].
+    take_outcome
         Called with each outcome and what came with it.
-    lost
+    forget
         Called once, when the process has ended or is out of reach.
 
     Attributes
@@ -78,11 +78,11 @@ class Worker(asyncio.Protocol):
     def __init__(
         self,
         memory_bytes: int,
-        told: Callable[["Worker", Outcome, object], None],
-        lost: Callable[["Worker"], None],
+        take_outcome: Callable[["Worker", Outcome, object], None],
+        forget: Callable[["Worker"], None],
     ) -> None:
-        self._told = told
-        self._lost = lost
+        self._take_outcome = take_outcome
+        self._forget = forget
         self._received = bytearray()
         self._used_s = 0.0
         self.cost_s = 0.0
@@ -125,13 +125,13 @@ class Worker(asyncio.Protocol):
                 outcome, result, used_s = pickle.loads(rest)
             del self._received[: LENGTH.size + size]
             self.cost_s, self._used_s = used_s - self._used_s, used_s
-            self._told(self, outcome, result)
+            self._take_outcome(self, outcome, result)
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Tell that the process is gone."""
         del exc
         self._transport = None
-        self._lost(self)
+        self._forget(self)
 
     def send(self, task: Callable[..., object], arguments: tuple[object, ...]) -> None:
         """Send a task; its outcome or the loss of the worker is reported.
@@ -157,15 +157,15 @@ class Worker(asyncio.Protocol):
         try:
             told = Path(f"/proc/{self.pid}/stat").read_text()
         except (FileNotFoundError, ProcessLookupError):
-            return 0.0  # it has just ended, which is told
+            return 0.0  # it has just ended, which is reported
         # The name, in brackets, may hold anything.
         fields = told.rpartition(")")[2].split()
-        return (int(fields[11]) + int(fields[12])) / TICKS_A_SECOND - self._used_s
+        return (int(fields[11]) + int(fields[12])) / TICKS_PER_SECOND - self._used_s
 
     def make_way(self) -> None:
         """Let other processes go first."""
         if self.pid is not None:
-            with suppress(ProcessLookupError):  # it has just ended, which is told
+            with suppress(ProcessLookupError):  # it has just ended, which is reported
                 os.setpriority(os.PRIO_PROCESS, self.pid, NICENESS_OF_LARGE)
 
     async def ending(self) -> str:
@@ -186,9 +186,9 @@ class Worker(asyncio.Protocol):
         return code is not None and code not in {0, -signal.SIGKILL, -signal.SIGTERM, UNKNOWN}
 
     def kill(self) -> None:
-        """End the process at once; that it is lost is not told any more."""
-        self._lost = _nobody
-        self._told = _nobody
+        """End the process at once; that it is lost is no longer reported."""
+        self._forget = _nobody
+        self._take_outcome = _nobody
         # Without its fork server nobody knows how a process has ended, nor that it has not.
         if self.pid is not None and (self._transport is not None or self._process.exitcode is None):
             with suppress(ProcessLookupError):
@@ -254,6 +254,6 @@ def _outcome(task: Callable[..., object], arguments: tuple[object, ...]) -> byte
         return pickle.dumps(("done", task(*arguments), time.process_time()))
     except MemoryError:
         outcome = "memory"
-    except Exception:  # noqa: BLE001 - told to the pool, which logs it
+    except Exception:  # noqa: BLE001 - given to the pool, which logs it
         outcome = "failed"
     return pickle.dumps((outcome, traceback.format_exc(limit=-5), time.process_time()))

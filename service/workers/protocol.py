@@ -93,4 +93,4 @@ class Pool(Protocol):
         """Whether a worker is there, and there is room for a task."""
 
     async def close(self) -> None:
-        """End the workers; who still waits is told so."""
+        """End the workers; who still waits gets an error."""

@@ -133,7 +133,7 @@ class FairQueue:
         """Return how long a new ticket is expected to wait [s].
 
         Everything that waits is before it at most, and at most what its flow's fair share of the
-        servers makes of its own.
+        servers makes by itself.
 
         Parameters
         ----------

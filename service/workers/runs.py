@@ -62,7 +62,7 @@ class Run:
         self.timers.clear()
 
 
-def refused(detail: str, wait_s: float) -> TaskError:
+def no_room_error(detail: str, wait_s: float) -> TaskError:
     """Return the error that there is no room for a task.
 
     Parameters
@@ -83,7 +83,7 @@ def refused(detail: str, wait_s: float) -> TaskError:
     return TaskError(problem)
 
 
-def expected(wait_s: float) -> TaskError:
+def long_wait_error(wait_s: float) -> TaskError:
     """Return the error that a task would wait too long.
 
     Parameters
@@ -96,7 +96,7 @@ def expected(wait_s: float) -> TaskError:
     TaskError
         An overload.
     """
-    return refused(f"a worker is expected to be free in {wait_s:.2g} s only", wait_s)
+    return no_room_error(f"a worker is expected to be free in {wait_s:.2g} s only", wait_s)
 
 
 def failure() -> TaskError:

@@ -3,8 +3,8 @@
 import re
 from collections.abc import Hashable
 
-LONGEST_SHAPE = 16_384
-"""Bodies up to so long are told apart by all but their numbers; longer ones by length [bytes]."""
+MAX_SHAPE_BYTES = 16_384
+"""Shorter bodies are distinguished by all but their numbers, longer ones by length [bytes]."""
 
 NUMBERS = re.compile(rb"[-+.\d]+(?:[eE][-+]?\d+)?")
 
@@ -15,7 +15,7 @@ def shape_of(operation: str, body: bytes) -> Hashable:
     Parameters
     ----------
     operation, body
-        Name of what is done with the request; beyond `LONGEST_SHAPE` only the magnitude of its
+        Name of what is done with the request; beyond `MAX_SHAPE_BYTES` only the magnitude of its
         length counts [bytes].
 
     Returns
@@ -23,6 +23,6 @@ def shape_of(operation: str, body: bytes) -> Hashable:
     Hashable
         Equal for requests that are expected to cost alike.
     """
-    if len(body) > LONGEST_SHAPE:
+    if len(body) > MAX_SHAPE_BYTES:
         return operation, len(body).bit_length()
     return operation, NUMBERS.sub(b"", body)

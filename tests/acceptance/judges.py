@@ -26,7 +26,7 @@ from design.sampling.sampled_design import sampled_design
 from design.shapers.registry import SHAPERS
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions
-from design.solvers.budget import MOST_WORK
+from design.solvers.budget import MAX_WORK_PER_DESIGN
 from design.types import FloatArray
 from tests.integration_route import residual_by_integration
 from tests.random_cases import Case
@@ -53,10 +53,10 @@ SAMPLED = 7
 COMPARED = 3
 """Every how manieth case is integrated step by step, brought to samples, compared with bounds."""
 
-FEWEST_STARTS = 1024
+MIN_STARTS = 1024
 """Starts of a search that says that it found nothing."""
 
-MOST_INTEGRATED = 9
+MAX_INTEGRATED_IMPULSES = 9
 """Impulses of a command that is integrated, at most."""
 
 
@@ -67,10 +67,10 @@ def wrong_in_design(case: Case, made: Design) -> Iterator[str]:
         yield "not verified"
     kept = {(claim.quantity, claim.mode) for claim in made.certificate.claims}
     for number in range(len(case.plant.modes)):
-        for quantity in _promised(case):
+        for quantity in _promises(case):
             if (quantity, number) not in kept:
                 yield f"claims no {quantity} of mode {number}"
-    designed_for = _designed_for(case) if made.for_ideal else case.actuator
+    designed_for = _actuator_of_design(case) if made.for_ideal else case.actuator
     for claim in made.certificate.claims:
         mode = case.plant.modes[claim.mode]
         yield from _wrong_claim(claim, made.impulses, mode, designed_for)
@@ -85,7 +85,7 @@ def wrong_in_design(case: Case, made: Design) -> Iterator[str]:
     if case.number % SAMPLED == 0 and not isinstance(case.plant, Modes | Scheduled):
         yield from _wrong_on_samples(case, made)
     if case.number % COMPARED == 0:
-        yield from _beaten(case, made)
+        yield from _shorter_than_bound(case, made)
 
 
 def _residual(impulses: Impulses, mode: Mode, actuator: Actuator) -> float:
@@ -124,14 +124,14 @@ def _wrong_impulses(impulses: Impulses) -> Iterator[str]:
         yield f"amplitudes {impulses.amplitudes.tolist()}, one of them rounding"
 
 
-def _promised(case: Case) -> tuple[str, ...]:
+def _promises(case: Case) -> tuple[str, ...]:
     """Return what the kind says of itself; of convolved shapers, what their base does."""
     if isinstance(case.options, ConvolvedOptions):
         return SHAPERS[case.options.base].claims
     return case.kind.claims
 
 
-def _designed_for(case: Case) -> Actuator:
+def _actuator_of_design(case: Case) -> Actuator:
     modes, options = case.plant.modes, case.options
     if isinstance(case.plant, Scheduled) and hasattr(options, "half_width"):
         options = type(options)()
@@ -193,7 +193,7 @@ def _wrong_range(case: Case, made: Design) -> Iterator[str]:
         yield "tells nothing of the range"
         return
     bands = [claim for claim in made.certificate.claims if claim.band == case.plant.band]
-    if "band" in _promised(case) and not bands:
+    if "band" in _promises(case) and not bands:
         yield "does not claim its tolerance over the range"
     if not isinstance(case.actuator, RateLimited) or _has_formula(made.impulses, case.actuator):
         ratios = np.linspace(*case.plant.band, 400)
@@ -215,7 +215,7 @@ def _wrong_bound(made: Design) -> Iterator[str]:
 
 
 def _wrong_by_integration(case: Case, made: Design) -> Iterator[str]:
-    if made.impulses.times_s.size > MOST_INTEGRATED:
+    if made.impulses.times_s.size > MAX_INTEGRATED_IMPULSES:
         return
     told = residual_by_integration(made.impulses, case.plant.modes[0], case.actuator)
     # The integrator keeps 1e-11 a step, over an unshaped step's swing that damping makes smaller.
@@ -249,7 +249,7 @@ def _wrong_on_samples(case: Case, made: Design) -> Iterator[str]:
             yield f"on samples tells {found.residual!r}, the formula {told!r}"
 
 
-def _beaten(case: Case, made: Design) -> Iterator[str]:
+def _shorter_than_bound(case: Case, made: Design) -> Iterator[str]:
     """Yield where a shaper of another kind is shorter than a bound of its class."""
     modes, duration = case.plant.modes, made.impulses.duration_s
     positive = bool((made.impulses.amplitudes > 0).all())
@@ -308,10 +308,10 @@ def wrong_in_refusal(case: Case, refusal: str) -> Iterator[str]:
 def _leaves_that_in_range(case: Case, left: float, tolerance: float) -> bool:
     assert isinstance(case.plant, Scheduled)
     made = design(case.plant.middle, case.actuator, case.kind, case.options)
-    if not _has_formula(made.impulses, _designed_for(case)):
+    if not _has_formula(made.impulses, _actuator_of_design(case)):
         return left > tolerance
     ratios = np.linspace(*case.plant.band, 2000)
-    curve = curve_by_formula(made.impulses, case.plant.middle, _designed_for(case), ratios)
+    curve = curve_by_formula(made.impulses, case.plant.middle, _actuator_of_design(case), ratios)
     return left > tolerance and abs(float(curve.max()) - left) <= 2e-3 * left
 
 
@@ -327,7 +327,7 @@ def _can_be_met(case: Case, **changed: float) -> bool:
 
 def _none_as_short(case: Case, horizon: float, starts: float) -> bool:
     """Whether a search over a longer horizon finds nothing within the one that was searched."""
-    if starts < FEWEST_STARTS:
+    if starts < MIN_STARTS:
         return False
     if not hasattr(case.options, "max_duration_periods"):
         return True
@@ -348,7 +348,7 @@ def _alpha(case: Case) -> float:
 
 JUDGES: tuple[tuple[str, Callable[..., bool]], ...] = (
     (
-        rf"leaves {NUMBER} within the range of frequencies.* more than its tolerance {NUMBER}:",
+        rf"is {NUMBER} within the range of frequencies.* above its tolerance {NUMBER}:",
         _leaves_that_in_range,
     ),
     (
@@ -369,7 +369,7 @@ JUDGES: tuple[tuple[str, Callable[..., bool]], ...] = (
     ),
     (
         rf"in {NUMBER} starts; nearest miss.* to the end: its budget of {NUMBER} million units",
-        lambda _, starts, budget: starts > 0 and budget * 1e6 == MOST_WORK,
+        lambda _, starts, budget: starts > 0 and budget * 1e6 == MAX_WORK_PER_DESIGN,
     ),
     (
         rf"frequency is {NUMBER}, and the vector diagram",
@@ -388,7 +388,7 @@ JUDGES: tuple[tuple[str, Callable[..., bool]], ...] = (
         lambda _, low, high: low < 0 or high > 1,
     ),
     (
-        rf"damping ratio of {NUMBER} none was found:.*meet at a damping ratio of {NUMBER} with",
+        rf"found at a damping ratio of {NUMBER}:.*meet at a damping ratio of {NUMBER} with",
         lambda _, asked, met: met <= asked * 1.01,
     ),
     (

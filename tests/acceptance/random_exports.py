@@ -165,7 +165,7 @@ def _difference_in_klipper(written: Written, held: Held) -> str:
         late = np.abs(played.times_s - wanted.times_s).max() / wanted.duration_s
         high = np.abs(played.amplitudes - wanted.amplitudes).max()
         return "" if max(late, high) <= KLIPPER_CLOSE else f"apart by {late:.3g}, {high:.3g}"
-    promises = tuple(_asked(claim) for claim in made.certificate.claims)
+    promises = tuple(_promise(claim) for claim in made.certificate.claims)
     broken = [
         claim
         for claim in certify_modes(played, subject.plant.modes, Ideal(), promises).claims
@@ -174,7 +174,7 @@ def _difference_in_klipper(written: Written, held: Held) -> str:
     return "".join(f"{claim.quantity} {claim.value:.4g} > {claim.limit:.4g}" for claim in broken)
 
 
-def _asked(claim: Claim) -> Promise:
+def _promise(claim: Claim) -> Promise:
     limit = READ_AS_ZERO if claim.is_zero else claim.limit
     return Promise(quantity=claim.quantity, limit=limit, mode=claim.mode, band=claim.band)
 
@@ -205,10 +205,10 @@ def _spans(written: Written) -> list[tuple[int, int]]:
     ]
 
 
-def mutated(written: Written, rng: np.random.Generator) -> bytes:
+def mutate(written: Written, rng: np.random.Generator) -> bytes:
     """Return the file with one digit or one sign of one number changed to another value."""
     if written.name in {"mat", "parquet"}:
-        return _mutated_binary(written, rng)
+        return _mutate_binary(written, rng)
     text = written.text.decode()
     spans = _spans(written)
     while True:
@@ -226,7 +226,7 @@ def mutated(written: Written, rng: np.random.Generator) -> bytes:
             return (text[:first] + changed + text[last:]).encode()
 
 
-def _mutated_binary(written: Written, rng: np.random.Generator) -> bytes:
+def _mutate_binary(written: Written, rng: np.random.Generator) -> bytes:
     """Change a number of a file that is no text: in its bytes, or packed anew."""
     numbers = [*written.made.impulses.times_s[1:], *written.made.impulses.amplitudes]
     value = float(numbers[int(rng.integers(len(numbers)))])
@@ -246,7 +246,7 @@ def _mutated_binary(written: Written, rng: np.random.Generator) -> bytes:
     return sink.getvalue()
 
 
-def missed(written: list[Written], count: int, folder: Path) -> Iterator[str]:
+def miss(written: list[Written], count: int, folder: Path) -> Iterator[str]:
     """Change files, one number each, and yield those where the comparison finds nothing."""
     by_name = {name: [one for one in written if one.name == name] for name in MUTABLE}
     present = [name for name in MUTABLE if by_name[name]]
@@ -254,7 +254,7 @@ def missed(written: list[Written], count: int, folder: Path) -> Iterator[str]:
         rng = np.random.default_rng([11, number])
         name = present[number % len(present)]
         one = by_name[name][number // len(present) % len(by_name[name])]
-        if not difference(one, mutated(one, rng), folder):
+        if not difference(one, mutate(one, rng), folder):
             yield f"mutation {number} of {name} was not found"
 
 
@@ -277,7 +277,7 @@ def main() -> int:
             if found[-1].wrong:
                 print(f"WRONG: case {number}: {found[-1].wrong[:300]}", file=sys.stderr, flush=True)
         written = [one.written for one in found if one.written is not None and not one.wrong]
-        lost = list(missed(written, MUTATIONS, folder))
+        lost = list(miss(written, MUTATIONS, folder))
     counts = {
         "read back": Counter(one.name for one in written),
         "wrong": Counter(one.name for one in found if one.wrong),

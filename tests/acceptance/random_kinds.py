@@ -22,7 +22,7 @@ from design.solvers.budget import Budget
 from tests.acceptance.judges import wrong_in_design, wrong_in_refusal
 from tests.random_cases import case
 
-LONGEST_S = 5.0
+MAX_DESIGN_S = 5.0
 """Processor time of a design, at most, as the command tells it; the suite counts work [s]."""
 
 OVERSHOOT = 1_000_000
@@ -132,7 +132,7 @@ def main() -> int:
     end = time.monotonic() + given.longest_s
     for told in verdicts(range(given.first, given.first + given.count), given.workers):
         one = told
-        if told.seconds > LONGEST_S:
+        if told.seconds > MAX_DESIGN_S:
             one = replace(told, wrong=(*told.wrong, f"took {told.seconds:.1f} s"))
         found.append(one)
         for text in one.wrong:

@@ -114,7 +114,7 @@ def random_requests() -> dict[str, Callable[[np.random.Generator], JSON]]:
     }
 
 
-def hashed(operation: str, request: JSON) -> str:
+def hash_answer(operation: str, request: JSON) -> str:
     """Return the hash of an answer."""
     outcome = answer(operation, json.dumps(request).encode()).outcome
     if isinstance(outcome, Problem):
@@ -127,7 +127,7 @@ def lines(count: int) -> Iterator[str]:
     catalogue = shaper_catalogue()
     yield f"catalogue 0 {hashlib.sha256(catalogue.model_dump_json().encode()).hexdigest()}"
     for number, entry in enumerate(catalogue.shapers):
-        yield f"example {number} {hashed('design', entry.example)}"
+        yield f"example {number} {hash_answer('design', entry.example)}"
     with tempfile.TemporaryDirectory() as folder:
         specification = Path(folder) / "table.json"
         specification.write_text(json.dumps(TABLE))
@@ -142,7 +142,7 @@ def lines(count: int) -> Iterator[str]:
     for order, (operation, draw) in enumerate(random_requests().items()):
         for number in range(count):
             request = draw(np.random.default_rng([order, number]))
-            yield f"{operation} {number} {hashed(operation, request)}"
+            yield f"{operation} {number} {hash_answer(operation, request)}"
 
 
 def main() -> int:

@@ -17,7 +17,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("shapersmith", "design", "schemas", "service")
 
-MOST_FILES = 3
+MAX_FILES = 3
 
 CRANE = {
     "plant": {"kind": "pendulum", "cable_length_m": 0.8},
@@ -298,7 +298,7 @@ def added(request: pytest.FixtureRequest, tree: Path) -> Iterator[Addition]:
 
 
 def test_an_addition_is_known_by_its_file_and_its_rows(added: Addition, tree: Path) -> None:
-    assert len(added.files) + len(added.rows) <= MOST_FILES
+    assert len(added.files) + len(added.rows) <= MAX_FILES
     assert "dummy" in run(tree, "-m", "service", *added.command)
     assert added.documented in run(tree, "-c", OPENAPI)
     if added.request is not None:

@@ -141,26 +141,26 @@ def test_two_services_on_postgresql_are_killed_in_turn_and_the_database_restarte
 ) -> None:
     _, wanted, _ = undisturbed
     with running_cluster() as cluster:
-        killed_in_turn(cluster, tmp_path, wanted)
+        kill_in_turn(cluster, tmp_path, wanted)
 
 
-def killed_in_turn(cluster: Cluster, folder: Path, wanted: bytes) -> None:
+def kill_in_turn(cluster: Cluster, folder: Path, wanted: bytes) -> None:
     moments = random.Random(20112)
     kills = restarts = jobs = 0
     with ExitStack() as first_stack, ExitStack() as second_stack:
         stacks = [first_stack, second_stack]
 
-        def started(number: int) -> Running:
+        def start(number: int) -> Running:
             service = killable_service(folder / str(number), cluster.url)
             return stacks[number].enter_context(service)
 
-        services = [started(0), started(1)]
+        services = [start(0), start(1)]
 
-        def begun() -> str:
+        def begin() -> str:
             with services[0].client() as client:
                 return str(client.post("/v1/tables", json=JOB).headers["location"])
 
-        def finished(location: str) -> None:
+        def finish(location: str) -> None:
             deadline = time.monotonic() + 3 * PATIENT_S
             while (job := state_of(services[0], location))["state"] in {"waiting", "running"}:
                 assert time.monotonic() < deadline, job
@@ -170,7 +170,7 @@ def killed_in_turn(cluster: Cluster, folder: Path, wanted: bytes) -> None:
                 result = httpx.get(f"{service.address}{location}/result", timeout=PATIENT_S)
                 assert result.content == wanted
 
-        location = begun()
+        location = begin()
         while kills < KILLS:
             time.sleep(moments.uniform(0.0, 1.5))
             if kills % 3 == 1 and restarts <= kills // 3:
@@ -181,10 +181,10 @@ def killed_in_turn(cluster: Cluster, folder: Path, wanted: bytes) -> None:
             victim = kills % 2
             stacks[victim].close()  # kills it and all its workers
             kills += 1
-            services[victim] = started(victim)
+            services[victim] = start(victim)
             if state_of(services[victim], location)["state"] == "done":
-                finished(location)
+                finish(location)
                 jobs += 1
-                location = begun()
-        finished(location)
+                location = begin()
+        finish(location)
     assert restarts > 0

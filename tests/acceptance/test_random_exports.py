@@ -11,7 +11,7 @@ from tests.acceptance.random_exports import (
     MUTATIONS,
     Written,
     _spans,
-    missed,
+    miss,
     verdict,
 )
 
@@ -33,7 +33,7 @@ def test_random_designs_are_read_back_or_refused_by_name(written: list[Written])
 
 
 def test_a_digit_or_a_sign_that_is_changed_is_found(written: list[Written], tmp_path: Path) -> None:
-    assert list(missed(written, MUTATIONS, tmp_path)) == []
+    assert list(miss(written, MUTATIONS, tmp_path)) == []
 
 
 def test_every_number_of_a_file_may_be_the_one_that_is_changed(written: list[Written]) -> None:

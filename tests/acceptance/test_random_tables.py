@@ -7,7 +7,7 @@ from design.analysis.certificate import certify
 from design.claims import ZERO_LIMITS, zeros
 from design.model.actuators.model import Model
 from design.model.impulses import Impulses
-from design.tables.compute import counted_rows
+from design.tables.compute import compute_with_counts
 from design.tables.rows import VERIFIED
 from tests.second_route import claims_by_formula
 from tests.table_cases import random_table
@@ -21,7 +21,7 @@ SIMULATED = 500
 def test_rows_marked_verified_are_shapers(order: int, model: Model) -> None:
     """At least 99.5 % are verified; of those, evenly drawn ones are simulated apart."""
     table = random_table(ROWS, 100 + order, order=order, model=model)
-    rows, counts = counted_rows(table, 0, ROWS)
+    rows, counts = compute_with_counts(table, 0, ROWS)
     verified = np.flatnonzero(rows.status == VERIFIED)
     assert verified.size >= 0.995 * ROWS
     assert set(rows.reasons) == set(np.flatnonzero(rows.status != VERIFIED).tolist())

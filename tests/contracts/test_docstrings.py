@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 
-LONGEST_SUMMARY = 72
+MAX_SUMMARY_CHARACTERS = 72
 """Characters of a summary that editors and lists of functions show whole."""
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
@@ -92,7 +92,7 @@ def faults_of(function: Function) -> list[str]:
         faults.append("no Returns or Yields beside its other sections")
     if raises and not has("Raises") and not summary.startswith("Raise "):
         faults.append("no Raises")
-    if len(summary) > LONGEST_SUMMARY:
+    if len(summary) > MAX_SUMMARY_CHARACTERS:
         faults.append(f"a summary of {len(summary)} characters")
     return faults
 

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 CODE = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 """Words in small letters: the style of the codes of warnings."""
 
-LONGEST_CODE = 32
+MAX_CODE_CHARACTERS = 32
 """Characters of a code."""
 
 BOUND = re.compile(r"between|at least|at most|greater than 0|> 0")
@@ -28,7 +28,7 @@ MESSAGE = {
     errors.SolverFailedError.__name__: 0,
     errors.TimeLimitError.__name__: 0,
     "_refuse": 0,  # of the command line
-    "_refused_key": 0,  # over HTTP
+    "_refuse_key": 0,  # over HTTP
 }
 """What makes an error, and which argument says the fault in words."""
 
@@ -53,7 +53,7 @@ def template(words: ast.expr) -> str:
 
 
 @cache
-def raised() -> list[Raised]:
+def errors_raised() -> list[Raised]:
     """Return every error that the three packages make."""
     found = []
     for package in ("design", "schemas", "service"):
@@ -72,14 +72,14 @@ def raised() -> list[Raised]:
 def codes() -> dict[str, list[Raised]]:
     """Return the errors of each code that stands in the source."""
     found = defaultdict(list)
-    for one in raised():
+    for one in errors_raised():
         if isinstance(one.code, ast.Constant):
             found[str(one.code.value)].append(one)
     return found
 
 
 def test_an_error_says_its_code_where_it_is_made_or_keeps_that_of_another() -> None:
-    kept = [one for one in raised() if not isinstance(one.code, ast.Constant)]
+    kept = [one for one in errors_raised() if not isinstance(one.code, ast.Constant)]
     assert [
         one.place for one in kept if ast.unparse(one.code) not in ("error.code", "self.code")
     ] == []
@@ -89,7 +89,7 @@ def test_an_error_says_its_code_where_it_is_made_or_keeps_that_of_another() -> N
 @pytest.mark.parametrize("code", sorted(codes()))
 def test_a_code_is_a_few_words_in_snake_case(code: str) -> None:
     assert CODE.fullmatch(code)
-    assert len(code) <= LONGEST_CODE
+    assert len(code) <= MAX_CODE_CHARACTERS
 
 
 @pytest.mark.parametrize("code", sorted(codes()))

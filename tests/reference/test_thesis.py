@@ -69,7 +69,7 @@ def constraints(times: FloatArray, w: float, *, slope_phase: bool) -> FloatArray
     return np.array([value.real, value.imag, slope.real, slope.imag])
 
 
-def solved(equations: Equations, w: float) -> FloatArray:
+def solve_equations(equations: Equations, w: float) -> FloatArray:
     from scipy.optimize import root
 
     end = root(equations, UMZVD_SEED / w, args=(w,), tol=1e-14)
@@ -84,7 +84,7 @@ def command(times: FloatArray) -> Impulses:
     )
 
 
-def left_behind(times: FloatArray, w: float, actuator: Actuator = THESIS) -> float:
+def residual(times: FloatArray, w: float, actuator: Actuator = THESIS) -> float:
     return residual_vibration(command(times), Mode(natural_frequency_rad_s=w), actuator)
 
 
@@ -98,11 +98,11 @@ def width(times: FloatArray) -> float:
 @pytest.fixture(scope="module")
 def solutions() -> FloatArray:
     """Solve 3.45-3.48: rows of t2 to t5 over `FREQUENCIES`."""
-    return np.array([solved(phase_kept, w) for w in FREQUENCIES.tolist()])
+    return np.array([solve_equations(phase_kept, w) for w in FREQUENCIES.tolist()])
 
 
 @pytest.fixture(scope="module")
-def fitted(solutions: FloatArray) -> FloatArray:
+def fit_quadratics(solutions: FloatArray) -> FloatArray:
     """Quadratics in w through the solutions, rows of coefficients a, b, c."""
     return np.polyfit(FREQUENCIES, solutions, 2).T
 
@@ -151,20 +151,20 @@ def test_designs_at_the_thesis_parameters(
 def test_the_thesis_own_equations_give_zero_residual_but_not_zero_slope(
     equations: Equations, times: list[float], insensitive: float
 ) -> None:
-    made = solved(equations, W)
+    made = solve_equations(equations, W)
     assert made == pytest.approx(times, abs=0.51e-8)
     assert width(made) == pytest.approx(insensitive, abs=0.51e-5)
-    assert left_behind(made, W) < 1e-12
+    assert residual(made, W) < 1e-12
     # At 1 % off the exact slope leaves only the curvature: it is the smallest of all.
     exact = design(CRANE, THESIS, SHAPERS["numzvd"]).impulses.times_s[1:]
-    off = [max(left_behind(t, 0.999 * W), left_behind(t, 1.001 * W)) for t in (exact, made)]
+    off = [max(residual(t, 0.999 * W), residual(t, 1.001 * W)) for t in (exact, made)]
     assert off[0] < off[1]
 
 
 def test_the_thesis_sine_and_cosine_rows_are_the_same_equations() -> None:
     # 3.52-3.55 written out as in the thesis, beta in all four.
     alpha, beta = alpha_and_beta(W)
-    t2, t3, t4, t5 = solved(phase_kept, W)
+    t2, t3, t4, t5 = solve_equations(phase_kept, W)
     late2, late4 = W * t2 + beta, W * t4 + beta
     rows = [
         1 - alpha * math.cos(late2) + math.cos(W * t3) - alpha * math.cos(late4) + math.cos(W * t5),
@@ -215,16 +215,16 @@ def test_table_3_2_is_off_by_up_to_0_358_s(solutions: FloatArray) -> None:
 
 
 def test_table_3_2_leaves_up_to_7_7_percent() -> None:
-    left = [left_behind(polynomials(TABLE_3_2, w), w) for w in np.linspace(1, 4, 301).tolist()]
+    left = [residual(polynomials(TABLE_3_2, w), w) for w in np.linspace(1, 4, 301).tolist()]
     assert max(left) == pytest.approx(0.077, abs=0.51e-3)
-    assert left_behind(polynomials(TABLE_3_2, W), W) == pytest.approx(0.0065, abs=0.51e-4)
+    assert residual(polynomials(TABLE_3_2, W), W) == pytest.approx(0.0065, abs=0.51e-4)
 
 
 def test_eq_3_60_comes_from_the_fit_behind_table_3_2_and_is_no_solution(
     fitted: FloatArray,
 ) -> None:
     assert np.round(polynomials(fitted, W), 4).tolist() == EQ_3_60.tolist()
-    assert left_behind(EQ_3_60, W) == pytest.approx(0.0037, abs=0.51e-4)
+    assert residual(EQ_3_60, W) == pytest.approx(0.0037, abs=0.51e-4)
     assert np.abs(constraints(EQ_3_60, W, slope_phase=True)).max() > 1e-3
 
 
@@ -238,5 +238,5 @@ def test_fitted_without_dimension_the_times_serve_the_whole_range(degree: int, l
     ]
     fit = np.polyfit(points / 20, np.array(phases), degree).T
     grid = np.linspace(1, 4, 301).tolist()
-    worst = max(left_behind(polynomials(fit, w / 20) / w, w) for w in grid)
+    worst = max(residual(polynomials(fit, w / 20) / w, w) for w in grid)
     assert worst == pytest.approx(left, rel=0.1)  # one or two digits known

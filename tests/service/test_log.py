@@ -19,7 +19,7 @@ def record(number: int) -> logging.LogRecord:
 
 
 def test_lines_that_nobody_reads_are_dropped_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(log, "MOST_LINES", 10)
+    monkeypatch.setattr(log, "MAX_LINES", 10)
     monkeypatch.setattr(log, "LAST_LINES_S", 0.01)
     reading, writing = os.pipe()
     handler = log.Log(writing)

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from service.dispatch import respond
-from service.jobs.plan import planned
+from service.jobs.plan import plan_table
 from service.problems import Problem
 from tests.conftest import CRANE
 
@@ -179,7 +179,7 @@ def test_a_request_that_breaks_a_rule_is_refused_by_its_code(
     operation: str, request_body: dict[str, Any], code: str
 ) -> None:
     body = json.dumps(request_body).encode()
-    refused = planned(body) if operation == "table" else respond(operation, body)
+    refused = plan_table(body) if operation == "table" else respond(operation, body)
     assert isinstance(refused, Problem)
     assert refused.code == code
     assert [fault.code for fault in refused.errors] == [code]

@@ -6,7 +6,7 @@ from typing import Any
 import httpx
 import pytest
 
-from design.pictures.trace_sheet import MOST_ROWS, trace_sheet
+from design.pictures.trace_sheet import MAX_ROWS, trace_sheet
 from design.trace import TraceStep
 from schemas.design_request import DesignRequest
 from schemas.designs import DesignResponse
@@ -100,10 +100,10 @@ def test_a_request_remembers_nothing_of_a_trace_that_is_not_asked_for() -> None:
 def test_the_picture_of_a_search_has_a_row_a_step_and_leaves_the_middle_of_long_ones_out() -> None:
     steps = [
         TraceStep(stage="solve", method="ipopt", start=f"seed_{n}", outcome="failed", misses=(1, 0))
-        for n in range(3 * MOST_ROWS)
+        for n in range(3 * MAX_ROWS)
     ]
-    for count in (0, 1, MOST_ROWS, 3 * MOST_ROWS):
+    for count in (0, 1, MAX_ROWS, 3 * MAX_ROWS):
         figure = trace_sheet("numzvd", steps[:count])
         panel = next(axes for axes in figure.axes if axes.get_label() == "steps")
-        assert len(panel.get_yticks()) == min(count, MOST_ROWS)
+        assert len(panel.get_yticks()) == min(count, MAX_ROWS)
         assert any(f"{count} steps" in text.get_text() for text in figure.texts)

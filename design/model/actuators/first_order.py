@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from design.checks import LARGEST, SMALLEST, require_between
+from design.checks import MAX_VALUE, MIN_VALUE, require_between
 from design.errors import InvalidInputError
 from design.model.actuators.model import Model
 from design.model.lags import Lag
@@ -29,11 +29,14 @@ class FirstOrder:
     def __post_init__(self) -> None:
         for name in ("accel_time_constant_s", "decel_time_constant_s"):
             value = getattr(self, name)
-            if not (value == 0 or SMALLEST <= value <= LARGEST):
+            if not (value == 0 or MIN_VALUE <= value <= MAX_VALUE):
                 raise InvalidInputError(
-                    name, value, f"0, or between {SMALLEST:g} and {LARGEST:g}", code="out_of_range"
+                    name,
+                    value,
+                    f"0, or between {MIN_VALUE:g} and {MAX_VALUE:g}",
+                    code="out_of_range",
                 )
-        require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
+        require_between("dead_time_s", self.dead_time_s, 0.0, MAX_VALUE)
 
     @property
     def in_words(self) -> tuple[str, str]:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from design.checks import LARGEST, require_between, require_scale
+from design.checks import MAX_VALUE, require_between, require_scale
 from design.errors import InvalidInputError
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
@@ -41,7 +41,7 @@ class RateLimited:
     def __post_init__(self) -> None:
         for name in ("accel_limit_m_s2", "decel_limit_m_s2", "speed_m_s"):
             require_scale(name, getattr(self, name))
-        require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
+        require_between("dead_time_s", self.dead_time_s, 0.0, MAX_VALUE)
         if self.then.dead_time_s != 0:
             raise InvalidInputError(
                 "then.dead_time_s",

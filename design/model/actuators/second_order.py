@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
-from design.checks import LARGEST, require_between, require_scale
+from design.checks import MAX_VALUE, require_between, require_scale
 from design.model.actuators.model import Model
 from design.model.lags import Lag
 
-SMALLEST_DAMPING_RATIO = 0.1
+MIN_DAMPING_RATIO = 0.1
 
-LARGEST_DAMPING_RATIO = 5.0
+MAX_DAMPING_RATIO = 5.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,9 +21,7 @@ class SecondOrderSet:
 
     def __post_init__(self) -> None:
         require_scale("natural_frequency_rad_s", self.natural_frequency_rad_s)
-        require_between(
-            "damping_ratio", self.damping_ratio, SMALLEST_DAMPING_RATIO, LARGEST_DAMPING_RATIO
-        )
+        require_between("damping_ratio", self.damping_ratio, MIN_DAMPING_RATIO, MAX_DAMPING_RATIO)
 
     @property
     def lag(self) -> Lag:
@@ -52,7 +50,7 @@ class SecondOrder:
     dead_time_s: float = 0.0
 
     def __post_init__(self) -> None:
-        require_between("dead_time_s", self.dead_time_s, 0.0, LARGEST)
+        require_between("dead_time_s", self.dead_time_s, 0.0, MAX_VALUE)
 
     @property
     def in_words(self) -> tuple[str, str]:

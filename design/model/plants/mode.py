@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from design.checks import require_between, require_scale
 
-LARGEST_DAMPING_RATIO = 0.99
+MAX_DAMPING_RATIO = 0.99
 """A swing has decayed to 3e-10 there by the time at which `zv` answers it; from 0.9936 on, to less
 than the rounding of a command. Kinds that end below it have bounds of their own [-]."""
 
@@ -20,7 +20,7 @@ class Mode:
 
     def __post_init__(self) -> None:
         require_scale("natural_frequency_rad_s", self.natural_frequency_rad_s)
-        require_between("damping_ratio", self.damping_ratio, 0.0, LARGEST_DAMPING_RATIO)
+        require_between("damping_ratio", self.damping_ratio, 0.0, MAX_DAMPING_RATIO)
 
     @property
     def mode(self) -> "Mode":

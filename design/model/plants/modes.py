@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from design.errors import InvalidInputError
 from design.model.plants.mode import Mode
 
-MOST_MODES = 6
+MAX_MODES = 6
 """Modes of one plant, at most: what the search for joint shapers is tried with."""
 
-NEAREST_POLES = 1e-3
+MIN_POLE_DISTANCE = 1e-3
 """Distance of two poles, over the slower, below which shaping both asks for a slope [-]."""
 
-WIDEST_SPREAD = 1000.0
+MAX_FREQUENCY_SPREAD = 1000.0
 """Highest over lowest natural frequency of one plant [-].
 
 A shaper turns the fastest mode by thousands of periods then: its residual has eleven digits left.
@@ -25,31 +25,31 @@ class Modes:
     modes: tuple[Mode, ...]  # Two to six, no two alike, in any order
 
     def __post_init__(self) -> None:
-        if not 1 < len(self.modes) <= MOST_MODES:
+        if not 1 < len(self.modes) <= MAX_MODES:
             raise InvalidInputError(
                 "modes",
                 f"{len(self.modes)} modes",
-                f"a list of 2 to {MOST_MODES} here",
+                f"a list of 2 to {MAX_MODES} here",
                 code="wrong_count_of_modes",
             )
         for number, one in enumerate(self.modes):
             for earlier, other in enumerate(self.modes[:number]):
                 poles = one.pole_rad_s, other.pole_rad_s
-                if abs(poles[0] - poles[1]) < NEAREST_POLES * min(map(abs, poles)):
+                if abs(poles[0] - poles[1]) < MIN_POLE_DISTANCE * min(map(abs, poles)):
                     raise InvalidInputError(
                         f"modes.{number}",
                         (one.natural_frequency_rad_s, one.damping_ratio),
-                        f"another mode than modes.{earlier}, its pole apart by {NEAREST_POLES:g} "
-                        "of itself at least: modes so near are one, for which zvd or umzvd add "
-                        "robustness",
+                        f"another mode than modes.{earlier}, its pole apart by "
+                        f"{MIN_POLE_DISTANCE:g} of itself at least: modes so near "
+                        "are one, for which zvd or umzvd add robustness",
                         code="modes_too_near",
                     )
                 ratio = one.natural_frequency_rad_s / other.natural_frequency_rad_s
-                if max(ratio, 1 / ratio) > WIDEST_SPREAD:
+                if max(ratio, 1 / ratio) > MAX_FREQUENCY_SPREAD:
                     raise InvalidInputError(
                         f"modes.{number}.natural_frequency_rad_s",
                         one.natural_frequency_rad_s,
-                        f"within {WIDEST_SPREAD:g} times of modes.{earlier}, "
+                        f"within {MAX_FREQUENCY_SPREAD:g} times of modes.{earlier}, "
                         f"{other.natural_frequency_rad_s!r}",
                         code="modes_too_far",
                     )

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from design.checks import require_between, require_scale
-from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 
 STANDARD_GRAVITY_M_S2 = 9.80665
 """Standard acceleration of free fall [m/s^2] (3rd CGPM, 1901)."""
@@ -20,7 +20,7 @@ class Pendulum:
 
     def __post_init__(self) -> None:
         require_scale("cable_length_m", self.cable_length_m)
-        require_between("damping_ratio", self.damping_ratio, 0.0, LARGEST_DAMPING_RATIO)
+        require_between("damping_ratio", self.damping_ratio, 0.0, MAX_DAMPING_RATIO)
         require_scale("gravity_m_s2", self.gravity_m_s2)
 
     @property

@@ -7,7 +7,7 @@ from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.spring_mass import SpringMass
 
-WIDEST_RANGE = 10.0
+MAX_FREQUENCY_RANGE = 10.0
 """Highest over lowest frequency of a range: no shaper of a few impulses spans more [-]."""
 
 
@@ -25,15 +25,15 @@ class Scheduled:
             raise InvalidInputError(
                 "over",
                 "damping_ratio",
-                "a field that changes the frequency: sensitivity.damping tells of damping",
+                "a field that changes the frequency; for damping there is sensitivity.damping",
                 code="range_of_damping",
             )
-        if not WIDEST_RANGE >= self.band[1] / self.band[0] > 1:
+        if not MAX_FREQUENCY_RANGE >= self.band[1] / self.band[0] > 1:
             raise InvalidInputError(
                 "to",
                 f"frequencies 1 to {self.band[1] / self.band[0]:.4g}",
                 "such that the highest frequency is more than the lowest, and at most "
-                f"{WIDEST_RANGE:g} times as high",
+                f"{MAX_FREQUENCY_RANGE:g} times as high",
                 code="range_too_wide",
             )
 

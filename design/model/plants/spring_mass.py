@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from design.checks import require_between, require_scale
-from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -18,7 +18,7 @@ class SpringMass:
     def __post_init__(self) -> None:
         require_scale("mass_kg", self.mass_kg)
         require_scale("stiffness_n_m", self.stiffness_n_m)
-        require_between("damping_ratio", self.damping_ratio, 0.0, LARGEST_DAMPING_RATIO)
+        require_between("damping_ratio", self.damping_ratio, 0.0, MAX_DAMPING_RATIO)
 
     @property
     def mode(self) -> Mode:

@@ -5,7 +5,7 @@ import math
 from design.errors import InfeasibleDesignError
 from design.formulations.bands import BandProblem
 
-MOST_HALF_PERIODS = 26.0
+MAX_HALF_PERIODS = 26.0
 """Half periods of a shaper, and so about its impulses, up to which cone programs are solved [-]."""
 
 EASIER = 1.01
@@ -42,13 +42,13 @@ def _half_periods(problem: BandProblem) -> float:
 def require_solvable(problem: BandProblem) -> None:
     """Raise InfeasibleDesignError where a band takes too many impulses."""
     half_periods = _half_periods(problem)
-    if half_periods > MOST_HALF_PERIODS:
+    if half_periods > MAX_HALF_PERIODS:
         lower, upper = problem.band
-        ripples = MOST_HALF_PERIODS / half_periods * ripples_of(problem.tolerance)
+        ripples = MAX_HALF_PERIODS / half_periods * ripples_of(problem.tolerance)
         raise InfeasibleDesignError(
             f"a residual within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural "
-            f"frequency takes about {half_periods:.3g} half periods of its middle and an impulse "
-            f"in each; at most {MOST_HALF_PERIODS:g} are solved for: narrow the band, or allow a "
-            f"tolerance of {EASIER / math.cosh(ripples):.4g}",
+            f"frequency takes about {half_periods:.3g} half periods of its middle, with an "
+            f"impulse in each, and the limit is {MAX_HALF_PERIODS:g}: narrow the band, or allow "
+            f"a tolerance of {EASIER / math.cosh(ripples):.4g}",
             code="band_too_wide",
         )

@@ -20,10 +20,10 @@ from design.solvers.convex_band.optimality import Point
 from design.solvers.outcome import Status
 from design.types import FloatArray
 
-LAGS_A_HALF_PERIOD = 12
-RATIOS_A_PEAK = 6
-FEWEST_LAGS = 12
-FEWEST_RATIOS = 9
+LAGS_PER_HALF_PERIOD = 12
+RATIOS_PER_PEAK = 6
+MIN_LAGS = 12
+MIN_RATIOS = 9
 """Points of the even grids: for each half turn of the last impulse, and at least."""
 
 REFINEMENT = 13
@@ -44,7 +44,7 @@ ROUGH_SHARES = (1e-3, 1e-5, 1e-7)
 """Share of the largest step below which one of a grid's own command is none: of the last alone,
 where the command has limits that it would pass without them [-]."""
 
-MOST_SEEN = 64
+MAX_GRID_IMPULSES = 64
 """Impulses beyond which a structure is none but a command that dithers on the grid."""
 
 
@@ -87,16 +87,16 @@ def even_grid(problem: BandProblem, duration_rad: float, fineness: int = 1) -> G
     turns = fineness * (upper - lower) * duration_rad / math.pi
     last = fineness * duration_rad / math.pi * upper
     return Grid(
-        lags=np.linspace(0, duration_rad, FEWEST_LAGS + math.ceil(LAGS_A_HALF_PERIOD * last)),
-        ratios=np.linspace(lower, upper, FEWEST_RATIOS + math.ceil(RATIOS_A_PEAK * turns)),
+        lags=np.linspace(0, duration_rad, MIN_LAGS + math.ceil(LAGS_PER_HALF_PERIOD * last)),
+        ratios=np.linspace(lower, upper, MIN_RATIOS + math.ceil(RATIOS_PER_PEAK * turns)),
     )
 
 
-def _refined(even: Grid, point: Point, share: float) -> Grid:
+def _refine(even: Grid, point: Point, share: float) -> Grid:
     """Add points around impulses and peaks, within a share of three even pitches."""
     around = np.linspace(-REACH, REACH, REFINEMENT)
 
-    def added(evenly: FloatArray, places: FloatArray) -> FloatArray:
+    def add_points(evenly: FloatArray, places: FloatArray) -> FloatArray:
         pitch = share * (evenly[1] - evenly[0])
         near = np.clip(np.add.outer(places, pitch * around), evenly[0], evenly[-1])
         together = np.unique(np.concatenate((evenly, near.ravel())))
@@ -104,7 +104,9 @@ def _refined(even: Grid, point: Point, share: float) -> Grid:
         kept[-1] = evenly[-1]
         return kept
 
-    return Grid(lags=added(even.lags, point.lags), ratios=added(even.ratios, point.ratios))
+    return Grid(
+        lags=add_points(even.lags, point.lags), ratios=add_points(even.ratios, point.ratios)
+    )
 
 
 def least_on_grid(problem: BandProblem, grid: Grid, budget: Budget) -> ConeOutcome:
@@ -230,7 +232,7 @@ def closer_look(
 
     An even grid comes first. Each finer grid has points around the impulses and peaks that the grid
     before shows. Refinement ends early where a grid shows one impulse only, or more than
-    `MOST_SEEN`.
+    `MAX_GRID_IMPULSES`.
 
     Parameters
     ----------
@@ -255,9 +257,9 @@ def closer_look(
     found = least_on_grid(problem, grid, budget)
     for share in REFINED_PITCHES:
         start = structure(problem, grid, found)
-        if start is None or start.lags.size > MOST_SEEN:
+        if start is None or start.lags.size > MAX_GRID_IMPULSES:
             break
-        grid = _refined(even, start, share)
+        grid = _refine(even, start, share)
         found = least_on_grid(problem, grid, budget)
     return grid, found
 

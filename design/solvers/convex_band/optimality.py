@@ -12,7 +12,7 @@ import numpy as np
 from design.formulations.bands import BandProblem
 from design.types import BoolArray, FloatArray, IntArray
 
-MOST_STEPS = 30
+MAX_STEPS = 30
 CONVERGED = 1e-12
 """Change of times and amplitudes at which Newton's method is done [rad, -]."""
 
@@ -89,7 +89,7 @@ class _Places:
 
 # Where it diverges, numbers overflow: what is not finite then ends it.
 @np.errstate(over="ignore", invalid="ignore")
-def solved(problem: BandProblem, point: Point, tolerance: float) -> Point | None:
+def solve_conditions(problem: BandProblem, point: Point, tolerance: float) -> Point | None:
     """Solve the conditions of optimality from a point near by.
 
     Unknown are the lags except the first, the amplitudes where they are free, the ratios of the
@@ -119,7 +119,7 @@ def solved(problem: BandProblem, point: Point, tolerance: float) -> Point | None
     if places.rows != places.columns:
         return None
     now = point
-    for step in range(MOST_STEPS):
+    for step in range(MAX_STEPS):
         conditions = _conditions(problem.unit_pole, now, places, tolerance)
         if conditions is None:
             return None
@@ -131,9 +131,9 @@ def solved(problem: BandProblem, point: Point, tolerance: float) -> Point | None
         if not np.isfinite(change).all():
             return None
         lag_change = np.concatenate(([0.0], change[: places.impulses - 1]))
-        scale = _shortened(problem, now, lag_change, change[places.ratios])
+        scale = _step_share(problem, now, lag_change, change[places.ratios])
         change *= scale
-        now = _moved(now, places, scale * lag_change, change)
+        now = _move(now, places, scale * lag_change, change)
         longest = float(now.lags[-1])
         if longest > 2 * point.lags[-1]:
             return None
@@ -143,7 +143,7 @@ def solved(problem: BandProblem, point: Point, tolerance: float) -> Point | None
     return None
 
 
-def _moved(now: Point, places: _Places, lag_change: FloatArray, change: FloatArray) -> Point:
+def _move(now: Point, places: _Places, lag_change: FloatArray, change: FloatArray) -> Point:
     """Return a point after a step."""
     ratios = now.ratios.copy()
     ratios[places.inner] += change[places.ratios]
@@ -157,7 +157,7 @@ def _moved(now: Point, places: _Places, lag_change: FloatArray, change: FloatArr
     )
 
 
-def _shortened(
+def _step_share(
     problem: BandProblem, now: Point, lag_change: FloatArray, ratio_change: FloatArray
 ) -> float:
     """Return the share of a step that is taken: no gap more than halves, no peak goes far."""

@@ -7,10 +7,10 @@ import numpy as np
 
 from design.formulations.bands import BandProblem
 from design.solvers.budget import Budget
-from design.solvers.convex_band.optimality import Point, solved
+from design.solvers.convex_band.optimality import Point, solve_conditions
 from design.types import ComplexArray, FloatArray
 
-MOST_EXCHANGES = 8
+MAX_EXCHANGES = 8
 """How often peaks are exchanged before the grid is refined."""
 
 ABOVE = 1e-11
@@ -25,7 +25,7 @@ FIRST_WEIGHT = 1e-3
 EXCHANGED_WORK = 5000.0
 """Work of exchanging peaks at one tolerance, a few steps of Newton's method each [units]."""
 
-SHORTEST_FOLLOWED = 1e-5
+MIN_FOLLOWED_STEP = 1e-5
 """Relative step of the tolerance below which an optimum cannot be followed on [-]."""
 
 
@@ -46,12 +46,12 @@ def optimum(problem: BandProblem, point: Point, tolerance: float) -> Point | Non
     Returns
     -------
     Point or None
-        The optimum; None where Newton's method fails, `MOST_EXCHANGES` are not enough, or an
+        The optimum; None where Newton's method fails, `MAX_EXCHANGES` are not enough, or an
         amplitude that must be positive is not.
     """
     lower, upper = problem.band
-    for _ in range(MOST_EXCHANGES):
-        found = solved(problem, point, tolerance)
+    for _ in range(MAX_EXCHANGES):
+        found = solve_conditions(problem, point, tolerance)
         if found is None:
             return None
         kept = found.weights > 0
@@ -87,7 +87,7 @@ def optimum(problem: BandProblem, point: Point, tolerance: float) -> Point | Non
     return None
 
 
-def followed(
+def follow_tolerance(
     problem: BandProblem, point: Point, from_tolerance: float, tolerance: float, budget: Budget
 ) -> tuple[Point, float] | None:
     """Follow an optimum from one tolerance towards another.
@@ -116,7 +116,7 @@ def followed(
         return None
     level, target = math.log(from_tolerance), math.log(tolerance)
     step = target - level
-    while level != target and abs(step) >= SHORTEST_FOLLOWED and not budget.spent:
+    while level != target and abs(step) >= MIN_FOLLOWED_STEP and not budget.spent:
         budget.spend(EXCHANGED_WORK)
         aim = target if abs(target - level) <= abs(step) else level + step
         further = optimum(problem, now, math.exp(aim))

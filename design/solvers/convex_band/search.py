@@ -22,8 +22,8 @@ from design.solvers.convex_band.grid import (
     least_on_grid,
     structure,
 )
-from design.solvers.convex_band.optimality import Point, solved
-from design.solvers.convex_band.peaks import followed, optimum, peaks
+from design.solvers.convex_band.optimality import Point, solve_conditions
+from design.solvers.convex_band.peaks import follow_tolerance, optimum, peaks
 from design.trace import TraceStep
 from design.types import FloatArray
 
@@ -53,7 +53,7 @@ ROUGH_FINENESS = 2
 """How much longer than the shortest a command of the grid's own cells may be, and the grid how many
 times finer [-]."""
 
-MOST_DURATIONS = 12
+MAX_DURATIONS = 12
 """Durations tried in all."""
 
 AWAY = (0.005, -0.005, 0.02, -0.02)
@@ -125,14 +125,14 @@ def candidates(problem: BandProblem, budget: Budget) -> Iterator[BandOptimum | O
     programs, met = 0, False
     enough = STRUCTURE_SHARE * budget.most
     refine = False
-    for attempt in range(MOST_DURATIONS):
+    for attempt in range(MAX_DURATIONS):
         if attempt >= EVEN_ONLY and not refine:
             # What even grids say of a duration is off by what they miss.
             refine, low, high = True, low * (1 - COARSE), high * (1 + COARSE)
         programs += 1 + refine * len(REFINED_PITCHES)
         least, best = _nearest(problem, duration, budget, refine=refine, follow=refine)
         if best is not None:
-            told = _told(problem, *best, programs, budget)
+            told = _note_step(problem, *best, programs, budget)
             met = met or isinstance(told, BandOptimum)
             yield told
         if least > tolerance:
@@ -153,7 +153,7 @@ def candidates(problem: BandProblem, budget: Budget) -> Iterator[BandOptimum | O
         programs += 1 + len(REFINED_PITCHES)
         _, best = _nearest(problem, duration * (1 + share), budget, refine=True, follow=True)
         if best is not None:
-            told = _told(problem, *best, programs, budget)
+            told = _note_step(problem, *best, programs, budget)
             met = met or isinstance(told, BandOptimum)
             yield told
     if not met:
@@ -202,10 +202,10 @@ def _nearest(
         return found.largest, (best, tolerance)
     if not follow:
         return found.largest, None
-    return found.largest, followed(problem, start, found.largest, tolerance, budget)
+    return found.largest, follow_tolerance(problem, start, found.largest, tolerance, budget)
 
 
-def _told(
+def _note_step(
     problem: BandProblem, point: Point, tolerance: float, programs: int, budget: Budget
 ) -> BandOptimum | Obstacle:
     beyond = tolerance > problem.tolerance
@@ -280,7 +280,7 @@ def obstacles(problem: BandProblem, candidate: BandOptimum, budget: Budget) -> I
     longest = float(candidate.times_rad[-1])
     start = candidate.point
     for eased in EASED:
-        point = start and solved(problem, start, problem.tolerance * (1 + eased))
+        point = start and solve_conditions(problem, start, problem.tolerance * (1 + eased))
         if point is not None and point.lags[-1] < longest:
             yield _obstacle(problem, point)
     for shortened in SHORTENED:

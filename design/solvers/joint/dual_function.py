@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from design.checks import LARGEST
+from design.checks import MAX_VALUE
 from design.types import ComplexArray, FloatArray
 
 PERIOD_RAD = 2 * math.pi
@@ -12,13 +12,13 @@ PERIOD_RAD = 2 * math.pi
 ZERO = 1e-12
 """Largest vibration that counts as none, over the unshaped step [-]."""
 
-POINTS_A_TURN = 24
+POINTS_PER_TURN = 24
 """Points of a search for zeros, to a period of the fastest mode [-]."""
 
-MOST_DECAY = 600.0
+MAX_DECAY = 600.0
 """Decay of the fastest decaying mode over the longest duration: its exponential is a number [-]."""
 
-LONGEST_TURNS = 40.0
+MAX_TURNS = 40.0
 """Longest duration that is searched, in periods of the slowest mode and one mode [-]."""
 
 
@@ -37,8 +37,8 @@ class DualFunction:
         self.poles = poles
         self.positive = positive
         self.fastest = float(np.abs(poles).max())
-        decay = max(float(np.abs(poles.real).max()), MOST_DECAY / LARGEST)
-        self.horizon_rad = min(LONGEST_TURNS * PERIOD_RAD * poles.size, MOST_DECAY / decay)
+        decay = max(float(np.abs(poles.real).max()), MAX_DECAY / MAX_VALUE)
+        self.horizon_rad = min(MAX_TURNS * PERIOD_RAD * poles.size, MAX_DECAY / decay)
         slowest = float(np.abs(poles).min())
         # A shaper of the slowest mode alone takes half a period, a third where steps go both ways.
         self.first_bound_rad = 0.99 * PERIOD_RAD / slowest / (2 if positive else 3)
@@ -102,7 +102,7 @@ class DualFunction:
         FloatArray
             Phases in ascending order, shape (k,) [rad].
         """
-        points = max(64, int(POINTS_A_TURN * self.fastest * until / PERIOD_RAD))
+        points = max(64, int(POINTS_PER_TURN * self.fastest * until / PERIOD_RAD))
         times = np.linspace(0, until, points)
         values = self.pull(vectors, times, order)
         left = np.flatnonzero(values[:-1] * values[1:] < 0)

@@ -12,7 +12,7 @@ NEWTON_STEPS = 30
 CONVERGED = 1e-12
 """Step of times and amplitudes after which the next is rounding."""
 
-SHORTEST_GAP_RAD = 1e-6
+MIN_GAP_RAD = 1e-6
 """Impulses closer than this, in turns of the slowest mode, are one [rad]."""
 
 STRAYED = 2.0
@@ -45,7 +45,7 @@ class Shortest:
     programs: int
 
 
-def sharpened(
+def sharpen(
     dual: DualFunction, vectors: ComplexArray, times: FloatArray, programs: int
 ) -> Shortest | None:
     """Solve the conditions of optimality from c and times near them.
@@ -93,13 +93,13 @@ def sharpened(
     left = np.abs(dual.swings(times) @ amplitudes) * np.exp(dual.poles.real * times[-1])
     good = (
         left.max() < ZERO
-        and np.diff(times).min() > SHORTEST_GAP_RAD
+        and np.diff(times).min() > MIN_GAP_RAD
         and (amplitudes.min() > ROUNDING or not dual.positive)
     )
     if not good:
         return None
     if dual.positive:
-        vectors = _lifted(dual, vectors, times)
+        vectors = _lift(dual, vectors, times)
     return Shortest(
         times_rad=times,
         amplitudes=amplitudes,
@@ -109,7 +109,7 @@ def sharpened(
     )
 
 
-def _lifted(dual: DualFunction, vectors: ComplexArray, times: FloatArray) -> ComplexArray:
+def _lift(dual: DualFunction, vectors: ComplexArray, times: FloatArray) -> ComplexArray:
     """Return c with P a little above zero where it touched, so that it passes it once only."""
     swings = dual.swings(times[:-1]).T
     rows = np.hstack((swings.real, swings.imag))

@@ -1,6 +1,6 @@
 """The fastest command without vibration in several modes: structure first, then Newton's method.
 
-A command of duration T whose vector ``V_k = sum A_i exp(-s_k t_i)`` is zero for every mode leaves
+A command of duration T whose vector ``V_k = sum A_i exp(-s_k t_i)`` is zero for every mode has
 ``sum A_i P(t_i) = 0``, whatever the c, with the function of time::
 
     P(t) = Re sum_k conj(c_k) exp(-s_k t)
@@ -11,7 +11,7 @@ P(0). Every c gives a lower bound that way, and the best c the optimum: there po
 stand where P touches zero, the command is 1 where P rises and 0 where it falls.
 
 A linear program over a time grid, at a duration that is too short, finds the c that shows this
-best; the bound that it gives is the next duration. Near the optimum c tells how many impulses there
+best; the bound that it gives is the next duration. Near the optimum c shows how many impulses there
 are, and Newton's method solves for times, amplitudes and c at once, off the grid.
 """
 
@@ -26,15 +26,15 @@ from design.errors import InfeasibleDesignError
 from design.formulations.formulation import JointProblem
 from design.solvers.budget import Budget
 from design.solvers.joint.dual_function import PERIOD_RAD, DualFunction
-from design.solvers.joint.optimality import NEWTON_STEPS, Shortest, sharpened
+from design.solvers.joint.optimality import NEWTON_STEPS, Shortest, sharpen
 from design.solvers.joint.structure import obstacle_to, structures, work_of
 from design.trace import TraceStep
 from design.types import ComplexArray, FloatArray
 
-MOST_PROGRAMS = 60
+MAX_PROGRAMS = 60
 """Linear programs until the search is given up; a dozen do for six modes."""
 
-FINEST = 8.0
+MAX_REFINEMENT = 8.0
 """How many times finer than at first the grid may become [-]."""
 
 NEAR = 0.1
@@ -43,7 +43,7 @@ NEAR = 0.1
 CLOSE_ENOUGH = 1e-6
 """Gap between bound and duration, over the duration, at which nothing better is looked for [-]."""
 
-FARTHEST_AHEAD = 8.0
+MAX_STRIDE = 8.0
 """How many times the last gain of the bound the next duration is beyond it, at most [-]."""
 
 
@@ -74,7 +74,7 @@ def shortest(problem: JointProblem, budget: Budget | None = None) -> Iterator[Sh
     duration = low
     best: Shortest | None = None
     strongest: tuple[float, ComplexArray] = (0.0, np.zeros(0, dtype=np.complex128))
-    for programs in range(1, MOST_PROGRAMS + 1):
+    for programs in range(1, MAX_PROGRAMS + 1):
         if budget.spent:
             break
         budget.spend(work_of(dual, duration, fineness))
@@ -96,8 +96,8 @@ def shortest(problem: JointProblem, budget: Budget | None = None) -> Iterator[Sh
             reached = max(duration, excluded)
             if reached < duration * (1 + NEAR):
                 for times in structures(dual, obstacle, reached):
-                    found = sharpened(dual, obstacle.vectors, times, programs)
-                    budget.note(_sharpened_step(problem, times, found))
+                    found = sharpen(dual, obstacle.vectors, times, programs)
+                    budget.note(_trace_newton(problem, times, found))
                     if found is None:
                         continue
                     strongest = max(
@@ -115,7 +115,7 @@ def shortest(problem: JointProblem, budget: Budget | None = None) -> Iterator[Sh
         if low > dual.horizon_rad:
             break
         if high - low <= CLOSE_ENOUGH * low or 0 < gained <= CLOSE_ENOUGH * low:
-            if fineness >= FINEST:
+            if fineness >= MAX_REFINEMENT:
                 break
             # What a coarse grid says of a duration is off by what it misses.
             fineness, high, ahead = 2 * fineness, math.inf, 0.0
@@ -125,19 +125,20 @@ def shortest(problem: JointProblem, budget: Budget | None = None) -> Iterator[Sh
             duration = (low + high) / 2
         else:
             # The c of a duration far too short says little: go ahead by more and more.
-            duration, ahead = low + ahead * gained, min(max(2 * ahead, 1.0), FARTHEST_AHEAD)
+            duration, ahead = low + ahead * gained, min(max(2 * ahead, 1.0), MAX_STRIDE)
     if best is not None:
         yield replace(best, vectors=strongest[1])
     modes = problem.unit_poles.size
     raise InfeasibleDesignError(
-        f"no command found without vibration in {f'all {modes} modes' if modes > 1 else 'the mode'}"
-        f": none is shorter than {strongest[0] / PERIOD_RAD:.6g} periods of the slowest, and "
-        f"{programs} linear programs led to none{f'; {budget.in_words}' if budget.spent else ''}",
+        "no command was found without vibration in "
+        f"{f'all {modes} modes' if modes > 1 else 'the mode'}: none is shorter than "
+        f"{strongest[0] / PERIOD_RAD:.6g} periods of the slowest mode, and {programs} linear "
+        f"programs led to none{f'; {budget.in_words}' if budget.spent else ''}",
         code="no_joint_command_found",
     )
 
 
-def _sharpened_step(problem: JointProblem, times: FloatArray, found: Shortest | None) -> TraceStep:
+def _trace_newton(problem: JointProblem, times: FloatArray, found: Shortest | None) -> TraceStep:
     """Return what Newton's method made of a structure."""
     return TraceStep(
         stage="solve",

@@ -9,10 +9,10 @@ from design.solvers import highs
 from design.solvers.joint.dual_function import PERIOD_RAD, ZERO, DualFunction
 from design.types import ComplexArray, FloatArray
 
-CELLS_A_TURN = 20
+CELLS_PER_TURN = 20
 """Cells of the linear program, to a period of the fastest mode [-]."""
 
-FEWEST_CELLS = 60
+MIN_CELLS = 60
 """Cells of the first linear program, at least [-]."""
 
 PROGRAM_WORK = 2500.0
@@ -28,7 +28,7 @@ Where modes are odd multiples of another, fewer impulses than equations do: the 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Obstacle:
+class GridObstacle:
     """What a linear program finds against a duration: c, and its own command.
 
     Attributes
@@ -54,7 +54,7 @@ class Obstacle:
 def _cells(dual: DualFunction, duration: float, fineness: float) -> int:
     """Return the number of cells of the grid of a linear program."""
     turns = duration * dual.fastest / PERIOD_RAD
-    return int(fineness * max(FEWEST_CELLS, CELLS_A_TURN * turns))
+    return int(fineness * max(MIN_CELLS, CELLS_PER_TURN * turns))
 
 
 def work_of(dual: DualFunction, duration: float, fineness: float) -> float:
@@ -78,7 +78,7 @@ def work_of(dual: DualFunction, duration: float, fineness: float) -> float:
     return PROGRAM_WORK + CELL_WORK * equations * _cells(dual, duration, fineness)
 
 
-def obstacle_to(dual: DualFunction, duration: float, fineness: float) -> Obstacle | None:
+def obstacle_to(dual: DualFunction, duration: float, fineness: float) -> GridObstacle | None:
     """Return the c that shows best that a duration is too short.
 
     Equations are scaled so that each is the vibration at the end.
@@ -94,7 +94,7 @@ def obstacle_to(dual: DualFunction, duration: float, fineness: float) -> Obstacl
 
     Returns
     -------
-    Obstacle or None
+    GridObstacle or None
         None where a command on the grid has no vibration, or HiGHS finds no optimum.
     """
     cells = _cells(dual, duration, fineness)
@@ -116,14 +116,14 @@ def obstacle_to(dual: DualFunction, duration: float, fineness: float) -> Obstacl
     vectors = (real + 1j * imaginary) * np.exp(dual.poles.real * duration)
     if dual.positive:
         vectors = -vectors
-    return Obstacle(
+    return GridObstacle(
         vectors=vectors / np.linalg.norm(vectors),
         grid=grid,
         unknowns=solved.unknowns,
     )
 
 
-def structures(dual: DualFunction, obstacle: Obstacle, duration: float) -> Iterator[FloatArray]:
+def structures(dual: DualFunction, obstacle: GridObstacle, duration: float) -> Iterator[FloatArray]:
     """Yield how the impulses may lie, by c and by the linear program.
 
     Parameters
@@ -160,7 +160,7 @@ def structures(dual: DualFunction, obstacle: Obstacle, duration: float) -> Itera
         yield np.concatenate(([0.0], centres[inner], [duration]))
 
 
-def _switches(obstacle: Obstacle) -> FloatArray:
+def _switches(obstacle: GridObstacle) -> FloatArray:
     """Return when the linear program's own command goes up and down, to a cell [rad]."""
     high = np.concatenate(([False], obstacle.unknowns > 1 / 2, [True]))
     times = obstacle.grid[np.flatnonzero(high[1:] != high[:-1])]

@@ -1,4 +1,4 @@
-"""What a course of the reference leaves behind, linear in its slope."""
+"""The residual of a course of the reference, linear in its slope."""
 
 import numpy as np
 
@@ -8,8 +8,8 @@ from design.types import ComplexArray, FloatArray
 class Functionals:
     """``F_k(r) = integral of r'(t) (-t)^o_k exp(-s_k t) dt`` of a reference r, for any r.
 
-    Order 0 is what r leaves in a mode with pole s, order 1 its slope in s. With a pole at 0, order
-    1 is the integral of r where r ends at 0: the distance of a move, over its speed.
+    Order 0 is the residual of r in a mode with pole s, order 1 its slope in s. With a pole at 0,
+    order 1 is the integral of r where r ends at 0: the distance of a move, over its speed.
 
     Parameters
     ----------

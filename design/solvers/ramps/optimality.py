@@ -26,7 +26,7 @@ FARTHEST_STEP_RAD = 0.5
 MET = 1e-10
 """Largest miss of a target that counts as none, over the unshaped step [-]."""
 
-SHORTEST_GAP_RAD = 1e-6
+MIN_GAP_RAD = 1e-6
 """Switches closer than this are one [rad]."""
 
 
@@ -114,7 +114,7 @@ def solve_conditions(
             break
     missed = np.abs(course.values(functionals) - targets) * functionals.scales(course.end)
     gaps = np.diff(course.switches)
-    if not missed.max() < MET or gaps.min(initial=math.inf) < SHORTEST_GAP_RAD:
+    if not missed.max() < MET or gaps.min(initial=math.inf) < MIN_GAP_RAD:
         return None
     return RampedOptimum(
         course=course,

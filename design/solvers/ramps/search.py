@@ -22,14 +22,14 @@ from design.solvers.ramps.optimality import NEWTON_STEPS, RampedOptimum, solve_c
 from design.solvers.ramps.structure import GridCourse, nearest_course, switches_of, work_of
 from design.trace import TraceStep
 
-MOST_PROGRAMS = 60
+MAX_PROGRAMS = 60
 """Linear programs until the search is given up; two or three do for one mode."""
 
 FIRST_PERIODS = (0.33, 0.73)
 """Duration that is tried first, in periods of the slowest mode, without and with slopes: just below
 what commands without limits take [-]."""
 
-SHORTEST_STEP, USUAL_STEP, LONGEST_STEP = 1.02, 1.1, 1.3
+MIN_STEP, USUAL_STEP, MAX_STEP = 1.02, 1.1, 1.3
 """Quotient of two durations tried in turn: at least, where nothing says more, and at most [-]."""
 
 SHARE_OF_STEP = 0.9
@@ -67,12 +67,12 @@ def candidates(problem: RampedProblem, budget: Budget) -> Iterator[RampedOptimum
     search = _Search(problem, budget)
     fineness = 1.0
     periods = FIRST_PERIODS[int(problem.orders.max())]
-    first = max(SHORTEST_STEP * problem.ramps_rad[0], PERIOD_RAD * periods)
+    first = max(MIN_STEP * problem.ramps_rad[0], PERIOD_RAD * periods)
     while fineness <= FINEST:
         low, high, before = first, math.inf, None
         duration = first
         while high > low * (1 + CLOSED / fineness):
-            if budget.spent or search.programs >= MOST_PROGRAMS:
+            if budget.spent or search.programs >= MAX_PROGRAMS:
                 return
             course = search.nearest_course(duration, fineness)
             if course is not None and course.is_possible:
@@ -94,7 +94,7 @@ def _next_duration(duration: float, violation: float, before: tuple[float, float
     if before is not None and violation < before[1] < math.inf:
         shrinks = (before[1] - violation) / (duration - before[0])
         following = duration + SHARE_OF_STEP * violation / shrinks
-    return min(max(following, SHORTEST_STEP * duration), LONGEST_STEP * duration)
+    return min(max(following, MIN_STEP * duration), MAX_STEP * duration)
 
 
 class _Search:

@@ -9,10 +9,10 @@ from design.solvers.ramps.course import Slopes
 from design.solvers.ramps.functionals import Functionals
 from design.types import ComplexArray, FloatArray
 
-CELLS_A_TURN = 24
+CELLS_PER_TURN = 24
 """Cells of the linear program, to a period of the fastest mode [-]."""
 
-FEWEST_CELLS = 60
+MIN_CELLS = 60
 """Cells of the first linear program, at least [-]."""
 
 PRESENT = 0.05
@@ -68,7 +68,7 @@ def count_cells(functionals: Functionals, duration: float, fineness: float) -> i
         By the fastest mode and the length.
     """
     turns = duration * float(np.abs(functionals.poles).max()) / (2 * np.pi)
-    return int(fineness * max(FEWEST_CELLS, CELLS_A_TURN * turns))
+    return int(fineness * max(MIN_CELLS, CELLS_PER_TURN * turns))
 
 
 def work_of(functionals: Functionals, duration: float, fineness: float) -> float:

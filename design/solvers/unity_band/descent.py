@@ -34,8 +34,8 @@ NEAR = 0.2
 """A peak nearer than this to one of them stands for it, as a share of the half width [-]."""
 
 FIRST_RADIUS_RAD = 0.3
-LARGEST_RADIUS_RAD = 0.5
-SMALLEST_RADIUS_RAD = 1e-9
+MAX_RADIUS_RAD = 0.5
+MIN_RADIUS_RAD = 1e-9
 """Bounds of the farthest that one gap moves in a step: a twentieth of a period at first [rad]."""
 
 LAST_STEP_RAD = 1e-6
@@ -45,11 +45,11 @@ LAST_GAIN_RAD = 1e-6
 """A step that gains less than this is one along a flat valley: what follows only restores [rad]."""
 
 FIRMNESS = 1e5
-"""Curvature that keeps steps from then on short, but for what is above the tolerance [1/rad]."""
+"""Curvature that keeps steps from then on short, except for what is above the tolerance [1/rad]."""
 
-MOST_STEPS = 40
+MAX_STEPS = 40
 
-LEAST_CURVATURE = 1e-3
+MIN_CURVATURE = 1e-3
 """Of the Lagrangian along any direction: keeps each program convex [1/rad]."""
 
 STEP_WORK = 10_000.0
@@ -125,7 +125,7 @@ class Descent:
         peaks = self.peaks(gaps)
         radius = FIRST_RADIUS_RAD
         taken = 0
-        while taken < MOST_STEPS and radius > SMALLEST_RADIUS_RAD and not self.budget.spent:
+        while taken < MAX_STEPS and radius > MIN_RADIUS_RAD and not self.budget.spent:
             taken += 1
             self.budget.spend(STEP_WORK)
             found = self._step(gaps, peaks, radius)
@@ -137,7 +137,7 @@ class Descent:
             if gained > promised / 10 or longest <= LAST_STEP_RAD:
                 gaps, peaks = gaps + step, after
                 if gained > 0.7 * promised:
-                    radius = min(2 * radius, LARGEST_RADIUS_RAD)
+                    radius = min(2 * radius, MAX_RADIUS_RAD)
                 self._reprice(slack, peaks.excess)
                 if gained <= LAST_GAIN_RAD:
                     self.firmness = FIRMNESS
@@ -167,7 +167,7 @@ class Descent:
         )
         bounds = np.maximum(self.shortest - gaps, -radius), np.full(gaps.size, radius)
         bend = self._bend(gaps, ratios, jacobians)
-        solved = self._solved(vectors, jacobians, bend, bounds)
+        solved = self._solve_step(vectors, jacobians, bend, bounds)
         if solved is None:
             return None
         step, slack, multipliers = solved
@@ -177,7 +177,7 @@ class Descent:
         if gained < promised / 2 and np.abs(step).max() > LAST_STEP_RAD:
             # What the linear vectors missed at the end of the step, taken into account.
             there = self.family.vectors(gaps + step, self.parameters, ratios)[0] / self.limit
-            again = self._solved(there - jacobians @ step, jacobians, bend, bounds)
+            again = self._solve_step(there - jacobians @ step, jacobians, bend, bounds)
             if again is not None:
                 other = self.peaks(gaps + again[0])
                 better = self.price * (peaks.excess - other.excess) - float(again[0].sum())
@@ -194,7 +194,7 @@ class Descent:
         apart = np.abs(self.fixed[:, None] - moving).min(axis=1) > NEAR * self.half_width
         return np.concatenate((moving, self.fixed[apart]))
 
-    def _solved(
+    def _solve_step(
         self,
         vectors: FloatArray,
         jacobians: FloatArray,
@@ -225,5 +225,5 @@ class Descent:
         per_square = weights / self.limit**2
         whole = own + self.family.curvature(gaps, self.parameters, ratios, per_square, moving)
         values, axes = np.linalg.eigh((whole + whole.T) / 2)
-        bend: FloatArray = (axes * np.maximum(values, LEAST_CURVATURE)) @ axes.T - own
+        bend: FloatArray = (axes * np.maximum(values, MIN_CURVATURE)) @ axes.T - own
         return (bend if weights.any() else 0.0) + self.firmness * np.eye(gaps.size)

@@ -14,7 +14,7 @@ from design.types import BoolArray, FloatArray, IntArray, Symbolic
 LANES = 64
 """Ratios that are looked at by one call of the compiled expressions."""
 
-LONGEST_TURN_RAD = 0.1
+MAX_TURN_RAD = 0.1
 """Turn of the last impulse's phase from one ratio to the next, where peaks are looked for [rad]."""
 
 PEAKS = 8
@@ -22,7 +22,7 @@ PEAKS = 8
 
 PEAKS_WORK = 300.0
 REFINED_SHARE = 2.0
-"""Work of a search for peaks but for evaluations, and how many evaluations refine them, over those
+"""Work of a search for peaks except evaluations, and how many evaluations refine them, over those
 of the grid: at most about [units], [-]."""
 
 PEAK_STEPS = 4
@@ -60,7 +60,7 @@ class Family:
         x, p, ratio, vector = parts.unknowns, parts.parameters, parts.ratio, parts.vibration
         self.size = int(x.numel())
 
-        def compiled(
+        def compile_buffered(
             lanes: int, names: str, given: list[Symbolic], found: list[Symbolic]
         ) -> Buffered:
             inputs, outputs = (one.split() for one in names.split("->"))
@@ -72,15 +72,15 @@ class Family:
         bend = ca.gradient(slope, ratio)
         one = ca.Function("squares", [x, p, ratio], [square])
         self._instructions = int(one.n_instructions())
-        self._squares = compiled(LANES, "x p ratio -> square", [x, p, ratio], [square])
-        self._slopes = compiled(
+        self._squares = compile_buffered(LANES, "x p ratio -> square", [x, p, ratio], [square])
+        self._slopes = compile_buffered(
             PEAKS, "x p ratio -> square slope bend", [x, p, ratio], [square, slope, bend]
         )
-        self._vectors = compiled(
+        self._vectors = compile_buffered(
             DISKS, "x p ratio -> vector jacobian", [x, p, ratio], [vector, ca.jacobian(vector, x)]
         )
         weights = ca.SX.sym("weights", 2)
-        self._curvatures = compiled(
+        self._curvatures = compile_buffered(
             DISKS,
             "x p ratio weights -> hessian mixed bend",
             [x, p, ratio, weights],
@@ -92,7 +92,7 @@ class Family:
         )
 
     @staticmethod
-    def _given(function: Buffered, x: FloatArray, p: FloatArray, ratios: FloatArray) -> None:
+    def _write_inputs(function: Buffered, x: FloatArray, p: FloatArray, ratios: FloatArray) -> None:
         """Write the inputs; lanes without a ratio repeat the nominal one."""
         each = function.inputs["ratio"]
         function.inputs["x"].reshape(each.size, -1)[:] = x
@@ -119,7 +119,7 @@ class Family:
         found = np.empty(ratios.size)
         for first in range(0, ratios.size, LANES):
             part = slice(first, first + LANES)
-            self._given(self._squares, x, p, ratios[part])
+            self._write_inputs(self._squares, x, p, ratios[part])
             self._squares.run()
             found[part] = self._squares.outputs["square"]
         return found
@@ -143,7 +143,7 @@ class Family:
         tuple of FloatArray and FloatArray
             Vectors, shape (m, 2) [-], and Jacobians by the gaps, shape (m, 2, n) [1/rad].
         """
-        self._given(self._vectors, x, p, ratios)
+        self._write_inputs(self._vectors, x, p, ratios)
         self._vectors.run()
         vectors = self._vectors.outputs["vector"].reshape(DISKS, 2)[: ratios.size].copy()
         jacobians = self._vectors.outputs["jacobian"].reshape(DISKS, self.size, 2)
@@ -181,7 +181,7 @@ class Family:
             The second derivatives by the gaps, shape (n, n) [unit of the weights / rad^2].
         """
         vectors, _ = self.vectors(x, p, ratios)
-        self._given(self._curvatures, x, p, ratios)
+        self._write_inputs(self._curvatures, x, p, ratios)
         each = self._curvatures.inputs["weights"].reshape(DISKS, 2)
         each[: ratios.size], each[ratios.size :] = 2 * weights[:, None] * vectors, 0.0
         self._curvatures.run()
@@ -198,7 +198,7 @@ class Family:
     def _blocks(x: FloatArray, half_width: float) -> int:
         """Return how many calls of `LANES` ratios show all peaks over a band."""
         turn = 2 * half_width * float(x.sum())
-        return 1 + int(turn / (LANES * LONGEST_TURN_RAD))
+        return 1 + int(turn / (LANES * MAX_TURN_RAD))
 
     def peaks_work(self, x: FloatArray, half_width: float) -> float:
         """Return the work of `peaks` [units].
@@ -246,21 +246,21 @@ class Family:
         found, heights = ratios[at], squares[at]
         for first in range(0, at.size, PEAKS):
             part = slice(first, first + PEAKS)
-            found[part], heights[part] = self._refined(x, p, ratios, at[part])
+            found[part], heights[part] = self._refine_peaks(x, p, ratios, at[part])
         inside = (found > ratios[0]) & (found < ratios[-1])
         return Peaks(
             np.concatenate((ratios[[0, -1]], found[inside])),
             np.concatenate((squares[[0, -1]], heights[inside])) / limit**2,
         )
 
-    def _refined(
+    def _refine_peaks(
         self, x: FloatArray, p: FloatArray, ratios: FloatArray, at: IntArray
     ) -> tuple[FloatArray, FloatArray]:
         """Return the maxima between the neighbours of some ratios, by Newton's method."""
         found = ratios[at]
         lowest, highest = ratios[np.maximum(at - 1, 0)], ratios[np.minimum(at + 1, ratios.size - 1)]
         for step in range(PEAK_STEPS + 1):
-            self._given(self._slopes, x, p, found)
+            self._write_inputs(self._slopes, x, p, found)
             self._slopes.run()
             square, slope, bend = (one[: at.size] for one in self._slopes.outputs.values())
             if step < PEAK_STEPS:

@@ -17,7 +17,7 @@ COMPARED = 2
 """Seeds of one number of impulses of whose designs the shorter is taken."""
 
 FAR_MISS = 1.2
-"""A run that ends with so many times the tolerance is no matter of where it began [-]."""
+"""A run that ends at this many times the tolerance does so wherever it began [-]."""
 
 _one_at_a_time = threading.Lock()
 
@@ -65,7 +65,7 @@ def solve(search: BandSearch, budget: Budget) -> Iterator[Solution]:
         if runs.budget.spent:
             break
         yield from runs.candidate(problem, seed, runs.run(problem, seed))
-    raise InfeasibleDesignError(runs.searched(), code="no_band_solution_found")
+    raise InfeasibleDesignError(runs.describe_search(), code="no_band_solution_found")
 
 
 class _Runs:
@@ -122,13 +122,13 @@ class _Runs:
             ]
         return []
 
-    def searched(self) -> str:
+    def describe_search(self) -> str:
         """Say how far was searched, and what came nearest."""
         search, period = self.search, 2 * math.pi
         counts = sorted(problem.amplitudes.size for problem in search.problems)
         report = (
             f"no shaper of {' or '.join(map(str, counts))} impulses of unity magnitude was found "
-            f"that leaves at most {search.tolerance:g} from {search.band[0]:.6g} to "
+            f"whose residual is at most {search.tolerance:g} from {search.band[0]:.6g} to "
             f"{search.band[1]:.6g} of the frequency, within {search.horizon_rad / period:g} "
             f"periods in {self.starts} starts"
         )
@@ -136,4 +136,5 @@ class _Runs:
             report = f"{report} until {self.budget.in_words}"
         if self.late < math.inf:
             return f"{report}; the shortest takes {self.late / period:.6g} periods"
-        return f"{report}; the nearest miss leaves {self.nearest * search.tolerance:.4g} there"
+        nearest = self.nearest * search.tolerance
+        return f"{report}; the residual of the nearest miss is {nearest:.4g} there"

@@ -30,7 +30,7 @@ def shaper(name: str, plant: Plant, actuator: Actuator) -> Impulses:
     return design(plant, actuator, SHAPERS[name]).impulses
 
 
-def moved(impulses: Impulses, index: int, by: float) -> Impulses:
+def move(impulses: Impulses, index: int, by: float) -> Impulses:
     times = impulses.times_s.copy()
     times[index] += by
     return Impulses(times_s=times, amplitudes=impulses.amplitudes)
@@ -53,7 +53,7 @@ def test_a_right_shaper_is_verified(plant: Plant, actuator: Actuator) -> None:
 @pytest.mark.parametrize("index", [1, 2, 3, 4])
 @pytest.mark.parametrize("by", [-1e-7, 1e-7])
 def test_a_switch_a_tenth_of_a_microsecond_off_is_found(index: int, by: float) -> None:
-    wrong = moved(shaper("numzvd", CRANE, THESIS), index, by)
+    wrong = move(shaper("numzvd", CRANE, THESIS), index, by)
     # 3.5 rad/s for 1e-7 s: 3.5e-7 of a step, 350 times the limit.
     assert not certify(wrong, CRANE.mode, THESIS, zeros(("residual",))).verified
 
@@ -277,7 +277,7 @@ def test_zeros_of_any_order_are_verified_beside_a_pole_of_the_drive(seed: int, n
         made = design(mode, actuator, SHAPERS[name])
         assert made.certificate.verified
         assert not made.for_ideal
-        wrong = moved(made.impulses, 1, 1e-4 / mode.natural_frequency_rad_s)
+        wrong = move(made.impulses, 1, 1e-4 / mode.natural_frequency_rad_s)
         promises = zeros(zeros_of(made.certificate))
         assert not certify(wrong, mode, actuator, promises).verified
 

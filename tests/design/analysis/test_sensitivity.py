@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from design.analysis.insensitivity import WIDEST_RATIOS, Insensitivity, insensitivity
+from design.analysis.insensitivity import RATIO_LIMITS, Insensitivity, insensitivity
 from design.analysis.residual import residual_vibration
 from design.analysis.residuals_of_many import residual_curve
 from design.analysis.sensitivity import SensitivityRange, sensitivity
@@ -149,7 +149,7 @@ def test_edges_are_those_of_a_dense_scan_for_any_command(seed: int) -> None:
 def test_an_edge_that_is_none_is_told_as_none(times: list[float], actuator: Actuator) -> None:
     result = found(impulses(times, [0.3] * len(times)), UNIT, actuator, 0.7)
     assert (result.lower_ratio, result.upper_ratio, result.width) == (None, None, None)
-    assert (result.searched_from_ratio, result.searched_to_ratio) == WIDEST_RATIOS
+    assert (result.searched_from_ratio, result.searched_to_ratio) == RATIO_LIMITS
 
 
 def test_a_long_search_without_an_edge_says_where_it_ended() -> None:
@@ -157,8 +157,8 @@ def test_a_long_search_without_an_edge_says_where_it_ended() -> None:
     command = impulses([0.0, 40 * math.pi], [0.4, -0.2])
     result = found(command, UNIT, FIRST_ORDER, 0.9)
     assert (result.lower_ratio, result.upper_ratio, result.width) == (None, None, None)
-    assert result.searched_from_ratio == WIDEST_RATIOS[0]
-    assert 15 < result.searched_to_ratio < WIDEST_RATIOS[1]
+    assert result.searched_from_ratio == RATIO_LIMITS[0]
+    assert 15 < result.searched_to_ratio < RATIO_LIMITS[1]
     ratios = np.linspace(0.01, result.searched_to_ratio, 10_001)
     assert residual_curve(command, UNIT, FIRST_ORDER, ratios).max() <= 0.9
 
@@ -167,7 +167,7 @@ def test_an_interval_with_an_edge_on_one_side_has_no_width() -> None:
     # Steps of 1 and -0.55 leave 0.45 near no frequency at all, and 1.55 half a turn apart.
     result = found(impulses([0.0, 0.3], [1.0, -0.55]), UNIT, IDEAL, 0.8)
     assert result.lower_ratio is None
-    assert result.searched_from_ratio == WIDEST_RATIOS[0]
+    assert result.searched_from_ratio == RATIO_LIMITS[0]
     assert result.upper_ratio == result.searched_to_ratio
     # |1 - 0.55 exp(-j 0.3 r)|^2 = 1 + 0.55^2 - 1.1 cos(0.3 r) = 0.8^2, and the margin
     limit = 0.8 * (1 + 1e-9)
@@ -284,7 +284,7 @@ def test_a_narrow_peak_of_the_actuator_far_below_the_nominal_is_seen() -> None:
 def test_no_edge_lies_beyond_the_widest_ratios() -> None:
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=0.5)
     result = found(impulses([0.0, 0.3], [0.5, 0.48]), mode, Ideal(), 0.981)
-    assert result.searched_from_ratio >= WIDEST_RATIOS[0]
+    assert result.searched_from_ratio >= RATIO_LIMITS[0]
 
 
 def test_an_actuator_alone_shapes_the_curve_of_a_short_command() -> None:
@@ -306,8 +306,8 @@ def test_a_long_quiet_command_ends_its_search() -> None:
     quiet = impulses([0.0, 1e5], [1e-3, -1e-3])
     result = found(quiet, UNIT, FIRST_ORDER, 0.05)
     assert (result.lower_ratio, result.upper_ratio) == (None, None)
-    assert WIDEST_RATIOS[0] <= result.searched_from_ratio < 1
-    assert 1 < result.searched_to_ratio <= WIDEST_RATIOS[1]
+    assert RATIO_LIMITS[0] <= result.searched_from_ratio < 1
+    assert 1 < result.searched_to_ratio <= RATIO_LIMITS[1]
 
 
 def test_a_command_beyond_the_digits_of_its_phase_is_refused() -> None:

@@ -121,7 +121,7 @@ def polynomials() -> Fit:
     return fit(request.plant, request.actuator, SHAPERS["numzvd"], wanted)
 
 
-def compiled(folder: Path, header: bytes, program: str, *more: str) -> Path:
+def compile_program(folder: Path, header: bytes, program: str, *more: str) -> Path:
     (folder / "table.h").write_bytes(header)
     (folder / "main.c").write_text(program.replace("SAMPLE)", f"{SAMPLE_TIME_S})"))
     binary = folder / "main"
@@ -146,7 +146,7 @@ def test_the_header_compiles_and_holds_the_table(
     table: tuple[TableHead, Rows], tmp_path: Path, more: tuple[str, ...], tolerance: float
 ) -> None:
     head, rows = table
-    binary = compiled(tmp_path, b"".join(C.write(head, [rows])), PROGRAM, *more)
+    binary = compile_program(tmp_path, b"".join(C.write(head, [rows])), PROGRAM, *more)
     printed = [[float(cell) for cell in line.split()] for line in answers(binary, np.empty(0))[:4]]
     expected = np.hstack((rows.fields, rows.results, times_of(head, rows), rows.status[:, None]))
     np.testing.assert_allclose(printed, expected, rtol=tolerance)
@@ -156,7 +156,7 @@ def test_the_header_promotes_no_float(table: tuple[TableHead, Rows], tmp_path: P
     head, rows = table
     quiet = '#define SHAPERSMITH_FLOAT\n#include "table.h"\nint main(void) { return 0; }\n'
     strict = ["-Wdouble-promotion", "-Wconversion", "-Wfloat-conversion", "-pedantic"]
-    compiled(tmp_path, b"".join(C.write(head, [rows])), quiet, *strict)
+    compile_program(tmp_path, b"".join(C.write(head, [rows])), quiet, *strict)
 
 
 @pytest.mark.parametrize(("more", "tolerance"), [((), 1e-13), (("-DSHAPERSMITH_FLOAT",), 1e-4)])
@@ -165,7 +165,7 @@ def test_the_delay_line_is_a_convolution(
 ) -> None:
     head, rows = table
     command = np.random.default_rng(5).uniform(-1, 1, 2_500)  # longer than the line: it wraps
-    binary = compiled(tmp_path, b"".join(C.write(head, [rows])), PROGRAM, *more)
+    binary = compile_program(tmp_path, b"".join(C.write(head, [rows])), PROGRAM, *more)
     refused, *shaped = answers(binary, command)[4:]
     assert refused.split() == ["-1", "-1", "-1", "0.5", "0"]
     # Each impulse, shared between the two samples that it lies between, is a filter for NumPy.
@@ -190,7 +190,7 @@ def test_the_evaluator_gives_the_polynomials(
 ) -> None:
     _, rows = table
     head = designed_table(CRANE, {"plant.cable_length_m": LENGTHS_M}, fit=polynomials)[0]
-    binary = compiled(tmp_path, b"".join(C.write(head, [rows])), EVALUATES, *more)
+    binary = compile_program(tmp_path, b"".join(C.write(head, [rows])), EVALUATES, *more)
     frequencies = np.sqrt(9.81 / np.linspace(0.31, 1.39, 50))
     lines = answers(binary, np.append(frequencies, [2.0, 7.0, np.inf]))
     assert [line.split()[0] for line in lines] == ["0"] * 50 + ["-1"] * 3
@@ -232,7 +232,7 @@ def test_every_kind_of_fit_evaluates_up_to_its_ends(
     )
     header = b"".join(C.write(head, [rows]))
     for more, tolerance in (((), 1e-13), (("-DSHAPERSMITH_FLOAT",), 1e-5)):
-        binary = compiled(tmp_path, header, program, *more)
+        binary = compile_program(tmp_path, header, program, *more)
         for value, x in ((start, made.variable.start), (stop, made.variable.stop)):
             frequency = 3.5 if over == "damping_ratio" else value
             scale = 1.0 if form == "time_in_frequency" else frequency

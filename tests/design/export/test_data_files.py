@@ -12,31 +12,31 @@ import pytest
 
 from design.errors import InvalidInputError
 from design.export.formats import FORMATS
-from design.export.mat_file import LARGEST_MATRIX_BYTES, check_mat
+from design.export.mat_file import MAX_MATRIX_BYTES, check_mat
 from design.export.reading import READERS, rows_of
 from design.export.registry import EXPORTS
 from design.tables.rows import STATUSES
-from tests.designed_tables import CRANE, head_of, joined, made_up_table, same
+from tests.designed_tables import CRANE, head_of, join, made_up_table, same
 from tests.refusals import refused
 
 ROWS, RUN_ROWS = 2_500, 1_000
 
 
-def written(name: str, rows: int = ROWS) -> bytes:
+def write(name: str, rows: int = ROWS) -> bytes:
     return b"".join(EXPORTS[name].write(*made_up_table(rows, RUN_ROWS)))
 
 
 @pytest.mark.parametrize("name", READERS)
 def test_what_is_written_reads_back_bit_for_bit(name: str) -> None:
     head, runs = made_up_table(ROWS, RUN_ROWS)
-    got_head, got_runs = rows_of(name, io.BytesIO(written(name)))
+    got_head, got_runs = rows_of(name, io.BytesIO(write(name)))
     assert got_head == head
-    assert same(joined(got_runs), joined(runs))
+    assert same(join(got_runs), join(runs))
 
 
 @pytest.mark.parametrize("name", READERS)
 def test_a_table_without_rows_is_a_file_too(name: str) -> None:
-    head, runs = rows_of(name, io.BytesIO(written(name, 0)))
+    head, runs = rows_of(name, io.BytesIO(write(name, 0)))
     assert head.rows == 0
     assert sum(run.status.size for run in runs) == 0
 
@@ -44,17 +44,17 @@ def test_a_table_without_rows_is_a_file_too(name: str) -> None:
 @pytest.mark.parametrize("name", READERS)
 def test_the_bytes_are_the_same_in_another_process_at_another_time(name: str) -> None:
     code = (
-        "import sys; from tests.design.export.test_data_files import written;"
-        f"sys.stdout.buffer.write(written({name!r}))"
+        "import sys; from tests.design.export.test_data_files import write;"
+        f"sys.stdout.buffer.write(write({name!r}))"
     )
     other = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
-    assert other.stdout == written(name)
+    assert other.stdout == write(name)
 
 
 @pytest.mark.parametrize("name", READERS)
 def test_every_file_names_tool_specification_and_units(name: str) -> None:
     head, _ = made_up_table(ROWS, RUN_ROWS)
-    data = written(name)
+    data = write(name)
     assert b"shapersmith 0.1.0" in data
     assert head.specification_sha256.encode() in data
     assert b'["t1_s", "s", "result"]' in data
@@ -69,14 +69,14 @@ def test_something_else_is_refused_by_name(name: str) -> None:
 
 def test_a_table_that_ends_early_is_refused() -> None:
     for name, end in (("csv", ""), ("json", "]}")):
-        lines = written(name).decode().splitlines(keepends=True)[:2_000]
+        lines = write(name).decode().splitlines(keepends=True)[:2_000]
         _, runs = rows_of(name, io.BytesIO("".join([*lines, end]).encode()))
         with refused("rows_unlike_head", "file", says="of 2500 rows"):
             list(runs)
 
 
 def test_a_mat_file_cut_anywhere_is_refused() -> None:
-    data = written("mat")
+    data = write("mat")
     for length in (200, 5_000, 150_000, len(data) - 9):
         with refused("mat_file_damaged", "file"):
             rows_of("mat", io.BytesIO(data[:length]))
@@ -88,7 +88,7 @@ def test_a_format_that_only_goes_out_is_not_read() -> None:
 
 
 def test_a_bad_line_of_csv_is_named_by_its_number() -> None:
-    lines = written("csv").decode().splitlines(keepends=True)
+    lines = write("csv").decode().splitlines(keepends=True)
     lines[40] = lines[40].replace(",", ",x", 1)
     _, runs = rows_of("csv", io.BytesIO("".join(lines).encode()))
     with refused("unreadable_csv_row", "line 41", says="8 numbers"):
@@ -100,7 +100,7 @@ def test_a_bad_line_of_csv_is_named_by_its_number() -> None:
 
 
 def test_a_bad_line_of_json_is_named_by_its_number() -> None:
-    lines = written("json").decode().splitlines(keepends=True)
+    lines = write("json").decode().splitlines(keepends=True)
     lines[40] = lines[40].replace("[", "[[", 1)
     _, runs = rows_of("json", io.BytesIO("".join(lines).encode()))
     with refused("unreadable_json_row", "line 41"):
@@ -108,9 +108,9 @@ def test_a_bad_line_of_json_is_named_by_its_number() -> None:
 
 
 def test_csv_reads_by_the_standard_library_once_comments_are_skipped() -> None:
-    lines = [line for line in written("csv").decode().splitlines() if not line.startswith("#")]
+    lines = [line for line in write("csv").decode().splitlines() if not line.startswith("#")]
     rows = list(csv.DictReader(lines))
-    expected = joined(made_up_table(ROWS, RUN_ROWS)[1])
+    expected = join(made_up_table(ROWS, RUN_ROWS)[1])
     times = [float(row["t2_s"] or "nan") for row in rows]
     assert np.array_equal(times, expected.results[:, 1], equal_nan=True)
     assert {index: row["reason"] for index, row in enumerate(rows) if row["reason"]} == (
@@ -119,8 +119,8 @@ def test_csv_reads_by_the_standard_library_once_comments_are_skipped() -> None:
 
 
 def test_json_is_one_document() -> None:
-    document = json.loads(written("json"))
-    expected = joined(made_up_table(ROWS, RUN_ROWS)[1])
+    document = json.loads(write("json"))
+    expected = join(made_up_table(ROWS, RUN_ROWS)[1])
     assert document["specification"]["design"]["shaper"] == {"kind": "numzvd"}
     assert len(document["rows"]) == document["row_count"] == ROWS
     first = document["rows"][0]
@@ -131,12 +131,12 @@ def test_json_is_one_document() -> None:
 def test_parquet_keeps_units_a_group_for_each_run_and_status_as_dictionary() -> None:
     import pyarrow.parquet
 
-    file = pyarrow.parquet.ParquetFile(io.BytesIO(written("parquet")))
+    file = pyarrow.parquet.ParquetFile(io.BytesIO(write("parquet")))
     assert [file.metadata.row_group(group).num_rows for group in range(3)] == [1000, 1000, 500]
     schema = file.schema_arrow
     assert schema.field("t1_s").metadata[b"unit"] == b"s"
     assert str(schema.field("status").type).startswith("dictionary<values=string")
-    expected = joined(made_up_table(ROWS, RUN_ROWS)[1])
+    expected = join(made_up_table(ROWS, RUN_ROWS)[1])
     statuses = [STATUSES[code] for code in expected.status.tolist()]
     assert file.read().column("status").to_pylist() == statuses
     assert file.read().column("t1_s").null_count == statuses.count("infeasible") + statuses.count(
@@ -147,10 +147,10 @@ def test_parquet_keeps_units_a_group_for_each_run_and_status_as_dictionary() -> 
 def test_mat_holds_matrices_and_names_for_matlab() -> None:
     from scipy.io import loadmat
 
-    data = written("mat")
+    data = write("mat")
     assert data.startswith(b"MATLAB 5.0 MAT-file, shapersmith 0.1.0 ")
     held = loadmat(io.BytesIO(data), simplify_cells=True)
-    expected = joined(made_up_table(ROWS, RUN_ROWS)[1])
+    expected = join(made_up_table(ROWS, RUN_ROWS)[1])
     assert np.array_equal(held["results"], expected.results, equal_nan=True)
     assert held["result_names"].tolist() == ["t1_s", "t2_s", "t3_s", "t4_s", "t5_s", "residual"]
     assert held["field_units"].tolist() == ["m", "1"]
@@ -158,7 +158,7 @@ def test_mat_holds_matrices_and_names_for_matlab() -> None:
 
 
 def test_mat_refuses_what_its_sizes_cannot_count() -> None:
-    most = LARGEST_MATRIX_BYTES // (8 * 6)
+    most = MAX_MATRIX_BYTES // (8 * 6)
     amplitudes = (1.0, -1.0, 1.0, -1.0, 1.0)
     check_mat(head_of(CRANE, ("plant.cable_length_m",), most, amplitudes))
     with refused("too_many_rows_for_mat", "rows", says="at most 44739242 for a"):
@@ -188,7 +188,7 @@ def test_parquet_needs_no_more_memory_for_ten_times_the_rows() -> None:
 
 @pytest.mark.parametrize("name", ["csv", "json"])
 def test_a_specification_that_was_changed_in_the_file_is_refused(name: str) -> None:
-    text = written(name, 3).decode().replace('"cable_length_m":0.8', '"cable_length_m":0.9')
+    text = write(name, 3).decode().replace('"cable_length_m":0.8', '"cable_length_m":0.9')
     with refused("wrong_hash", "specification_sha256"):
         rows_of(name, io.BytesIO(text.encode()))
 
@@ -204,7 +204,7 @@ def read(name: str, data: bytes) -> None:
 
 
 def test_a_csv_file_that_is_none_of_ours_has_a_code_for_what_is_wrong() -> None:
-    lines = written("csv", 20).decode().splitlines(keepends=True)
+    lines = write("csv", 20).decode().splitlines(keepends=True)
     heading = next(number for number, line in enumerate(lines) if not line.startswith("#"))
     with refused("unsound_head", "file"):
         read("csv", "".join(lines[1:]).encode())
@@ -223,7 +223,7 @@ def test_a_parquet_file_that_is_none_of_ours_has_a_code_for_what_is_wrong() -> N
         parquet.write_table(table, changed)
         read("parquet", changed.getvalue())
 
-    whole = parquet.read_table(io.BytesIO(written("parquet", 20)))
+    whole = parquet.read_table(io.BytesIO(write("parquet", 20)))
     odd = pa.array(["odd"] * whole.num_rows).dictionary_encode()
     with refused("not_parquet_file", "file"):
         read("parquet", b"nothing of the kind")
@@ -236,7 +236,7 @@ def test_a_parquet_file_that_is_none_of_ours_has_a_code_for_what_is_wrong() -> N
 def test_a_mat_file_that_is_none_of_ours_has_a_code_for_what_is_wrong() -> None:
     from scipy.io import loadmat, savemat
 
-    data = written("mat", 20)
+    data = write("mat", 20)
     held = loadmat(io.BytesIO(data))
     part = io.BytesIO()
     savemat(part, {name: held[name] for name in held if name[0] != "_" and name != "reasons"})

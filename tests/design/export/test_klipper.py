@@ -14,7 +14,7 @@ from design.errors import InfeasibleDesignError, InvalidInputError
 from design.export.klipper import EXPORT as KLIPPER
 from design.export.klipper import NAMES, READ_AS_ZERO
 from design.export.klipper_shapers import (
-    LARGEST_DAMPING_RATIOS,
+    MAX_DAMPING_RATIOS,
     klipper_impulses,
     older_klipper_impulses,
 )
@@ -165,7 +165,7 @@ def test_a_row_whose_impulses_are_not_those_of_the_name_is_refused() -> None:
     [("ei", 0.45), ("two_hump_ei", 0.31), ("three_hump_ei", 0.21)],
 )
 def test_a_damping_ratio_that_klipper_refuses_is_refused(shaper: str, damping: float) -> None:
-    largest = LARGEST_DAMPING_RATIOS[NAMES[shaper]]
+    largest = MAX_DAMPING_RATIOS[NAMES[shaper]]
     with refused(
         "too_damped_for_klipper",
         "damping_ratio of row 0",

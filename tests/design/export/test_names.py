@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from design.export.c_header import EXPORT as C
-from design.export.program import DEFAULT_TITLE, LONGEST_NAME, name_of
+from design.export.program import DEFAULT_TITLE, MAX_NAME_CHARACTERS, name_of
 from design.export.structured_text import EXPORT as STRUCTURED_TEXT
 from design.tables.rows import Rows, TableHead
 from schemas.tables import TableRequest
@@ -61,7 +61,9 @@ def other() -> tuple[TableHead, Rows]:
     return designed_table(OTHER, {"plant.cable_length_m": [1.3]})
 
 
-def compiled(folder: Path, program: str, **headers: bytes) -> "subprocess.CompletedProcess[str]":
+def compile_headers(
+    folder: Path, program: str, **headers: bytes
+) -> "subprocess.CompletedProcess[str]":
     for name, header in headers.items():
         (folder / f"{name}.h").write_bytes(header)
     (folder / "main.c").write_text(program)
@@ -85,13 +87,13 @@ def test_any_title_gives_names_that_are_legal(
     head, rows = replace(table[0], title=title), table[1]
     name = name_of(head)
     assert re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", name), name
-    assert len(name) <= LONGEST_NAME + len("table_")
+    assert len(name) <= MAX_NAME_CHARACTERS + len("table_")
     program = b"".join(STRUCTURED_TEXT.write(head, [rows])).decode()
     blocks = re.findall(r"^FUNCTION_BLOCK (\w+)$", program, re.MULTILINE)
     assert blocks == [f"{name}_table", f"{name}_shaper"]
     assert not any(RESERVED.match(block) for block in blocks)
     assert Block(program, f"{name}_table")(row=0)["status"] == 0
-    made = compiled(
+    made = compile_headers(
         tmp_path,
         f"""
         #include "one.h"
@@ -149,7 +151,7 @@ def test_two_tables_go_into_one_program(
         for (head, _), changed in ((table, first), (other, second))
     ]
     assert names[0] != names[1]
-    made = compiled(
+    made = compile_headers(
         tmp_path,
         BOTH.format(one=names[0], two=names[1]),
         one=header_of(table, **first),
@@ -162,7 +164,7 @@ def test_two_tables_go_into_one_program(
 def test_a_second_table_of_the_same_title_is_an_error_and_does_not_vanish(
     table: tuple[TableHead, Rows], other: tuple[TableHead, Rows], tmp_path: Path
 ) -> None:
-    made = compiled(
+    made = compile_headers(
         tmp_path,
         BOTH.format(one="crane", two="crane"),
         one=header_of(table, title="crane"),

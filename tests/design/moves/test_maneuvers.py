@@ -18,7 +18,7 @@ from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.settling import settling_time_s
-from design.moves.maneuvers import maneuver, mirrored_stop, swapped
+from design.moves.maneuvers import maneuver, mirrored_stop, swap_directions
 from design.pipeline import design
 from design.shapers.kind import ShaperKind
 from design.shapers.settle_options import SettleOptions
@@ -89,7 +89,7 @@ def test_a_move_in_minus_x_is_the_mirror_image(model: Model) -> None:
     # The sets go by |command|: mirrored, the command drives them in the same order.
     assert mirrored.accelerates.tolist() == there.command.accelerates.tolist()
     assert residual_vibration(mirrored, CRANE.mode, actuator) < 1e-9
-    wrong = residual_vibration(there.command, CRANE.mode, swapped(actuator))
+    wrong = residual_vibration(there.command, CRANE.mode, swap_directions(actuator))
     assert wrong > 0.01
 
 
@@ -139,7 +139,7 @@ def test_behind_a_symmetric_actuator_a_stop_mirrors_the_start(kind: ShaperKind) 
 def test_a_switched_stop_is_solved_for_the_state_it_finds() -> None:
     pulse_s = 1.4
     move = maneuver(CRANE, SWITCHED, NUMZVD, speed_m_s=SPEED_M_S, pulse_s=pulse_s)
-    from_rest = design(CRANE, swapped(SWITCHED), NUMZVD).impulses
+    from_rest = design(CRANE, swap_directions(SWITCHED), NUMZVD).impulses
     apart = Impulses(
         times_s=np.concatenate((move.start.times_s, pulse_s + from_rest.times_s)),
         amplitudes=np.concatenate((move.start.amplitudes, -from_rest.amplitudes)),

@@ -9,7 +9,7 @@ from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
-from design.model.commands import listed, pulse, step
+from design.model.commands import command_of_velocities, pulse, step
 from design.model.impulses import Impulses
 from design.model.plants.pendulum import Pendulum
 from design.moves.shaped_commands import shaped_command
@@ -32,8 +32,8 @@ DRIVES: tuple[Actuator, ...] = (
 COMMANDS = {
     "step": step(),
     "pulse": pulse(1.5),
-    "stairs": listed(np.array([0.0, 0.7, 2.0]), np.array([0.3, 1.0, 0.4])),
-    "back": listed(np.array([0.0, 0.7, 2.0]), np.array([1.0, -1.0, 0.0])),
+    "stairs": command_of_velocities(np.array([0.0, 0.7, 2.0]), np.array([0.3, 1.0, 0.4])),
+    "back": command_of_velocities(np.array([0.0, 0.7, 2.0]), np.array([1.0, -1.0, 0.0])),
 }
 CLAIMED = {"umzv": 1e-9, "numzv": 1e-9, "zv": 1e-9, "zvd": 1e-9, "ei": 0.05}
 

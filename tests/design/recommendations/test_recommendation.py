@@ -205,7 +205,8 @@ def test_reasons_are_given_in_words() -> None:
     told = everything(found)
     reasons = {verdict.requirement: verdict.reason for verdict in told["zv"].verdicts}
     assert reasons["tolerance"] == (
-        "leaves up to 23.3 % from 0.85 to 1.15 of the frequency (0.4737 to 0.6409 Hz), above 5 %"
+        "has a residual of up to 23.3 % from 0.85 to 1.15 of the frequency (0.4737 to 0.6409 Hz), "
+        "above 5 %"
     )
     assert reasons["max_duration_s"] == "takes 0.8971 s, within 1.75 s"
     late = {verdict.requirement: verdict.reason for verdict in told["ei"].verdicts}
@@ -219,7 +220,7 @@ def test_reasons_are_given_in_words() -> None:
     assert (
         "no positive shaper that keeps 5 % over the band takes less than 1.689 s" in found.why[-1]
     )
-    assert any("where such modes matter, si" in reason for reason in found.why)
+    assert any("where such modes matter, that of si" in reason for reason in found.why)
 
 
 def test_limits_that_nothing_meets_are_told_with_the_nearest() -> None:
@@ -231,7 +232,7 @@ def test_limits_that_nothing_meets_are_told_with_the_nearest() -> None:
     assert "the shortest found that meets the other limits takes 1.271 s, num_si" in str(told.value)
     assert "takes less than 1.689 s (proven)" in str(told.value)
     # What is told can be had.
-    left = float(faults["tolerance"].split("be left is ")[1].split(" %")[0]) / 100
+    left = float(faults["tolerance"].split("residual found is ")[1].split(" %")[0]) / 100
     again = asked(actuator=THESIS, max_duration_s=1.0, tolerance=1.01 * left)
     assert again.recommended.duration_s <= 1.0
     longer = asked(actuator=THESIS, max_duration_s=1.272)
@@ -249,7 +250,7 @@ def test_what_takes_too_long_to_find_is_said_to_be_left_out() -> None:
     reasons = {one.choice.name: one.reason for one in found.refused}
     assert "is not searched: over this band" in reasons["si (amplitudes negative)"]
     assert found.recommended.name == "si"
-    left_out = r"least found to be left is .*; si is not searched: over this band"
+    left_out = r"smallest residual found is .*; si is not searched: over this band"
     with refused("none_meets_all", says=left_out):
         asked(half_width=0.9, tolerance=0.001)
 

@@ -19,7 +19,7 @@ from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.sampling.exact_positive import exact_positive
-from design.sampling.sample_grid import carried, nearest, split
+from design.sampling.sample_grid import nearest, round_with_carry, split
 from design.sampling.sampled import Sampled, sample
 from design.sampling.sampled_design import sampled_design
 from design.sampling.unity_grid import unity_on_grid
@@ -179,7 +179,7 @@ def test_a_single_step_stays_a_step() -> None:
     step = shaper([0.3], [1.0])
     for found in (
         nearest(step, 0.25),
-        carried(step, 0.25),
+        round_with_carry(step, 0.25),
         unity_on_grid(step, PRINTER, Ideal(), 0.25, slope=True),
     ):
         assert found.times_s.tolist() == [0.25]
@@ -244,7 +244,7 @@ def test_a_shaper_on_the_grid_stays_as_it_is() -> None:
     impulses = shaper([0.0, 0.07, 0.29], [0.3, 0.3, 0.4])
     for found in (
         nearest(impulses, SAMPLE_S),
-        carried(impulses, SAMPLE_S),
+        round_with_carry(impulses, SAMPLE_S),
         split(impulses, SAMPLE_S),
     ):
         assert np.rint(found.times_s / SAMPLE_S).tolist() == [0, 7, 29]
@@ -264,7 +264,7 @@ def test_a_sample_time_must_be_positive(value: float) -> None:
     with refused("not_positive", "sample_time_s"):
         nearest(zv, value)
     with refused("not_positive", "sample_time_s"):
-        carried(zv, value)
+        round_with_carry(zv, value)
 
 
 def test_a_sample_time_must_leave_every_impulse_a_sample_of_its_own() -> None:
@@ -272,7 +272,7 @@ def test_a_sample_time_must_leave_every_impulse_a_sample_of_its_own() -> None:
     rule = r"sample_time_s must be at most the shortest gap between two impulses, 0\.0208931"
     with refused("sample_time_too_long", "sample_time_s", says=rule):
         sample(umzv, PRINTER, Ideal(), 0.021, RESIDUAL)
-    for rounding in (nearest, carried):
+    for rounding in (nearest, round_with_carry):
         with refused("sample_time_too_long", "sample_time_s", says=rule):
             rounding(umzv, 0.021)
     assert sample(umzv, PRINTER, Ideal(), 0.0208, RESIDUAL).residual < 0.5

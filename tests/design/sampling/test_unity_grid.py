@@ -135,14 +135,14 @@ def test_no_other_command_leaves_less(actuator: Actuator, slope: bool) -> None:
     mode = Mode(natural_frequency_rad_s=2 * math.pi / 9, damping_ratio=0.07)
     umzv = Impulses(times_s=np.array([0.0, 1.5, 3.0]), amplitudes=np.array([1.0, -1.0, 1.0]))
 
-    def left_by(samples: tuple[int, ...]) -> float:
+    def residual_of(samples: tuple[int, ...]) -> float:
         signs = [(-1.0) ** index for index in range(len(samples))]
         command = Impulses(times_s=np.array(samples, dtype=float), amplitudes=np.array(signs))
         claims = claims_by_formula(command, mode, actuator)
         return claims["residual"] + 0.05 * claims["slope"] * slope
 
     all_left = {
-        count: {samples: left_by(samples) for samples in every_command(12, count)}
+        count: {samples: residual_of(samples) for samples in every_command(12, count)}
         for count in (5, 7, 9)
     }
     for tolerance in (0.0, 0.2):

@@ -13,7 +13,7 @@ from design.errors import InfeasibleDesignError, InvalidInputError
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
-from design.model.plants.mode import LARGEST_DAMPING_RATIO, Mode
+from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 from design.model.plants.modes import Modes
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.scheduled import Scheduled
@@ -84,11 +84,11 @@ def test_a_heavily_damped_plant_gets_what_is_claimed_or_a_reason(name: str, z: f
             continue
         assert made.certificate.verified
         kept = [one for one in made.certificate.claims if one.quantity == "residual"]
-        left = _left(made.impulses, z, IDEAL if made.for_ideal else actuator)
+        left = _residual(made.impulses, z, IDEAL if made.for_ideal else actuator)
         assert all(left <= claim.limit * (1 + 2e-9) for claim in kept)
 
 
-def _left(impulses: Any, z: float, actuator: Actuator) -> float:
+def _residual(impulses: Any, z: float, actuator: Actuator) -> float:
     return claims_by_formula(impulses, _mode(z), actuator)["residual"]
 
 
@@ -103,7 +103,7 @@ def test_kinds_are_designed_up_to_the_damping_that_they_are_known_to_bear(name: 
 def test_beyond_its_bound_a_kind_is_refused_by_name(name: str) -> None:
     kind, bound = SHAPERS[name], TO_BOUND[name]
     assert kind.damping.most == bound
-    if bound == LARGEST_DAMPING_RATIO:
+    if bound == MAX_DAMPING_RATIO:
         return
     rule = rf"^plant.damping_ratio must be at most {bound:g} for {name}: beyond it its last .*, got"
     with refused("too_damped_for_kind", "plant.damping_ratio", says=rule):
@@ -190,5 +190,5 @@ def test_a_curve_over_damping_reaches_the_heaviest() -> None:
     wanted = SensitivityRange(damping=DampingRange(start=0.0, stop=0.99))
     curve = sensitivity(made, _mode(0.6), Ideal(), wanted).damping
     assert curve is not None
-    told = np.array([_left(made, z, Ideal()) for z in curve[0].tolist()])
+    told = np.array([_residual(made, z, Ideal()) for z in curve[0].tolist()])
     assert np.abs(told - curve[1]).max() < 1e-12

@@ -174,9 +174,11 @@ def test_gaps_settle_where_asked() -> None:
 
 
 def test_what_no_shaper_does_is_refused_with_how_near_one_came() -> None:
-    with refused("no_band_solution_found", says=r"from 0\.5 to 1\.5 .* 9 starts; the nearest"):
+    with refused(
+        "no_band_solution_found", says=r"from 0\.5 to 1\.5 .* 9 starts; the residual of the nearest"
+    ):
         band_shaper(CRANE, THESIS, 0.5)
-    with refused("no_band_solution_found", says=r"5 impulses .* the nearest miss leaves 0\.05"):
+    with refused("no_band_solution_found", says=r"5 impulses .* the nearest miss is 0\.05"):
         band_shaper(CRANE, THESIS, 0.19, impulses=5)
     with refused("no_band_solution_found", says=r"the shortest takes 0\.73"):
         band_shaper(CRANE, THESIS, 0.18, impulses=5, max_duration_periods=0.7)

@@ -149,6 +149,6 @@ def test_modes_too_far_apart_for_doubles_are_refused_in_words() -> None:
             words.append((ratio, str(error)))
             continue
         assert found.certificate.verified
-    beyond = [(ratio, text) for ratio, text in words if "cannot be proved zero" in text]
+    beyond = [(ratio, text) for ratio, text in words if "cannot be proven zero" in text]
     assert beyond
     assert all(ratio > 30 and "rounding of double precision" in text for ratio, text in beyond)

@@ -23,7 +23,7 @@ from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import SHAPERS
 from design.shapers.specified_insensitivity import BandOptions
 from design.solvers import newton
-from design.solvers.budget import MOST_WORK, Budget
+from design.solvers.budget import MAX_WORK_PER_DESIGN, Budget
 from design.solving.solve import solve
 from tests.refusals import refused
 from tests.shaper_table import IDEAL, THESIS
@@ -71,8 +71,8 @@ def _work(case: tuple[str, Plant, Actuator, Any], most: float) -> tuple[Budget, 
 
 @pytest.mark.parametrize("case", HARD, ids=lambda case: case[0])
 def test_no_search_takes_more_than_its_budget(case: tuple[str, Plant, Actuator, Any]) -> None:
-    budget, _ = _work(case, MOST_WORK)
-    assert 0 < budget.done <= MOST_WORK + OVERSHOOT
+    budget, _ = _work(case, MAX_WORK_PER_DESIGN)
+    assert 0 < budget.done <= MAX_WORK_PER_DESIGN + OVERSHOOT
 
 
 @pytest.mark.parametrize("case", HARD, ids=lambda case: case[0])
@@ -169,11 +169,13 @@ def test_a_recommendation_shares_one_budget(
     with contextlib.suppress(InfeasibleDesignError):  # it ends within its budget all the same
         recommend(plant, actuator, wanted)
     (budget,) = spent
-    assert 0 < budget.done <= MOST_WORK + OVERSHOOT
+    assert 0 < budget.done <= MAX_WORK_PER_DESIGN + OVERSHOOT
 
 
 def test_what_a_recommendation_has_no_budget_for_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("design.recommendations.recommendation.MOST_WORK", 400_000)
+    monkeypatch.setattr(
+        "design.recommendations.recommendation.MAX_WORK_PER_RECOMMENDATION", 400_000
+    )
     found = recommend(MODE, SWITCHED, Requirements(half_width=0.1, sample_time_s=0.01))
     left_out = [one for one in found.refused if not one.searched]
     assert left_out
@@ -183,6 +185,6 @@ def test_what_a_recommendation_has_no_budget_for_is_said(monkeypatch: pytest.Mon
 
 def test_a_fit_ends_with_its_budget(monkeypatch: pytest.MonkeyPatch) -> None:
     wanted = FitRange(over="damping_ratio", start=0.0, stop=0.2, max_residual=1e-16)
-    monkeypatch.setattr("design.curve_fit.exact_curve.DESIGN_WORK", MOST_WORK / 30)
-    with refused("no_degree_suffices", says=r"no degree up to \d leaves .*; its budget of 4"):
+    monkeypatch.setattr("design.curve_fit.exact_curve.DESIGN_WORK", MAX_WORK_PER_DESIGN / 30)
+    with refused("no_degree_suffices", says=r"no degree up to \d has .*; its budget of 4"):
         fit(MODE, IDEAL, SHAPERS["umzvd"], wanted)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.expressions import Expressions, Model
 from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import unity_magnitude_problem
@@ -45,8 +45,8 @@ class Nowhere:
 
 def problem(
     model: Model, parameter: float, shortest: tuple[float, float] = (1e-6, 1e-6)
-) -> Problem:
-    return Problem(
+) -> GapProblem:
+    return GapProblem(
         model=model,
         parameters=np.array([parameter]),
         amplitudes=np.array([1.0, -1.0, 1.0]),

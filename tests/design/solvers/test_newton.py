@@ -74,7 +74,7 @@ def test_an_unsymmetric_jacobian_is_not_transposed() -> None:
 def test_steps_are_no_longer_than_a_tenth_of_a_period() -> None:
     start = np.array([[100.0, 100.0]])
     ends = newton.roots(Circle(), start, np.array([2.0]), iterations=3)
-    assert ends.unknowns == pytest.approx(start - 3 * newton.LARGEST_STEP_RAD, rel=1e-12)
+    assert ends.unknowns == pytest.approx(start - 3 * newton.MAX_STEP_RAD, rel=1e-12)
     assert not ends.converged.any()
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from design.errors import InfeasibleDesignError
-from design.formulations.equations import Problem
+from design.formulations.equations import GapProblem
 from design.formulations.unity_magnitude import (
     ZERO_VIBRATION,
     ZERO_VIBRATION_DERIVATIVE,
@@ -30,14 +30,14 @@ from tests.shaper_table import IDEAL, THESIS
 MODE = Mode(natural_frequency_rad_s=1.0, damping_ratio=0.05)
 
 
-def formulated(
+def formulate(
     actuator: Actuator,
     model: UnityMagnitude = ZERO_VIBRATION_DERIVATIVE,
     mode: Mode = MODE,
     *,
     settle: bool = False,
     periods: float = 3.0,
-) -> Problem:
+) -> GapProblem:
     return unity_magnitude_problem(
         model, mode, actuator, settle=settle, max_duration_periods=periods
     )
@@ -50,7 +50,7 @@ def second_order(w1: float, z1: float, w2: float, z2: float) -> SecondOrder:
     )
 
 
-def fastest_of_random_starts(problem: Problem, mode: Mode, actuator: Actuator) -> float:
+def fastest_of_random_starts(problem: GapProblem, mode: Mode, actuator: Actuator) -> float:
     """Least duration of the ordered roots that SciPy finds of the textbook's own equations."""
     from scipy.optimize import root
 
@@ -97,7 +97,7 @@ MULTISTART_CASES: dict[str, tuple[Actuator, bool]] = {
 @pytest.mark.parametrize("model", [ZERO_VIBRATION, ZERO_VIBRATION_DERIVATIVE])
 def test_random_starts_find_nothing_faster(case: str, model: UnityMagnitude) -> None:
     actuator, settle = MULTISTART_CASES[case]
-    problem = formulated(actuator, model, settle=settle)
+    problem = formulate(actuator, model, settle=settle)
     first = next(candidates(problem))
     best = fastest_of_random_starts(problem, MODE, actuator)
     assert math.isfinite(best)
@@ -107,18 +107,18 @@ def test_random_starts_find_nothing_faster(case: str, model: UnityMagnitude) -> 
 def test_settled_steps_of_a_damped_plant_take_the_fastest_branch_too() -> None:
     # As the closed form does without damping.
     actuator = second_order(2.06, 0.84, 2.47, 1.18)
-    problem = formulated(actuator, ZERO_VIBRATION, settle=True)
+    problem = formulate(actuator, ZERO_VIBRATION, settle=True)
     best = fastest_of_random_starts(problem, MODE, actuator)
     assert next(candidates(problem)).impulses.duration_s <= best + 1e-6  # SciPy ends at 1e-8 or so
 
 
 def test_the_usual_seed_needs_one_start() -> None:
-    first = next(candidates(formulated(THESIS, mode=Mode(natural_frequency_rad_s=3.5))))
+    first = next(candidates(formulate(THESIS, mode=Mode(natural_frequency_rad_s=3.5))))
     assert (first.solver.seed, first.solver.starts) == ("umzvd_polynomials", 1)
 
 
 def test_where_seeds_fail_the_branches_are_searched() -> None:
-    first = next(candidates(formulated(OFF_THE_USUAL_BRANCH)))
+    first = next(candidates(formulate(OFF_THE_USUAL_BRANCH)))
     assert first.solver.seed == "branch_search"
     assert first.solver.starts == BRANCH_STARTS + 2
     assert first.impulses.duration_s > 0.85 * 2 * math.pi  # beyond the usual branch
@@ -127,7 +127,7 @@ def test_where_seeds_fail_the_branches_are_searched() -> None:
 def test_candidates_come_fastest_first_once_branches_are_searched() -> None:
     durations = []
     with suppress(InfeasibleDesignError):  # the end of every search
-        for candidate in candidates(formulated(OFF_THE_USUAL_BRANCH)):
+        for candidate in candidates(formulate(OFF_THE_USUAL_BRANCH)):
             durations.append(candidate.impulses.duration_s)
     assert len(durations) > 1
     # The seeds themselves, tried again last, may lead to roots found before.
@@ -136,7 +136,7 @@ def test_candidates_come_fastest_first_once_branches_are_searched() -> None:
 
 
 def test_starts_are_ordered_within_the_horizon_and_long_enough() -> None:
-    problem = formulated(second_order(6.0, 1.0, 9.0, 0.8), settle=True)
+    problem = formulate(second_order(6.0, 1.0, 9.0, 0.8), settle=True)
     starts = spread_starts(problem)
     assert starts.shape == (BRANCH_STARTS, 4)
     assert (starts >= problem.shortest_gaps_rad).all()
@@ -144,7 +144,7 @@ def test_starts_are_ordered_within_the_horizon_and_long_enough() -> None:
 
 
 def test_starts_are_spread_evenly_and_the_same_every_time() -> None:
-    problem = formulated(IDEAL)
+    problem = formulate(IDEAL)
     starts = spread_starts(problem)
     assert (starts == spread_starts(problem)).all()
     # The k-th of n sorted uniform numbers has mean k / (n + 1); a lattice keeps to a per cent.
@@ -158,7 +158,7 @@ def test_a_fruitless_search_says_how_far_it_went_and_what_came_nearest() -> None
         r"the solution with switches at 0, [-\d., ]+ periods$"
     )
     with refused("no_solution_found", says=message):
-        list(candidates(formulated(IDEAL, periods=0.5)))
+        list(candidates(formulate(IDEAL, periods=0.5)))
 
 
 def test_a_search_without_any_root_says_how_far_off_the_nearest_is() -> None:
@@ -167,18 +167,18 @@ def test_a_search_without_any_root_says_how_far_off_the_nearest_is() -> None:
     undamped = Mode(natural_frequency_rad_s=1.0)
     message = r"in 1026 starts; nearest miss: an equation off by [\d.e-]+$"
     with refused("no_solution_found", says=message) as caught:
-        list(candidates(formulated(actuator, ZERO_VIBRATION, undamped)))
+        list(candidates(formulate(actuator, ZERO_VIBRATION, undamped)))
     # What is told is the larger of two components of 3.2 less the two other vectors.
     left = float(str(caught.value).split("off by ")[1])
     assert left >= 1.2 / math.sqrt(2) - 1e-3
 
 
-def answer(problem: Problem, status: Status) -> Outcome:
+def answer(problem: GapProblem, status: Status) -> Outcome:
     return Outcome(status=status, unknowns=problem.seeds[0].gaps_rad, iterations=1)
 
 
 def test_a_solver_out_of_time_ends_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
-    problem = formulated(THESIS)
+    problem = formulate(THESIS)
     monkeypatch.setattr(ipopt, "solve", lambda *_: answer(problem, Status.TIME_LIMIT))
     with refused("seed_past_time", says=r"^ipopt ran past its time from seed 'umzvd_poly"):
         next(candidates(problem))
@@ -188,14 +188,14 @@ def test_a_solver_out_of_time_ends_the_search(monkeypatch: pytest.MonkeyPatch) -
 def test_a_solver_without_success_yields_no_candidate(
     status: Status, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    problem = formulated(THESIS)
+    problem = formulate(THESIS)
     monkeypatch.setattr(ipopt, "solve", lambda *_: answer(problem, status))
     with refused("no_solution_found", says=r"^no ordered solution"):
         next(candidates(problem))
 
 
 def test_an_answer_beyond_the_horizon_is_no_candidate(monkeypatch: pytest.MonkeyPatch) -> None:
-    problem = formulated(THESIS)
+    problem = formulate(THESIS)
     late = Outcome(status=Status.SOLVE_SUCCEEDED, unknowns=np.full(4, 5.0), iterations=1)
     monkeypatch.setattr(ipopt, "solve", lambda *_: late)
     with pytest.raises(InfeasibleDesignError):
@@ -244,4 +244,4 @@ def test_starts_at_nearly_one_time_stop_no_lane_with_a_singular_matrix() -> None
     # Of one in 7,000 random designs: what keeps a lane from being singular made it so.
     mode = Mode(natural_frequency_rad_s=2.867163710933035, damping_ratio=0.045023914989145354)
     with refused("no_solution_found", says=r"duration <= 0\.1 periods in 1026 starts"):
-        next(candidates(formulated(IDEAL, mode=mode, periods=0.1)))
+        next(candidates(formulate(IDEAL, mode=mode, periods=0.1)))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from design.analysis.shortest import excluded_rad
+from design.analysis.shortest import excluded_duration_rad
 from design.model.plants.modes import Modes
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
@@ -106,7 +106,7 @@ def test_a_bound_is_that_of_a_dense_grid_whatever_the_function(positive: bool) -
         until = float(rng.uniform(1, 6))
         times = np.linspace(0, until, 400_001)
         pull = (vectors.conj() @ np.exp(-poles[:, None] * times)).real
-        found = excluded_rad(poles, vectors, until, positive=positive)
+        found = excluded_duration_rad(poles, vectors, until, positive=positive)
         if pull[0] <= 0:
             assert found == 0
             continue

@@ -16,7 +16,7 @@ from design.shapers.positive import MzvOptions
 from design.shapers.registry import SHAPERS
 from design.solving.distinct_steps import distinct_steps
 
-SMALLEST = 1e-12
+MIN_STEP_SHARE = 1e-12
 """Share of all steps' sizes that no step has to be below where no mode is damped [-]."""
 
 HARMONICS = [
@@ -42,7 +42,7 @@ def test_plants_of_harmonics_have_no_impulse_that_is_rounding(
     plant = Modes(modes=tuple(Mode(natural_frequency_rad_s=15.0 * one) for one in ratios))
     made = design(plant, Ideal(), SHAPERS[kind])
     assert made.certificate.verified
-    assert _smallest(made.impulses) > SMALLEST
+    assert _smallest(made.impulses) > MIN_STEP_SHARE
     assert np.diff(made.impulses.times_s).min() > 1e-6 * made.impulses.duration_s
 
 

@@ -27,7 +27,7 @@ from design.solvers.branches import spread_starts
 from design.solvers.newton import roots
 from design.tables import compute, kernel, starts
 from design.tables.compiled import compiled
-from design.tables.compute import compute_rows, counted_rows
+from design.tables.compute import compute_rows, compute_with_counts
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL
 from design.tables.specification import TableSpecification
 from tests.patience import PATIENT_S
@@ -125,12 +125,12 @@ def test_rows_do_not_depend_on_where_a_run_begins() -> None:
 PRINT_CHECKSUM = """
 import zlib
 from dataclasses import replace
-from design.tables.compute import counted_rows
+from design.tables.compute import compute_with_counts
 from tests.table_cases import random_table
 
 table = random_table(300, 3, order=2)
 table = replace(table, listed=table.listed.round(6))  # made by the library's exponential
-rows, counts = counted_rows(table, 0, 300)
+rows, counts = compute_with_counts(table, 0, 300)
 print(counts.compiled, zlib.crc32(rows.results.tobytes()))
 """
 
@@ -164,7 +164,7 @@ def test_compiled_rows_are_the_same_to_the_bit_on_any_kind_of_machine(tmp_path: 
 
 
 def test_almost_all_rows_are_compiled_and_some_are_guarded() -> None:
-    rows, counts = counted_rows(random_table(4000, 9, order=1), 0, 4000)
+    rows, counts = compute_with_counts(random_table(4000, 9, order=1), 0, 4000)
     assert (rows.status == VERIFIED).all()
     assert counts.compiled == 4000
     assert 0 < counts.guarded < 20
@@ -189,8 +189,8 @@ def test_every_column_is_that_of_the_single_design(kind: str) -> None:
     # The drive's sets are apart: what does not know them is proven for an ideal one only.
     assert one.status.tolist() == [VERIFIED if kind == "numzvd" else VERIFIED_IDEAL] * 2
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(compute, "_compiled", lambda _: None)
-        rows, counts = counted_rows(table, 0, 2)
+        patch.setattr(compute, "_kernel_rows", lambda _: None)
+        rows, counts = compute_with_counts(table, 0, 2)
     assert counts.single == 2
     assert one.status.tolist() == rows.status.tolist()
     np.testing.assert_allclose(one.results, rows.results, rtol=1e-9, atol=1e-9)
@@ -205,9 +205,9 @@ def test_gaps_that_solve_nothing_are_not_verified(monkeypatch: pytest.MonkeyPatc
         gaps, ends = solve(*args, **kwargs)
         return gaps + 1e-6, ends
 
-    solve = kernel.solved
-    monkeypatch.setattr(kernel, "solved", wrong)
-    rows, counts = counted_rows(table, 0, 3)
+    solve = kernel.solve_rows
+    monkeypatch.setattr(kernel, "solve_rows", wrong)
+    rows, counts = compute_with_counts(table, 0, 3)
     assert counts.compiled == 0
     assert counts.single == 3
     np.testing.assert_allclose(rows.results[:, :5], right.results[:, :5], rtol=1e-9)
@@ -223,12 +223,12 @@ def test_a_wrong_branch_is_found_by_the_guard(monkeypatch: pytest.MonkeyPatch) -
     usable = ends.unknowns[ends.converged & (ends.unknowns > 1e-2).all(axis=1)]
     slower = usable[usable.sum(axis=1) > 1.1 * right.results[0, 4] * plant.mode.pole_rad_s.imag][:1]
     found = np.array([starts.FOUND], dtype=np.int8)
-    monkeypatch.setattr(kernel, "solved", lambda *_, **__: (slower, found))
-    unguarded, counts = counted_rows(table, 0, 1)
+    monkeypatch.setattr(kernel, "solve_rows", lambda *_, **__: (slower, found))
+    unguarded, counts = compute_with_counts(table, 0, 1)
     assert counts.compiled == 1
     assert unguarded.results[0, 4] > 1.05 * right.results[0, 4]
     monkeypatch.setattr(compute, "GUARDED_SHARE", 1)
-    guarded, counts = counted_rows(table, 0, 1)
+    guarded, counts = compute_with_counts(table, 0, 1)
     assert (counts.guarded, counts.corrected) == (1, 1)
     assert guarded.reasons == {}
     np.testing.assert_allclose(guarded.results[:, :5], right.results[:, :5], rtol=1e-9)
@@ -283,6 +283,6 @@ def test_what_the_kernel_does_not_know_runs_through_the_pipeline() -> None:
         axes=(Axis(path=("shaper", "max_velocity_ratio"), values=np.array([1.0, 1.2])),),
     )
     for one in (table, varied):
-        rows, counts = counted_rows(one, 0, 2)
+        rows, counts = compute_with_counts(one, 0, 2)
         assert counts.single == 2
         assert (rows.status == VERIFIED).all()

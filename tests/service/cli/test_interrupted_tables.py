@@ -106,13 +106,13 @@ def test_a_disk_that_is_full_for_the_file_alone_keeps_the_rows(
 
 
 def test_workers_killed_in_their_chunks_cost_nothing_but_time(spec: Path, tmp_path: Path) -> None:
-    from service.jobs.store import MOST_FAILURES
+    from service.jobs.store import MAX_FAILURES
 
     spec.write_text(json.dumps({**LONG, "axes": [{**SMALL["axes"][0], "points": 600}]}))
     path, undisturbed = tmp_path / "t.csv", tmp_path / "u.csv"
     killed: set[int] = set()
     with begun(spec, path) as process:
-        while len(killed) <= MOST_FAILURES and process.poll() is None:
+        while len(killed) <= MAX_FAILURES and process.poll() is None:
             # The fork server is a child, the workers are children of that.
             below = [children(pid) for pid in children(process.pid)]
             if found := set().union(*below) - killed:

@@ -13,7 +13,7 @@ from design.export.registry import EXPORTS
 from design.tables.compute import compute_rows
 from schemas.design_request import DesignRequest
 from service.cli.single_file import design_file
-from service.jobs.plan import Plan, head_of, planned, specification_of
+from service.jobs.plan import Plan, head_of, plan_table, specification_of
 from service.operations.design import design_shaper
 from service.problems import Problem
 from tests.readers import read_back
@@ -113,13 +113,13 @@ def test_a_table_of_the_design_itself_has_one_row(
 ) -> None:
     from design.export.registry import EXPORTS
     from design.tables.compute import compute_rows
-    from service.jobs.plan import Plan, head_of, planned, specification_of
+    from service.jobs.plan import Plan, head_of, plan_table, specification_of
 
     if "sample_time_s" in shaper:
         return
     request = {"plant": plant, "actuator": actuator, "shaper": shaper}
     body = {"design": request, "designs": [{}], "columns": ["times_s", "amplitudes", "residual"]}
-    plan = planned(json.dumps(body).encode())
+    plan = plan_table(json.dumps(body).encode())
     assert isinstance(plan, Plan), plan
     assert plan.size.rows == 1
     job = plan.job
@@ -153,13 +153,13 @@ def test_the_command_prints_the_file() -> None:
 
 
 def test_several_designs_that_vary_nothing_are_refused() -> None:
-    from service.jobs.plan import planned
+    from service.jobs.plan import plan_table
 
     body = {
         "design": {"plant": MODE, "actuator": IDEAL, "shaper": {"kind": "umzv"}},
         "designs": [{}, {}],
     }
-    problem = planned(json.dumps(body).encode())
+    problem = plan_table(json.dumps(body).encode())
     assert isinstance(problem, Problem)
     assert (
         "designs: must be one or more; where more than one, they vary something, got 2"
@@ -180,7 +180,7 @@ def test_a_table_goes_over_the_modes_of_a_plant(tmp_path: Path, base: str) -> No
         ],
         "columns": ["times_s", "amplitudes", "residual", "slope"],
     }
-    plan = planned(json.dumps(body).encode())
+    plan = plan_table(json.dumps(body).encode())
     assert isinstance(plan, Plan), plan
     rows = compute_rows(specification_of(plan.job.specification, plan.job.impulses), 0, 6)
     head = head_of(plan.job, fitted=False)
@@ -207,9 +207,14 @@ def test_a_table_goes_over_the_modes_of_a_plant(tmp_path: Path, base: str) -> No
 @pytest.mark.parametrize(
     ("plant", "kind", "field", "words"),
     [
-        (TWO_MODES, "multi_zv", "/plant/modes/0/damping_ratio", "as many impulses in every row"),
+        (
+            TWO_MODES,
+            "multi_zv",
+            "/plant/modes/0/damping_ratio",
+            "the same number of impulses in every row",
+        ),
         (TWO_MODES, "zv", "/plant/modes/0/damping_ratio", "a plant of one mode for zv"),
-        (MODE, "si", "/plant/damping_ratio", "as many impulses in every row"),
+        (MODE, "si", "/plant/damping_ratio", "the same number of impulses in every row"),
         (TWO_MODES, "convolved", "/plant/modes/2/damping_ratio", "must be one of 0, 1"),
         (TWO_MODES, "convolved", "/plant/modes", "the name of a number"),
         (
@@ -228,6 +233,6 @@ def test_tables_whose_rows_differ_in_kind_are_refused_by_name(
         "axes": [{"field": field, "values": [0.01, 0.02]}],
         "columns": ["times_s", "amplitudes"],
     }
-    problem = planned(json.dumps(body).encode())
+    problem = plan_table(json.dumps(body).encode())
     assert isinstance(problem, Problem)
     assert words in problem.detail

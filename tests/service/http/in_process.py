@@ -38,9 +38,9 @@ class InProcess:
     ) -> httpx.Response:
         """Return the answer; a body that is neither bytes nor comes in parts is sent as JSON."""
         sent = {"content" if isinstance(body, bytes | AsyncIterator) else "json": body}
-        return asyncio.run(self._asked(method, path, dict(headers or {}), sent))
+        return asyncio.run(self._ask(method, path, dict(headers or {}), sent))
 
-    async def _asked(
+    async def _ask(
         self, method: str, path: str, headers: dict[str, str], sent: dict[str, Any]
     ) -> httpx.Response:
         transport = httpx.ASGITransport(self.app)

@@ -24,7 +24,7 @@ def path(tmp_path: Path) -> Path:
     return file
 
 
-def asked(path: Path, **headers: str) -> Response:
+def ask(path: Path, **headers: str) -> Response:
     named = {name.replace("_", "-"): value for name, value in headers.items()}
     return file_response(path, Headers(named), {"etag": '"tag"', "content-type": "text/csv"})
 
@@ -54,7 +54,7 @@ def body_of(response: Response) -> bytes:
     ],
 )
 def test_a_range_is_served(path: Path, header: str, first: int, last: int) -> None:
-    part = asked(path, range=header)
+    part = ask(path, range=header)
     assert part.status_code == 206
     assert part.headers["content-range"] == f"bytes {first}-{last}/{SIZE}"
     assert part.headers["content-length"] == str(last - first + 1)
@@ -83,7 +83,7 @@ def test_a_range_is_served(path: Path, header: str, first: int, last: int) -> No
     ],
 )
 def test_a_range_that_cannot_be_read_is_ignored(path: Path, header: str) -> None:
-    whole = asked(path, range=header)
+    whole = ask(path, range=header)
     assert (whole.status_code, whole.headers["content-length"]) == (200, str(SIZE))
     assert body_of(whole) == CONTENT
 
@@ -91,13 +91,13 @@ def test_a_range_that_cannot_be_read_is_ignored(path: Path, header: str) -> None
 @pytest.mark.parametrize("header", [f"bytes={SIZE}-", "bytes=999999999-", "bytes=-0"])
 def test_a_range_beyond_the_file_is_refused_with_its_size(path: Path, header: str) -> None:
     with pytest.raises(ProblemError, match=f"has {SIZE} bytes") as refused:
-        asked(path, range=header)
+        ask(path, range=header)
     assert refused.value.problem.kind.http == 416
     assert refused.value.headers == {"content-range": f"bytes */{SIZE}"}
-    assert body_of(asked(path, range=header, if_range='"old"')) == CONTENT
+    assert body_of(ask(path, range=header, if_range='"old"')) == CONTENT
 
 
 def test_a_range_of_another_file_is_not_mixed_into_this_one(path: Path) -> None:
-    assert body_of(asked(path, range="bytes=1-2", if_range='"tag"')) == CONTENT[1:3]
+    assert body_of(ask(path, range="bytes=1-2", if_range='"tag"')) == CONTENT[1:3]
     for other in ('"old"', 'W/"tag"', "Sat, 01 Jan 2000 00:00:00 GMT"):
-        assert body_of(asked(path, range="bytes=1-2", if_range=other)) == CONTENT
+        assert body_of(ask(path, range="bytes=1-2", if_range=other)) == CONTENT

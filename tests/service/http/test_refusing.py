@@ -29,7 +29,7 @@ READ = b"GET /health/live HTTP/1.1\r\nhost: here\r\n\r\n"
 
 
 @contextmanager
-def served(pool: InlinePool) -> Iterator[socket.socket]:
+def serve(pool: InlinePool) -> Iterator[socket.socket]:
     """Serve with a pool in this process, and connect."""
     listener = socket.create_server(("127.0.0.1", 0))
     app = create_app(Settings(), pool=pool)
@@ -73,7 +73,7 @@ def full_pool() -> InlinePool:
 
 
 def test_a_refusal_is_the_problem_that_the_app_would_send(heard: list[str]) -> None:
-    with served(full_pool()) as connection:
+    with serve(full_pool()) as connection:
         connection.sendall(HEAD + BODY)
         status, headers, body = one_answer(connection.makefile("rb"))
     assert heard == []
@@ -86,7 +86,7 @@ def test_a_refusal_is_the_problem_that_the_app_would_send(heard: list[str]) -> N
 
 
 def test_a_refused_body_is_dropped_and_its_connection_serves_on(heard: list[str]) -> None:
-    with served(full_pool()) as connection:
+    with serve(full_pool()) as connection:
         answers = connection.makefile("rb")
         connection.sendall(HEAD)
         assert one_answer(answers)[0] == 503  # before the body is sent
@@ -100,7 +100,7 @@ def test_a_refused_body_is_dropped_and_its_connection_serves_on(heard: list[str]
 
 
 def test_a_connection_that_is_not_to_be_kept_is_closed() -> None:
-    with served(full_pool()) as connection:
+    with serve(full_pool()) as connection:
         connection.sendall(HEAD.replace(b"\r\n\r\n", b"\r\nconnection: close\r\n\r\n") + BODY)
         answers = connection.makefile("rb")
         status, headers, _ = one_answer(answers)
@@ -109,7 +109,7 @@ def test_a_connection_that_is_not_to_be_kept_is_closed() -> None:
 
 
 def test_a_pool_with_room_answers_by_the_app(heard: list[str]) -> None:
-    with served(InlinePool()) as connection:
+    with serve(InlinePool()) as connection:
         connection.sendall(HEAD + BODY)
         status, _, body = one_answer(connection.makefile("rb"))
     assert (status, heard) == (200, ["/v1/designs"])

@@ -15,7 +15,7 @@ import pytest
 
 from tests.conftest import CRANE, Running, running_service
 from tests.patience import PATIENT_S
-from tests.processes import TICKS_A_SECOND, children, running, until, workers
+from tests.processes import TICKS_PER_SECOND, children, running, until, workers
 
 ENDLESS: dict[str, Any] = {
     "plant": {
@@ -43,7 +43,7 @@ built [s]."""
 
 
 def at_work(
-    service: Running, before: dict[int, float], used_s: float = 4.5 / TICKS_A_SECOND
+    service: Running, before: dict[int, float], used_s: float = 4.5 / TICKS_PER_SECOND
 ) -> int:
     """Return a worker that has worked since, waiting for one; a ready worker that waits does not.
 

@@ -104,7 +104,7 @@ def test_a_route_that_crashes_answers_that_the_service_failed(
     path: str,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(jobs, "found", None)
+    monkeypatch.setattr(jobs, "find", None)
     monkeypatch.setattr(jobs, "newest", None)
     answer = service.ask(method, path)
     require_problem(answer, 500, "internal", "its log has the reason")
@@ -138,11 +138,11 @@ def test_a_table_that_changes_meanwhile_is_a_conflict(
 
     monkeypatch.setattr(jobs, "cancel", too_late)
     ended = service.ask("DELETE", f"/v1/tables/{begun}")
-    require_problem(ended, 409, "conflict", "once more deletes it")
+    require_problem(ended, 409, "conflict", "the same request again deletes it")
     monkeypatch.setattr(jobs, "delete", too_late)
     jobs.change(begun, "failed")
     resumed = service.ask("DELETE", f"/v1/tables/{begun}")
-    require_problem(resumed, 409, "conflict", "once more cancels")
+    require_problem(resumed, 409, "conflict", "the same request again cancels it")
 
 
 def test_a_failed_table_alone_is_resumed(service: InProcess, jobs: MemoryJobs, begun: str) -> None:

@@ -11,12 +11,12 @@ from typing import Any
 import httpx
 import pytest
 
-from service.files import locked as file_locked
+from service.files import hold_lock as file_locked
 from service.jobs.results import lock_of, write_result_of
 from service.jobs.service import JobService
 from service.problems import NOT_FOUND
 from tests.conftest import CRANE, Running, running_service
-from tests.harmed_stores import HARMS, locked
+from tests.harmed_stores import HARMS, hold_locked
 from tests.job_stores import job
 from tests.patience import PATIENT_S
 from tests.processes import until, workers
@@ -79,7 +79,7 @@ def test_a_locked_store_is_read_and_refuses_what_would_write(
     service: Running, client: httpx.Client, kind: str
 ) -> None:
     location = begun(client)
-    with locked(service.data / "jobs.sqlite", kind):
+    with hold_locked(service.data / "jobs.sqlite", kind):
         for path in ("/v1/tables", location, f"{location}/events", f"{location}/result"):
             assert client.get(path).status_code == 200, path
         assert client.get("/health/live").status_code == 200

@@ -10,10 +10,10 @@ import sqlalchemy as sa
 
 from service.jobs import counting
 from service.jobs.counting import rate_rows_s
-from service.jobs.records import Claim, Done
+from service.jobs.records import ChunkClaim, Done
 from service.jobs.schema import CHUNKS, JOBS
 from service.jobs.store import Store
-from tests.job_stores import HOUR_S, changed, done, engine_of, job
+from tests.job_stores import HOUR_S, change_jobs, done, engine_of, job
 
 SUMS = {
     "rows_done": CHUNKS.c.rows,
@@ -36,7 +36,7 @@ def require_sums(url: str, one: str) -> int:
     return wanted[0]
 
 
-def rows_of(claim: Claim) -> Done:
+def rows_of(claim: ChunkClaim) -> Done:
     """Return a chunk of four rows or more, of which so many are such as its number says."""
     kinds = claim.number % 2, claim.number % 3
     return done(b"%d" % claim.number, infeasible=kinds[0], verified_ideal=min(kinds[1], 1))
@@ -105,7 +105,7 @@ def test_counts_hold_when_a_job_ends_or_is_taken_back_under_those_who_finish(
     recorded: list[bool] = []
     begun = threading.Event()
 
-    def work(part: list[Claim]) -> None:
+    def work(part: list[ChunkClaim]) -> None:
         mine = Store(url, stalled_s=HOUR_S, version="1")
         for claim in part:
             recorded.append(mine.finish("w", claim, done()))
@@ -119,7 +119,7 @@ def test_counts_hold_when_a_job_ends_or_is_taken_back_under_those_who_finish(
     WISHES[wish](store, new.id)
     for thread in threads:
         thread.join()
-    for left in store.left_over():
+    for left in store.jobs_to_erase():
         store.erase(left)
     counted = require_sums(url, new.id)
     assert counted == (0 if wish == "cancel" else sum(recorded))
@@ -159,7 +159,7 @@ def test_the_rate_is_that_of_the_chunks_done_lately(
     def later(seconds: float) -> None:
         """Make all times of the job older, as if time had passed."""
         times = ("earlier_from", "lately_from", "last_finished")
-        changed(url, **{name: JOBS.c[name] - seconds for name in times})
+        change_jobs(url, **{name: JOBS.c[name] - seconds for name in times})
 
     assert finished(1) == 0.0  # nobody knows how long it took
     later(2 * HOUR_S)

@@ -11,7 +11,7 @@ import pytest
 from design.tables.rows import Rows
 from service.jobs.blobs import to_blob
 from service.jobs.contents import DamagedError
-from service.jobs.plan import told
+from service.jobs.plan import wire_job
 from service.jobs.results import rows_of_job
 from service.jobs.schema import JOBS
 from service.jobs.soundness import RULES, damage_of
@@ -68,13 +68,13 @@ def test_a_job_whose_record_cannot_be_harms_no_other_and_can_be_deleted(
     while claims := store.claim("w", 1):
         for claim in claims:
             try:
-                store.made_of(claim.job)
+                store.contents_of(claim.job)
             except DamagedError as error:
                 store.fail_job(claim.job, str(error))
             else:
                 assert store.finish("w", claim, done())
         store.settle()
-    seen = {one.id: told(one) for one in store.jobs(9)}
+    seen = {one.id: wire_job(one) for one in store.jobs(9)}
     assert seen[good.id].state == "done"
     assert seen[good.id].rows_done == 2
     found = store.job(strange.id)
@@ -160,7 +160,7 @@ def test_a_specification_that_is_not_what_was_stored_fails_its_job_alone(
         "its specification in the job store is damaged",
     )
     with pytest.raises(DamagedError, match="specification"):
-        store.made_of(strange.id)
+        store.contents_of(strange.id)
 
 
 def rows(first: int) -> Rows:

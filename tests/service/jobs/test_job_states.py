@@ -8,10 +8,19 @@ import pytest
 from service.jobs.adding import KeyReusedError
 from service.jobs.contents import GoneError
 from service.jobs.erasing import ERASED_AT_ONCE
-from service.jobs.plan import told
-from service.jobs.records import Claim, Job
-from service.jobs.store import MOST_FAILURES, Store
-from tests.job_stores import HOUR_S, changed, counted, done, erase, job, silent_for, state_of
+from service.jobs.plan import wire_job
+from service.jobs.records import ChunkClaim, Job
+from service.jobs.store import MAX_FAILURES, Store
+from tests.job_stores import (
+    HOUR_S,
+    change_jobs,
+    count_chunks,
+    done,
+    erase,
+    job,
+    silent_for,
+    state_of,
+)
 
 
 def to_waiting(store: Store, one: str) -> None:
@@ -19,7 +28,7 @@ def to_waiting(store: Store, one: str) -> None:
 
 
 def to_running(store: Store, one: str) -> None:
-    assert store.claim("w", 1) == [Claim(one, 0)]
+    assert store.claim("w", 1) == [ChunkClaim(one, 0)]
 
 
 def to_done(store: Store, one: str) -> None:
@@ -31,7 +40,7 @@ def to_done(store: Store, one: str) -> None:
 
 def to_failed(store: Store, one: str) -> None:
     to_running(store, one)
-    store.give_back("w", [Claim(one, 0)])
+    store.give_back("w", [ChunkClaim(one, 0)])
     store.fail_job(one, "it broke")
 
 
@@ -105,7 +114,7 @@ def test_a_failed_job_that_is_resumed_is_tried_as_often_as_before(store: Store) 
     new = job(rows=1)
     store.add(new)
     for _ in range(2):
-        for _ in range(MOST_FAILURES):
+        for _ in range(MAX_FAILURES):
             assert state_of(store, new.id) in {"waiting", "running"}
             (claim,) = store.claim("w", 1)
             store.fail("w", claim, "it broke")
@@ -116,9 +125,9 @@ def test_a_failed_job_that_is_resumed_is_tried_as_often_as_before(store: Store) 
 def test_a_job_costs_the_same_whatever_its_size(store: Store, url: str) -> None:
     huge = job(rows=10**10, chunk_rows=10**4)
     store.add(huge)
-    assert counted(url, huge.id) == 0
+    assert count_chunks(url, huge.id) == 0
     assert len(store.claim("w", 3)) == 3
-    assert counted(url, huge.id) == 3
+    assert count_chunks(url, huge.id) == 3
     found = store.job(huge.id)
     assert found is not None
     assert (found.rows, found.chunks, found.done) == (10**10, 10**6, 0)
@@ -184,7 +193,7 @@ def test_a_job_that_its_own_version_still_computes_is_left_to_it(store: Store) -
 def test_a_state_that_this_version_does_not_know_stops_no_other_job(store: Store, url: str) -> None:
     strange, good = job(), job()
     store.add(strange)
-    changed(url, state="paused")
+    change_jobs(url, state="paused")
     store.add(good)
     assert {claim.job for claim in store.claim("w", 9)} == {good.id}
     found: dict[str, Job] = {one.id: one for one in store.jobs(9)}
@@ -207,12 +216,12 @@ def test_a_deleted_job_goes_with_its_chunks_however_many(store: Store, url: str)
     store.fail_job(new.id, "enough")
     assert store.delete(new.id)
     assert store.jobs(9) == []
-    assert counted(url, new.id) == new.chunks  # whoever deletes need not wait for that
-    assert store.left_over() == [new.id]
+    assert count_chunks(url, new.id) == new.chunks  # whoever deletes need not wait for that
+    assert store.jobs_to_erase() == [new.id]
     erase(store)
-    assert counted(url, new.id) == 0
+    assert count_chunks(url, new.id) == 0
     with pytest.raises(GoneError, match="has gone"):
-        store.made_of(new.id)
+        store.contents_of(new.id)
 
 
 def test_what_a_killed_process_left_of_a_deleted_job_is_unseen_and_erased(
@@ -221,15 +230,15 @@ def test_what_a_killed_process_left_of_a_deleted_job_is_unseen_and_erased(
     new = job()
     store.add(new)
     store.claim("w", 9)
-    changed(url, state="deleted")
+    change_jobs(url, state="deleted")
     assert store.job(new.id) is None
     assert store.jobs(9) == []
     assert store.claim("w", 9) == []
     assert not store.delete(new.id)
-    assert store.left_over() == [new.id]
+    assert store.jobs_to_erase() == [new.id]
     erase(store)
-    assert counted(url, new.id) == 0
-    assert store.left_over() == []
+    assert count_chunks(url, new.id) == 0
+    assert store.jobs_to_erase() == []
 
 
 def test_rows_that_are_deleted_while_they_are_read_are_not_taken_for_all(store: Store) -> None:
@@ -263,5 +272,5 @@ def test_what_is_told_of_a_job_needs_no_specification(store: Store) -> None:
     new = replace(job(rows=10**10, chunk_rows=10**4), specification="none", estimated_bytes=57)
     store.add(new)
     (found,) = store.jobs(9)
-    size = told(found).size
+    size = wire_job(found).size
     assert (size.rows, size.chunks, size.estimated_bytes) == (10**10, 10**6, 57)

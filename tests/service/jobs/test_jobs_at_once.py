@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from service.jobs.records import Claim
+from service.jobs.records import ChunkClaim
 from service.jobs.store import Store
-from tests.job_stores import HOUR_S, counted, done, erase, job, state_of
+from tests.job_stores import HOUR_S, count_chunks, done, erase, job, state_of
 
 
 def at_once(work: Callable[[int], None], times: int) -> None:
@@ -37,7 +37,7 @@ def test_many_at_once_compute_many_jobs_and_each_chunk_once(stores: list[Store])
     jobs = [job(rows, 1) for rows in (1, 30, 60)]
     for new in jobs:
         stores[0].add(new)
-    recorded: list[Claim] = []
+    recorded: list[ChunkClaim] = []
 
     def work(number: int) -> None:
         mine, name = stores[number], str(number)
@@ -82,4 +82,4 @@ def test_jobs_cancelled_deleted_and_resumed_under_claims_leave_nothing(
     at_once(lambda number: erase(stores[number]), len(stores))
     for new in jobs:
         assert state_of(stores[0], new.id) == "gone"
-        assert counted(url, new.id) == 0
+        assert count_chunks(url, new.id) == 0

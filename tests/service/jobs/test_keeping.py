@@ -21,7 +21,7 @@ def service(tmp_path: Path) -> Iterator[Running]:
         yield service
 
 
-def begun(service: Running, table: object) -> str:
+def begin(service: Running, table: object) -> str:
     with service.client() as client:
         location: str = client.post("/v1/tables", json=table).headers["location"]
     return location
@@ -35,7 +35,7 @@ def chunks(service: Running, state: str) -> int:
 
 def at_work(service: Running) -> int:
     """Begin a table without end; return the process that computes it once a chunk is done."""
-    begun(service, ENDLESS)
+    begin(service, ENDLESS)
     until(lambda: chunks(service, "done"), "no chunk is done")
     return table_process(service)
 
@@ -52,7 +52,7 @@ def test_it_is_started_anew_when_it_is_killed_and_goes_on_with_its_tables(
         until(lambda: table_process(service) not in {0, victim}, "none takes its place")
         until(lambda: not below & of_service(service).keys(), "its workers outlive it")
         until(lambda: chunks(service, "done") > done + 2, "no other goes on with its table")
-        location = begun(service, TABLE)
+        location = begin(service, TABLE)
         with service.client() as client:
             assert client.post("/v1/designs", json=CRANE).status_code == 200
             ended(client, location)
@@ -82,7 +82,7 @@ def test_it_lets_the_service_hear_signals(service: Running) -> None:
 def test_why_it_cannot_go_on_is_logged_and_it_is_tried_again(tmp_path: Path) -> None:
     log = tmp_path / "log"
     with running_service(log, workers=1, scheduler="nowhere") as service:
-        begun(service, TABLE)
+        begin(service, TABLE)
         first = until(lambda: table_process(service), "it is not started")
         until(lambda: table_process(service) not in {0, first}, "it is not started anew")
     lines = [json.loads(line)["message"] for line in log.read_text().splitlines()]

@@ -14,7 +14,7 @@ from service.jobs import database
 from service.jobs.asking import Asking, UnansweredError
 from service.jobs.records import Done
 from service.jobs.store import Store
-from tests.harmed_stores import HARMS, deleted, locked
+from tests.harmed_stores import HARMS, delete, hold_locked
 from tests.job_stores import HOUR_S
 from tests.job_stores import job as job_of
 from tests.patience import PATIENT_S
@@ -23,7 +23,7 @@ from tests.postgres import running_cluster
 READS: dict[str, Callable[[Store, str], Any]] = {
     "job": lambda store, job: store.job(job),
     "jobs": lambda store, _: store.jobs(10),
-    "made_of": lambda store, job: store.made_of(job),
+    "contents_of": lambda store, job: store.contents_of(job),
     "blobs": lambda store, job: list(store.blobs(job)),
 }
 
@@ -66,7 +66,7 @@ def refused(store: Store, job: str) -> None:
 def test_readers_wait_for_no_writer_be_it_another_process_or_many_threads_here(
     store: Store, job: str, file: Path, kind: str
 ) -> None:
-    with locked(file, kind):
+    with hold_locked(file, kind):
         blocked = [threading.Thread(target=refused, args=(store, job)) for _ in range(20)]
         for thread in blocked:
             thread.start()
@@ -86,7 +86,7 @@ def test_readers_wait_for_no_writer_be_it_another_process_or_many_threads_here(
 def test_a_writer_is_refused_while_another_process_holds_the_lock_and_served_after(
     store: Store, job: str, file: Path, write: str
 ) -> None:
-    with locked(file, "IMMEDIATE"), pytest.raises(DBAPIError) as error:
+    with hold_locked(file, "IMMEDIATE"), pytest.raises(DBAPIError) as error:
         WRITES[write](store, job)
     assert database.reason_of(error.value) == "another process has locked it"
     WRITES[write](store, job)
@@ -107,7 +107,7 @@ def test_a_store_that_is_gone_or_damaged_says_so_and_nothing_is_written_to_what_
     with pytest.raises(DBAPIError) as error:
         {**READS, **WRITES}[call](store, job)
     assert told in database.reason_of(error.value)
-    assert harm is not deleted or not file.exists()
+    assert harm is not delete or not file.exists()
 
 
 def test_a_lock_in_postgresql_holds_up_writers_for_a_while_and_no_reader(
@@ -121,7 +121,7 @@ def test_a_lock_in_postgresql_holds_up_writers_for_a_while_and_no_reader(
         other = Store(cluster.url, stalled_s=HOUR_S, version="1")
         with other._engine.begin() as connection:
             connection.execute(sa.text("LOCK TABLE jobs, chunks IN EXCLUSIVE MODE"))
-            for read in ("job", "jobs", "made_of"):
+            for read in ("job", "jobs", "contents_of"):
                 assert READS[read](store, new.id)
             for write in WRITES.values():
                 with pytest.raises(DBAPIError, match="lock timeout"):
@@ -161,7 +161,7 @@ def test_calls_beyond_the_bound_are_refused_at_once_and_served_when_there_is_roo
 
 
 def test_a_call_that_takes_too_long_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("service.jobs.asking.LONGEST_WAIT_S", 0.05)
+    monkeypatch.setattr("service.jobs.asking.MAX_WAIT_S", 0.05)
     let_go = threading.Event()
 
     async def asked() -> None:

@@ -18,7 +18,7 @@ from service.jobs.schema import JOBS
 from service.jobs.service import JobService
 from service.settings import Settings
 from service.version import version
-from tests.harmed_stores import deleted
+from tests.harmed_stores import delete
 from tests.job_stores import engine_of, job
 
 Change = Callable[[str, State], None]
@@ -47,7 +47,7 @@ def in_a_store(folder: Path) -> Kept:
             connection.execute(sa.update(JOBS).where(JOBS.c.id == one).values(state=state))
         engine.dispose()
 
-    return Kept(jobs, change, lambda: deleted(folder / "jobs.sqlite"))
+    return Kept(jobs, change, lambda: delete(folder / "jobs.sqlite"))
 
 
 @pytest.fixture(params=[in_memory, in_a_store])
@@ -72,11 +72,11 @@ def test_jobs_are_added_once_a_key_and_shown_newest_first(kept: Kept) -> None:
         assert await jobs.add(second, None) == second.id
         assert [one.id for one in await jobs.newest(10)] == [second.id, first.id]
         assert [one.id for one in await jobs.newest(1)] == [second.id]
-        found = await jobs.found(first.id)
+        found = await jobs.find(first.id)
         assert found is not None
         assert (found.state, found.rows, found.chunks, found.done) == ("waiting", 10, 3, 0)
         assert found.version == version()
-        assert await jobs.found(32 * "0") is None
+        assert await jobs.find(32 * "0") is None
 
     asyncio.run(story())
 
@@ -100,7 +100,7 @@ def test_what_each_state_allows(
         return begun
 
     async def state_of(one: str) -> str | None:
-        found = await kept.jobs.found(one)
+        found = await kept.jobs.find(one)
         return None if found is None else found.state
 
     async def story() -> None:
@@ -131,7 +131,7 @@ def test_events_end_with_the_job(kept: Kept) -> None:
     async def story() -> None:
         begun = await kept.jobs.add(job(), None)
         kept.change(begun, "done")
-        found = await kept.jobs.found(begun)
+        found = await kept.jobs.find(begun)
         assert found is not None
         (event,) = [one async for one in kept.jobs.events(found)]
         assert event.startswith("event: done\ndata: {")
@@ -145,7 +145,7 @@ def test_what_does_not_answer_says_so(kept: Kept) -> None:
     async def story() -> None:
         for call in (
             kept.jobs.newest(1),
-            kept.jobs.found("x"),
+            kept.jobs.find("x"),
             kept.jobs.add(job(), None),
             kept.jobs.cancel("x"),
             kept.jobs.delete("x"),

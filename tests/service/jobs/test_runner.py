@@ -15,10 +15,10 @@ import pytest
 
 from schemas.tables import sha256_of
 from service.jobs.executors import Started, fault_of, processes
-from service.jobs.plan import Plan, planned
+from service.jobs.plan import Plan, plan_table
 from service.jobs.records import Done, Job, NewJob
-from service.jobs.runner import MOST_KILLS, Runner
-from service.jobs.store import MOST_FAILURES, Store
+from service.jobs.runner import MAX_KILLS, Runner
+from service.jobs.store import MAX_FAILURES, Store
 from tests.conftest import CRANE
 from tests.patience import PATIENT_S
 
@@ -40,7 +40,7 @@ def store(tmp_path: Path) -> Iterator[Store]:
 def table(chunks: int, title: str = "") -> NewJob:
     axis = {"field": "/plant/cable_length_m", "from": 0.5, "to": 1.0, "points": chunks}
     specification = {"design": CRANE, "axes": [axis], "chunk_rows": 1, "title": title or "table"}
-    plan = planned(json.dumps(specification).encode())
+    plan = plan_table(json.dumps(specification).encode())
     assert isinstance(plan, Plan)
     return plan.job
 
@@ -72,7 +72,7 @@ class Scripted(Executor):
         return future
 
 
-def started(script: Script, *, together: int = 1, fault: str = "") -> Started:
+def start(script: Script, *, together: int = 1, fault: str = "") -> Started:
     return Started(Scripted(script, together), together, lambda: None, lambda: fault)
 
 
@@ -120,7 +120,7 @@ def test_a_death_beside_others_is_blamed_on_none_and_they_are_computed_one_by_on
     def alone(numbers: list[int]) -> None:
         seen.append(numbers)
 
-    scripts = iter([started(breaks, together=3, fault=fault), started(alone)])
+    scripts = iter([start(breaks, together=3, fault=fault), start(alone)])
     (new,) = jobs = [table(5)]
     run(store, lambda: next(scripts), *jobs)
     assert seen == [[0, 1, 2], [0], [1], [2], [3], [4]]
@@ -142,29 +142,29 @@ def breaking(number: int, times: int) -> Script:
 def test_a_chunk_whose_worker_dies_by_its_own_fault_when_alone_fails_its_job_alone(
     store: Store,
 ) -> None:
-    script = breaking(3, MOST_FAILURES)  # the other job has no such chunk
+    script = breaking(3, MAX_FAILURES)  # the other job has no such chunk
     bad, good = table(4, "bad"), table(2, "good")
-    run(store, lambda: started(script, fault="SIGSEGV"), bad, good)
+    run(store, lambda: start(script, fault="SIGSEGV"), bad, good)
     assert ended(store, bad).state == "failed"
     assert ended(store, bad).reason == "chunk 3 failed 3 times, last: its worker died by SIGSEGV"
     assert ended(store, good).state == "done"
     assert store.resume(bad.id)
-    run(store, lambda: started(sound))
+    run(store, lambda: start(sound))
     assert ended(store, bad).state == "done"
 
 
 def test_kills_from_outside_cost_nothing_but_time(store: Store) -> None:
-    new, script = table(3), breaking(1, MOST_KILLS - 1)
-    run(store, lambda: started(script), new)
+    new, script = table(3), breaking(1, MAX_KILLS - 1)
+    run(store, lambda: start(script), new)
     assert ended(store, new).state == "done"
     assert attempts(store) == 0
 
 
 def test_a_chunk_whose_workers_are_killed_without_end_fails_its_job_alone(store: Store) -> None:
     bad, good, script = table(4, "bad"), table(2, "good"), breaking(3, 10**9)
-    run(store, lambda: started(script), bad, good)
+    run(store, lambda: start(script), bad, good)
     assert ended(store, bad).state == "failed"
-    assert f"chunk 3 was killed {MOST_KILLS} times in a row" in ended(store, bad).reason
+    assert f"chunk 3 was killed {MAX_KILLS} times in a row" in ended(store, bad).reason
     assert ended(store, good).state == "done"
 
 
@@ -188,15 +188,15 @@ def test_workers_that_cannot_be_started_are_started_anew(
         del numbers
         raise error
 
-    def start() -> Started:
+    def start_twice() -> Started:
         if next(left, None) is None:
-            return started(sound)
+            return start(sound)
         if where == "start":
             raise error
-        return started(refuses)
+        return start(refuses)
 
     new = table(4)
-    told = run(store, start, new)
+    told = run(store, start_twice, new)
     assert ended(store, new).state == "done"
     assert attempts(store) == 0
     assert any(f"started anew: {type(error).__name__}" in one for one in told)
@@ -246,7 +246,7 @@ def test_a_job_that_is_deleted_under_the_runner_stops_no_other(store: Store) -> 
         store.cancel(gone.id)
         store.delete(gone.id)
 
-    run(store, lambda: started(deletes), gone, other)
+    run(store, lambda: start(deletes), gone, other)
     assert store.job(gone.id) is None
     assert ended(store, other).state == "done"
 

@@ -12,9 +12,9 @@ from alembic.config import Config
 
 import service.jobs
 from service.jobs.database import StoreError
-from service.jobs.records import Claim
-from service.jobs.store import MOST_FAILURES, Store
-from tests.job_stores import HOUR_S, changed, done, job, silent_for
+from service.jobs.records import ChunkClaim
+from service.jobs.store import MAX_FAILURES, Store
+from tests.job_stores import HOUR_S, change_jobs, done, job, silent_for
 
 MIGRATIONS = Path(service.jobs.__file__).parent / "migrations"
 
@@ -22,8 +22,8 @@ MIGRATIONS = Path(service.jobs.__file__).parent / "migrations"
 def test_chunks_are_claimed_once_and_in_order(store: Store) -> None:
     new = job()
     store.add(new)
-    assert store.claim("one", 2) == [Claim(new.id, 0), Claim(new.id, 1)]
-    assert store.claim("two", 2) == [Claim(new.id, 2)]
+    assert store.claim("one", 2) == [ChunkClaim(new.id, 0), ChunkClaim(new.id, 1)]
+    assert store.claim("two", 2) == [ChunkClaim(new.id, 2)]
     assert store.claim("one", 2) == []
 
 
@@ -78,7 +78,7 @@ def test_a_heartbeat_keeps_a_chunk(store: Store, url: str) -> None:
 def test_a_chunk_that_fails_again_and_again_fails_its_job_with_the_reason(store: Store) -> None:
     new = job(rows=1)
     store.add(new)
-    for _ in range(MOST_FAILURES):
+    for _ in range(MAX_FAILURES):
         (claim,) = store.claim("one", 1)
         store.fail("one", claim, "it broke")
     found = store.job(new.id)
@@ -119,12 +119,12 @@ def test_only_ended_jobs_that_are_old_are_dropped(store: Store) -> None:
     store.add(ended)
     store.add(unfinished)
     assert store.cancel(ended.id)
-    assert store.claim("a", 1) == [Claim(unfinished.id, 0)]
+    assert store.claim("a", 1) == [ChunkClaim(unfinished.id, 0)]
     assert store.drop_ended(HOUR_S) == 0
     time.sleep(0.01)
     assert store.drop_ended(0.0) == 1
     assert store.job(ended.id) is None
-    assert store.finish("a", Claim(unfinished.id, 0), done())
+    assert store.finish("a", ChunkClaim(unfinished.id, 0), done())
 
 
 def test_rows_of_a_dropped_job_are_gone(store: Store) -> None:
@@ -141,7 +141,7 @@ def test_rows_of_a_dropped_job_are_gone(store: Store) -> None:
 
 def test_many_claim_at_once_and_none_gets_what_another_has(store: Store, url: str) -> None:
     store.add(job(rows=120, chunk_rows=1))
-    claimed: list[Claim] = []
+    claimed: list[ChunkClaim] = []
 
     def claim(name: str) -> None:
         mine = Store(url, stalled_s=HOUR_S, version="1")
@@ -171,7 +171,7 @@ def older(url: str) -> None:
 
 def test_a_store_of_an_older_schema_is_migrated_with_its_jobs(url: str) -> None:
     first = Store(url, stalled_s=HOUR_S, version="1")
-    changed(url, state="cancelled")  # what other tests left
+    change_jobs(url, state="cancelled")  # what other tests left
     new = job()
     first.add(new)
     (claim,) = first.claim("w", 1)
@@ -182,7 +182,7 @@ def test_a_store_of_an_older_schema_is_migrated_with_its_jobs(url: str) -> None:
     found = again.job(new.id)
     assert found is not None
     assert (found.rows, found.chunks, found.done) == (10, 3, 4)
-    assert again.made_of(new.id) == new
+    assert again.contents_of(new.id) == new
     assert [claim.number for claim in again.claim("w", 9)] == [1, 2]
     engine = sa.create_engine(url.replace("postgresql://", "postgresql+psycopg://"))
     indices = [index["name"] for index in sa.inspect(engine).get_indexes("chunks")]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.workers.costs import FIRST_GUESS_S, MOST_SHAPES, SLICE_S, Costs
+from service.workers.costs import FIRST_GUESS_S, MAX_SHAPES, SLICE_S, Costs
 
 
 def test_costs_are_learned_and_forgotten() -> None:
@@ -14,7 +14,7 @@ def test_costs_are_learned_and_forgotten() -> None:
     assert costs.of("b", "slow") == pytest.approx(20.0)
     assert costs.of("b", "quick") == pytest.approx(0.002)
     assert costs.of("b", "new") == pytest.approx(0.002, rel=0.01)
-    for number in range(MOST_SHAPES):
+    for number in range(MAX_SHAPES):
         costs.record("a", number, 1.0)
     assert costs.of("b", "slow") == costs.of("b", "new")
 

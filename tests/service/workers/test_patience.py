@@ -5,7 +5,7 @@ import pytest
 from service.workers.patience import BURST_S, INTERVAL_S, STANDING_S, Patience
 
 
-def admitted(
+def admit(
     rate: float, clients: int | None, seconds: float, server_s: float = 0.002
 ) -> tuple[list[float], int]:
     """Play arrivals at one server; return the waits of who was admitted, and how many were not.
@@ -18,7 +18,7 @@ def admitted(
     while now < seconds:
         now = min(asking) if clients is not None else now + 1 / rate
         for end in [end for end in ends if end <= now]:
-            patience.answered(end)
+            patience.count_answer(end)
             ends.remove(end)
         if clients is not None:
             asking.remove(now)
@@ -38,7 +38,7 @@ def admitted(
 
 @pytest.mark.parametrize("load", [1.5, 3.0, 10.0])
 def test_under_a_lasting_overload_what_is_served_is_served_soon(load: float) -> None:
-    waits, refused = admitted(load * 500, None, 60.0)
+    waits, refused = admit(load * 500, None, 60.0)
     assert sorted(waits)[int(0.99 * len(waits))] <= STANDING_S + 0.002
     assert len(waits) >= 0.99 * 60 * 500
     assert refused == pytest.approx((load - 1) * 500 * 60, rel=0.02)
@@ -46,7 +46,7 @@ def test_under_a_lasting_overload_what_is_served_is_served_soon(load: float) -> 
 
 @pytest.mark.parametrize("clients", [1, 8, 32, 64, 120])
 def test_clients_that_wait_for_their_answers_are_not_refused(clients: int) -> None:
-    waits, refused = admitted(0.0, clients, 20.0)
+    waits, refused = admit(0.0, clients, 20.0)
     assert refused == 0
     assert max(waits) <= BURST_S
 
@@ -60,7 +60,7 @@ def test_clients_that_begin_one_after_another_and_ask_again_at_once_are_no_overl
             assert patience.admits(now, 0.055, 0.002)
             assert not patience.refuses(now, 0.055, 0.002)
         if step % 2:
-            patience.answered(now)
+            patience.count_answer(now)
             answered += 1
     assert answered == 2000
 

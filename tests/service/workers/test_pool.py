@@ -16,7 +16,7 @@ import pytest
 
 from service.problems import INTERNAL, OVERLOADED, TIME_LIMIT, TOO_LARGE
 from service.workers.costs import SLICE_S
-from service.workers.pool import MOST_DEATHS, WorkerPool
+from service.workers.pool import MAX_DEATHS, WorkerPool
 from service.workers.runs import SplitError, TaskError
 from tests import pool_tasks as tasks
 from tests.patience import PATIENT_S
@@ -54,7 +54,7 @@ async def until(holds: Callable[[], object]) -> None:
             await asyncio.sleep(0.01)
 
 
-def played(story: Coroutine[Any, Any, None]) -> None:
+def play(story: Coroutine[Any, Any, None]) -> None:
     asyncio.run(asyncio.wait_for(story, 10 * PATIENT_S))
 
 
@@ -69,33 +69,33 @@ def test_callers_that_ask_again_and_again_get_as_many_answers_each() -> None:
 
             async def caller(number: int) -> None:
                 while sum(answers.values()) < 400:
-                    await one.run(tasks.told, number)
+                    await one.run(tasks.echo, number)
                     answers[number] += 1
 
             await asyncio.gather(*map(caller, range(4)))
             assert max(answers.values()) - min(answers.values()) <= 1
 
-    played(story())
+    play(story())
 
 
 def test_equal_keys_on_their_way_are_run_once_and_later_ones_anew(tmp_path: Path) -> None:
     async def story() -> None:
         note = str(tmp_path / "note")
         async with pool(workers=2) as one:
-            work = [one.run(tasks.noted, note, "a", key=("note", "a")) for _ in range(20)]
-            await asyncio.gather(*work, one.run(tasks.noted, note, "b", key=("note", "b")))
+            work = [one.run(tasks.note, note, "a", key=("note", "a")) for _ in range(20)]
+            await asyncio.gather(*work, one.run(tasks.note, note, "b", key=("note", "b")))
             assert Counter(Path(note).read_text().split()) == {"a": 1, "b": 1}
-            await one.run(tasks.noted, note, "a", key=("note", "a"))
+            await one.run(tasks.note, note, "a", key=("note", "a"))
             assert Counter(Path(note).read_text().split()) == {"a": 2, "b": 1}
 
-    played(story())
+    play(story())
 
 
 def test_work_ends_with_the_last_who_waits_for_it() -> None:
     async def story() -> None:
         async with pool(workers=1) as one:
             callers = [asyncio.create_task(one.run(tasks.asleep, 3600, key="k")) for _ in range(3)]
-            waiting = asyncio.create_task(one.run(tasks.told, 1))
+            waiting = asyncio.create_task(one.run(tasks.echo, 1))
             await asyncio.sleep(0)
             assert one.pending == 2
             for caller in callers[:2]:
@@ -107,7 +107,7 @@ def test_work_ends_with_the_last_who_waits_for_it() -> None:
             assert await waiting == 1
             assert one.pending == 0
 
-    played(story())
+    play(story())
 
 
 def test_work_that_waits_and_is_wanted_no_more_is_never_begun(tmp_path: Path) -> None:
@@ -115,21 +115,21 @@ def test_work_that_waits_and_is_wanted_no_more_is_never_begun(tmp_path: Path) ->
         note = tmp_path / "note"
         async with pool(workers=1) as one:
             busy = asyncio.create_task(one.run(tasks.asleep, SLICE_S / 2))
-            gone = asyncio.create_task(one.run(tasks.noted, str(note), "gone"))
-            kept = asyncio.create_task(one.run(tasks.noted, str(note), "kept"))
+            gone = asyncio.create_task(one.run(tasks.note, str(note), "gone"))
+            kept = asyncio.create_task(one.run(tasks.note, str(note), "kept"))
             await asyncio.sleep(0)
             gone.cancel()
             await asyncio.gather(busy, kept)
         assert note.read_text() == "kept\n"
 
-    played(story())
+    play(story())
 
 
 def test_large_work_makes_way_for_small_work_and_is_done_all_the_same(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     # On a busy machine large work, which yields to all other, may take minutes: it is waited for.
-    monkeypatch.setattr("service.workers.pool.LONGEST_WAIT_S", PATIENT_S)
+    monkeypatch.setattr("service.workers.pool.MAX_WAIT_S", PATIENT_S)
 
     async def story() -> None:
         async with pool(workers=1) as one:
@@ -138,11 +138,11 @@ def test_large_work_makes_way_for_small_work_and_is_done_all_the_same(
                 for number in range(3)
             ]
             await asyncio.sleep(0)
-            assert await one.run(tasks.told, "small", client="other") == "small"
+            assert await one.run(tasks.echo, "small", client="other") == "small"
             assert not any(one.done() for one in large)
             await asyncio.gather(*large)
 
-    played(story())
+    play(story())
 
 
 def test_what_is_known_as_large_leaves_the_way_free_at_once() -> None:
@@ -152,11 +152,11 @@ def test_what_is_known_as_large_leaves_the_way_free_at_once() -> None:
             large = asyncio.create_task(one.run(tasks.asleep, 3600, shape="large"))
             await asyncio.sleep(0)
             for number in range(50):
-                assert await one.run(tasks.told, number) == number
+                assert await one.run(tasks.echo, number) == number
             assert not large.done()
             large.cancel()
 
-    played(story())
+    play(story())
 
 
 def test_large_work_that_would_wait_for_minutes_is_refused_with_the_time_told() -> None:
@@ -174,11 +174,11 @@ def test_large_work_that_would_wait_for_minutes_is_refused_with_the_time_told() 
                 await one.run(tasks.asleep, 3600, shape="large")
             assert kind_of(refused) == OVERLOADED
             assert refused.value.problem.retry_after_s >= 30
-            assert await one.run(tasks.told, "small") == "small"
+            assert await one.run(tasks.echo, "small") == "small"
             for task in waiting:
                 task.cancel()
 
-    played(story())
+    play(story())
 
 
 def test_a_part_of_a_batch_that_is_large_is_given_back_to_be_split() -> None:
@@ -186,9 +186,9 @@ def test_a_part_of_a_batch_that_is_large_is_given_back_to_be_split() -> None:
         async with pool(workers=1) as one:
             with pytest.raises(SplitError):
                 await one.run(tasks.asleep, 3600, kind="batch", splits=True)
-            assert await one.run(tasks.told, 1) == 1
+            assert await one.run(tasks.echo, 1) == 1
 
-    played(story())
+    play(story())
 
 
 def test_a_task_ends_at_its_time_limit_or_at_one_of_its_own() -> None:
@@ -199,7 +199,7 @@ def test_a_task_ends_at_its_time_limit_or_at_one_of_its_own() -> None:
             assert kind_of(late) == TIME_LIMIT
             assert await one.run(tasks.asleep, 0.2, limit_s=PATIENT_S)
 
-    played(story())
+    play(story())
 
 
 def test_a_task_that_asks_for_too_much_memory_is_told_so_and_spoils_no_other() -> None:
@@ -209,44 +209,44 @@ def test_a_task_that_asks_for_too_much_memory_is_told_so_and_spoils_no_other() -
             with pytest.raises(TaskError, match="more than the 537 MB") as refused:
                 await one.run(tasks.hungry, 600 * MEGABYTE)
             assert kind_of(refused) == TOO_LARGE
-            assert await one.run(tasks.told, 1) == 1
+            assert await one.run(tasks.echo, 1) == 1
 
-    played(story())
+    play(story())
 
 
 def test_a_task_that_fails_is_told_so() -> None:
     async def story() -> None:
         async with pool(workers=1) as one:
             with pytest.raises(TaskError) as failed:
-                await one.run(tasks.failed)
+                await one.run(tasks.fail)
             assert kind_of(failed) == INTERNAL
-            assert await one.run(tasks.told, 1) == 1
+            assert await one.run(tasks.echo, 1) == 1
 
-    played(story())
+    play(story())
 
 
 def test_a_task_that_crashes_its_worker_is_given_up_at_the_second() -> None:
     async def story() -> None:
         async with pool(workers=1) as one:
             with pytest.raises(TaskError, match="every worker died") as given_up:
-                await one.run(tasks.crashed)
+                await one.run(tasks.crash)
             assert kind_of(given_up) == INTERNAL
-            assert await one.run(tasks.told, 1) == 1
+            assert await one.run(tasks.echo, 1) == 1
 
-    played(story())
+    play(story())
 
 
 def test_a_task_whose_workers_are_killed_from_outside_is_answered(tmp_path: Path) -> None:
     async def story() -> None:
         async with pool(workers=1) as one:
             note = str(tmp_path / "few")
-            assert await one.run(tasks.killed_until, note, MOST_DEATHS - 1) == "answered"
+            assert await one.run(tasks.kill_until, note, MAX_DEATHS - 1) == "answered"
             note = str(tmp_path / "many")
             with pytest.raises(TaskError, match="every worker died"):
-                await one.run(tasks.killed_until, note, MOST_DEATHS)
-            assert await one.run(tasks.told, 1) == 1
+                await one.run(tasks.kill_until, note, MAX_DEATHS)
+            assert await one.run(tasks.echo, 1) == 1
 
-    played(story())
+    play(story())
 
 
 @pytest.mark.parametrize("victim", ["worker", "fork server", "both"])
@@ -269,7 +269,7 @@ def test_a_pool_is_full_again_whatever_was_killed_idle(victim: str) -> None:
                 if victim != "fork server":
                     assert not seen & now
 
-    played(story())
+    play(story())
 
 
 def server() -> int:
@@ -292,7 +292,7 @@ def test_a_client_with_several_large_tasks_gives_a_place_to_one_who_has_none() -
             for task in greedy:
                 task.cancel()
 
-    played(story())
+    play(story())
 
 
 def test_who_waits_when_a_pool_closes_is_told_so() -> None:
@@ -304,9 +304,9 @@ def test_who_waits_when_a_pool_closes_is_told_so() -> None:
             with pytest.raises(TaskError, match="is stopping"):
                 await caller
         with pytest.raises(TaskError, match="is stopping"):
-            await one.run(tasks.told, 1)
+            await one.run(tasks.echo, 1)
 
-    played(story())
+    play(story())
 
 
 def test_an_outcome_that_cannot_be_sent_is_a_failure_and_costs_no_worker() -> None:
@@ -316,9 +316,9 @@ def test_an_outcome_that_cannot_be_sent_is_a_failure_and_costs_no_worker() -> No
                 await one.run(tasks.unsendable)
             assert kind_of(failed) == INTERNAL
             assert "worker" not in str(failed.value)
-            assert await one.run(tasks.told, 1) == 1
+            assert await one.run(tasks.echo, 1) == 1
 
-    played(story())
+    play(story())
 
 
 def test_a_pool_that_closes_leaves_no_process() -> None:
@@ -328,7 +328,7 @@ def test_a_pool_that_closes_leaves_no_process() -> None:
         async with pool(workers=3) as one:
             seen.update(await asyncio.gather(*(one.run(tasks.asleep, 0.2) for _ in range(3))))
 
-    played(story())
+    play(story())
     assert len(seen) == 3
     until_in_time(lambda: not running(seen), "workers outlive their pool")
 
@@ -345,5 +345,5 @@ def test_a_pool_closed_while_workers_start_keeps_none_of_their_sockets() -> None
             await asyncio.sleep(moment / 4000)
             await made.close()
 
-    played(story())
+    play(story())
     gc.collect()

@@ -27,7 +27,7 @@ def pool(request: pytest.FixtureRequest) -> Pool:
     return POOLS[request.param]()
 
 
-def played(pool: Pool, story: Callable[[], Awaitable[None]]) -> None:
+def play(pool: Pool, story: Callable[[], Awaitable[None]]) -> None:
     async def played_whole() -> None:
         pool.start()
         try:
@@ -49,19 +49,19 @@ async def refusal(work: Awaitable[object]) -> TaskError:
 def test_a_pool_answers_and_takes_none_once_it_is_closed(pool: Pool) -> None:
     async def story() -> None:
         value = {"a": [1, 2.5]}
-        answer = await pool.run(tasks.told, value, client="c", kind="batch", splits=True)
+        answer = await pool.run(tasks.echo, value, client="c", kind="batch", splits=True)
         assert answer == value
         assert answer is not value
         assert pool.refusal("c") is None
         await pool.close()
-        stopping = await refusal(pool.run(tasks.told, value))
+        stopping = await refusal(pool.run(tasks.echo, value))
         assert stopping.problem.kind == OVERLOADED
         assert "is stopping" in stopping.problem.detail
 
-    played(pool, story)
+    play(pool, story)
 
 
-@pytest.mark.parametrize("task", [tasks.failed, tasks.unsendable])
+@pytest.mark.parametrize("task", [tasks.fail, tasks.unsendable])
 def test_a_task_that_fails_is_a_fault_of_the_service_and_no_other_task_knows(
     pool: Pool, task: Callable[[], object]
 ) -> None:
@@ -69,6 +69,6 @@ def test_a_task_that_fails_is_a_fault_of_the_service_and_no_other_task_knows(
         failed = await refusal(pool.run(task))
         assert failed.problem.kind == INTERNAL
         assert "its log has the reason" in failed.problem.detail
-        assert await pool.run(tasks.told, 1) == 1
+        assert await pool.run(tasks.echo, 1) == 1
 
-    played(pool, story)
+    play(pool, story)

@@ -1,6 +1,6 @@
 """What requests share that are expected to cost alike."""
 
-from service.workers.shapes import LONGEST_SHAPE, shape_of
+from service.workers.shapes import MAX_SHAPE_BYTES, shape_of
 
 
 def test_work_that_differs_in_numbers_only_is_expected_to_cost_alike() -> None:
@@ -9,4 +9,4 @@ def test_work_that_differs_in_numbers_only_is_expected_to_cost_alike() -> None:
     assert one == other
     assert one != shape_of("map", bodies[0])
     assert one != shape_of("design", bodies[0].replace(b"cable", b"other"))
-    assert shape_of("design", b"1" * LONGEST_SHAPE + b"22") == ("design", 15)
+    assert shape_of("design", b"1" * MAX_SHAPE_BYTES + b"22") == ("design", 15)

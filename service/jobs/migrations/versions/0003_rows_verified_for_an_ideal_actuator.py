@@ -11,7 +11,7 @@ BEFORE = ["job", "state", "number", "heartbeat", "finished", "rows", "verified",
 
 
 def upgrade() -> None:
-    """Add the column: no row was told so before."""
+    """Add the column: no row was counted so before."""
     op.add_column(
         "chunks", sa.Column("verified_ideal", sa.Integer, nullable=False, server_default="0")
     )

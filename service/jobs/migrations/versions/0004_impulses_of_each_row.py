@@ -1,4 +1,4 @@
-"""How many impulses the rows of a job have; none of the jobs before needs to be told."""
+"""How many impulses the rows of a job have; no earlier job needs it."""
 
 import sqlalchemy as sa
 from alembic import op

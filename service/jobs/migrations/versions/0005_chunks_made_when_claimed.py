@@ -16,7 +16,7 @@ ADDED = {
     "served": sa.Double,
 }
 
-MOST_INSERTED = 10_000
+MAX_INSERTED = 10_000
 
 
 def upgrade() -> None:
@@ -25,7 +25,7 @@ def upgrade() -> None:
         op.add_column("jobs", sa.Column(name, kind, nullable=False, server_default="0"))
     op.add_column("jobs", sa.Column("key", sa.String(255)))
     op.create_index("jobs_by_key", "jobs", ["key"], unique=True)
-    # Of those that were cancelled no chunk tells its rows: any number with as many chunks will do.
+    # Of those that were cancelled no chunk has its rows: any number with as many chunks will do.
     op.execute(
         "UPDATE jobs SET begun = chunks, chunk_rows = coalesce("
         "(SELECT rows FROM chunks WHERE chunks.job = jobs.id AND number = 0), "
@@ -47,8 +47,8 @@ def downgrade() -> None:
         "verified_ideal) VALUES (:job, :number, 'waiting', 0, :rows, 0, 0, 0)"
     )
     for job, rows, chunks, chunk_rows, begun in jobs:
-        for first in range(begun, chunks, MOST_INSERTED):
-            numbers = range(first, min(first + MOST_INSERTED, chunks))
+        for first in range(begun, chunks, MAX_INSERTED):
+            numbers = range(first, min(first + MAX_INSERTED, chunks))
             of_each = [
                 {"job": job, "number": one, "rows": min(chunk_rows, rows - one * chunk_rows)}
                 for one in numbers
