@@ -18,7 +18,7 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.types import FloatArray
-from tests.second_route import denominator, increases
+from tests.second_route import denominator, increases, without_limits
 
 SIZE = 11
 
@@ -197,20 +197,22 @@ def outcome(
     """Play a command; ``initial`` is the payload's deflection and rate, over the speed."""
     pole = mode.pole_rad_s
 
-    def ringing(played: Impulses, begun: tuple[float, float]) -> tuple[complex, Simulation]:
-        moving = Simulation(mode, actuator)
+    def ringing(
+        played: Impulses, behind: Actuator, begun: tuple[float, float]
+    ) -> tuple[complex, Simulation]:
+        moving = Simulation(mode, behind)
         moving.state[:2] = begun
         moving.time_s = float(played.times_s[0])
-        for event in events_of(played, actuator):
+        for event in events_of(played, behind):
             moving.take(event)
         end = max(moving.time_s, float(played.times_s[-1]))
         moving.move_to(end)
         # Back to the last step; from there to the first.
         return moving.ringing * np.exp(-pole * (end - float(played.times_s[-1]))), moving
 
-    left, moved = ringing(command, initial)
+    left, moved = ringing(command, actuator, initial)
     step = Impulses(times_s=np.zeros(1), amplitudes=np.ones(1))
-    unit, _ = ringing(step, (0.0, 0.0))
+    unit, _ = ringing(step, without_limits(actuator), (0.0, 0.0))
     return Outcome(
         vector=complex(left * np.exp(-pole * command.duration_s)),
         unit=unit,

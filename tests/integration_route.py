@@ -14,7 +14,7 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.types import FloatArray
-from tests.second_route import denominator, increases
+from tests.second_route import denominator, increases, without_limits
 
 
 def _lag_parts(actuator: Actuator) -> list[tuple[float, float]]:
@@ -206,10 +206,10 @@ def residual_by_integration(impulses: Impulses, mode: Mode, actuator: Actuator) 
     wait = 14 / w  # a set at 5 w, damped 0.6, has e^-42 left then
     conjugate = w * complex(-z, -math.sqrt(1 - z * z))
 
-    def free_swing(command: Impulses) -> float:
+    def free_swing(command: Impulses, behind: Actuator) -> float:
         end = float(command.times_s[-1]) + wait
-        deflection, rate, _ = integrate(command, mode, actuator, end)
+        deflection, rate, _ = integrate(command, mode, behind, end)
         return float(abs(rate - conjugate * deflection))
 
     step = Impulses(times_s=np.zeros(1), amplitudes=np.ones(1))
-    return free_swing(impulses) / free_swing(step)
+    return free_swing(impulses, actuator) / free_swing(step, without_limits(actuator))

@@ -40,6 +40,11 @@ def increases(command: Impulses) -> list[bool]:
     return answer
 
 
+def without_limits(actuator: Actuator) -> Actuator:
+    """Return what follows the limits of an actuator: residuals are shares of its step."""
+    return actuator.then if isinstance(actuator, RateLimited) else actuator
+
+
 def denominator(actuator: Actuator, *, accel: bool) -> tuple[float, float]:
     """Coefficients of p and p^2 in 1/G of one set, from the actuator's own parameters."""
     if isinstance(actuator, Ideal):
@@ -90,7 +95,7 @@ def claims_by_formula(
         turn = amplitude * cmath.exp(-s * (time - start))
         vector += turn * gain
         slope += turn * s * (gain_slope - (time - start) * gain)
-    unit = abs(gain_and_slope(actuator, s, accel=True)[0])
+    unit = abs(gain_and_slope(without_limits(actuator), s, accel=True)[0])
     shrink = math.exp(-z * w * impulses.duration_s) / unit
     return {"residual": abs(vector) * shrink, "slope": abs(slope) * shrink}
 
@@ -193,14 +198,14 @@ def curve_by_formula(
         for accel, amplitude in zip(increases(impulses), impulses.amplitudes.tolist(), strict=True)
     ]
 
-    def gains(accel: bool, height: float) -> ComplexArray:
+    def gains(accel: bool, height: float, behind: Actuator = actuator) -> ComplexArray:
         return np.array([
-            gain_and_slope(actuator, pole, accel=accel, height=height)[0] for pole in poles.tolist()
+            gain_and_slope(behind, pole, accel=accel, height=height)[0] for pole in poles.tolist()
         ])
 
     total = np.zeros(ratios.size, dtype=np.complex128)
     for step in sorted(set(steps)):
         own = np.array([one == step for one in steps])
         total += gains(*step) * swings[:, own].sum(axis=1)
-    found: FloatArray = np.abs(total / gains(True, 1.0))
+    found: FloatArray = np.abs(total / gains(True, 1.0, without_limits(actuator)))
     return found

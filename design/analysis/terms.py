@@ -4,7 +4,7 @@ import numpy as np
 
 from design.analysis.step_contributions import step_contributions
 from design.analysis.vectors import join_sets
-from design.model.actuators.registry import Actuator, unit_ramps_s
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
 from design.model.plants.mode import Mode
@@ -57,7 +57,4 @@ def swing_over_step(swing: FreeSwing, mode: Mode, actuator: Actuator) -> complex
     complex
         At the first step [-].
     """
-    pole = mode.pole_rad_s
-    rise_s, _ = unit_ramps_s(actuator)
-    ramp = complex(ramp_factors(np.array(pole), np.array(rise_s)))
-    return swing.vector(mode) * actuator.accel_lag.denominator(pole) / ramp
+    return swing.vector(mode) * actuator.accel_lag.denominator(mode.pole_rad_s)

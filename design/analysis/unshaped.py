@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from design.model.actuators.registry import Actuator, unit_ramps_s
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.model.ramps import ramp_factors
 
@@ -10,21 +11,41 @@ from design.model.ramps import ramp_factors
 def unshaped_gain(mode: Mode, actuator: Actuator) -> float:
     """Return the residual of an unshaped step over that of an ideal one [-].
 
+    Limits are no part of it: a ramp of whole periods leaves nothing, and nothing is no unit.
+
     Parameters
     ----------
     mode
         The mode that swings.
     actuator
-        The actuator, of which a step from rest uses the acceleration set and its limit.
+        The actuator, of which a step from rest uses the acceleration set.
 
     Returns
     -------
     float
         Share of the residual of a step through an ideal actuator [-].
     """
-    rise_s, _ = unit_ramps_s(actuator)
-    ramp = abs(ramp_factors(np.array([mode.pole_rad_s]), np.array([rise_s]))[0])
-    return float(ramp / abs(actuator.accel_lag.denominator(mode.pole_rad_s)))
+    return 1 / abs(actuator.accel_lag.denominator(mode.pole_rad_s))
+
+
+def unshaped_ramp_residual(mode: Mode, actuator: RateLimited) -> float:
+    """Return what the ramp of an unshaped step leaves, over that of the step itself.
+
+    Parameters
+    ----------
+    mode
+        The mode that swings.
+    actuator
+        The limits.
+
+    Returns
+    -------
+    float
+        ``|(1 - exp(-s T)) / (s T)|`` for a ramp of duration T [-]; 0 where it lasts whole periods
+        of an undamped mode.
+    """
+    rise_s, _ = actuator.unit_ramps_s
+    return float(abs(ramp_factors(np.array([mode.pole_rad_s]), np.array([rise_s]))[0]))
 
 
 def unshaped_deflection_s(mode: Mode, actuator: Actuator) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 
 from design.analysis.step_contributions import step_contributions
 from design.model.actuators.rate_limited import RateLimited
-from design.model.actuators.registry import Actuator, unit_ramps_s
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.ramps import ramp_factors
 from design.types import ComplexArray
@@ -92,9 +92,7 @@ def join_sets(sums: ComplexArray, poles_rad_s: ComplexArray, actuator: Actuator)
     accel, decel = (
         lag.denominator(poles_rad_s) for lag in (actuator.accel_lag, actuator.decel_lag)
     )
-    vectors = join_over_accel(sums, poles_rad_s, accel, decel)
-    rise_s, _ = unit_ramps_s(actuator)
-    return vectors / ramp_factors(poles_rad_s, np.array(rise_s)) if rise_s > 0 else vectors
+    return join_over_accel(sums, poles_rad_s, accel, decel)
 
 
 def join_over_accel(

@@ -2,21 +2,15 @@
 
 import math
 
-import numpy as np
-
 from design.errors import InvalidInputError
 from design.model.actuators.rate_limited import RateLimited
 from design.model.plants.mode import Mode
-from design.model.ramps import ramp_factors
 
 MAX_RAMP_RAD = 6 * math.pi
 """Longest ramp to full speed, three periods: the formulations integrate no longer ones [rad]."""
 
 LIMIT_FIELDS = ("accel_limit_m_s2", "decel_limit_m_s2")
 """Fields of the limits, in the order of the ramps that they make."""
-
-WHOLE_PERIODS = 1e-6
-"""Below this share of the residual of a step a ramp has none: it lasts whole periods [-]."""
 
 
 def require_workable_ramps(mode: Mode, actuator: RateLimited) -> None:
@@ -32,7 +26,7 @@ def require_workable_ramps(mode: Mode, actuator: RateLimited) -> None:
     Raises
     ------
     InvalidInputError
-        If a ramp lasts for more than three periods or for whole ones.
+        If a ramp lasts for more than three periods.
     """
     for name, ramp_s in zip(LIMIT_FIELDS, actuator.unit_ramps_s, strict=True):
         turn = mode.natural_frequency_rad_s * ramp_s
@@ -42,13 +36,4 @@ def require_workable_ramps(mode: Mode, actuator: RateLimited) -> None:
                 f"a ramp of {turn:.3g} rad of the plant's swing",
                 f"such that a ramp to or from full speed takes at most {MAX_RAMP_RAD:.5g} rad",
                 code="ramp_too_long",
-            )
-        left = abs(ramp_factors(np.array([mode.pole_rad_s]), np.array([ramp_s]))[0])
-        if left < WHOLE_PERIODS:
-            raise InvalidInputError(
-                f"actuator.{name}",
-                f"a ramp of {turn:.9g} rad of the plant's swing",
-                "such that a ramp does not last whole periods: by itself such a ramp has no "
-                "residual",
-                code="ramp_of_whole_periods",
             )

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from design.formulations.bands import BandExpressions
 from design.formulations.lag_parameters import LAG_PARAMETERS
-from design.formulations.symbolic import alternating_steps, over_unshaped
+from design.formulations.symbolic import alternating_steps
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +37,7 @@ class AlternatingBand:
         gaps = ca.SX.sym("gaps", self.impulses - 1)
         lags = ca.SX.sym("lags", LAG_PARAMETERS[self.ramped])
         steps = alternating_steps(ca.vertsplit(gaps), lags, self.switched_order)
-        left = over_unshaped(steps, lags)
+        left = steps.vibration
         return BandExpressions(
             unknowns=gaps,
             parameters=lags,

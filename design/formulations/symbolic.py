@@ -288,32 +288,6 @@ def with_swing(
     return replace(steps, vibration=steps.vibration + added)
 
 
-def over_unshaped(steps: AlternatingSteps, lags: Symbolic) -> Complex:
-    """Return the vibration in units of the unshaped step.
-
-    Limits make a ramp of that step. Where the vibration is zero the unit does not matter; at any
-    other value it does.
-
-    Parameters
-    ----------
-    steps
-        What the steps leave.
-    lags
-        As in `alternating_steps`.
-
-    Returns
-    -------
-    Complex
-        Over the unshaped step [-].
-    """
-    import casadi as ca  # noqa: PLC0415
-
-    z, _, _, _, _, *limits = ca.vertsplit(lags)
-    if not limits:
-        return steps.vibration
-    return steps.vibration / Ramp(limits[0], limits[2], limits[3]).factor(_pole(z, steps.w))
-
-
 def _pole(z: Symbolic, w: Symbolic) -> Complex:
     import casadi as ca  # noqa: PLC0415
 

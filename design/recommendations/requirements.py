@@ -1,6 +1,5 @@
 """What a shaper is asked to do, before any is chosen."""
 
-import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -8,7 +7,7 @@ from design.analysis.workable import require_workable
 from design.band import ends_of, require_said_once
 from design.checks import MAX_VALUE, require_between, require_scale
 from design.errors import InvalidInputError
-from design.model.actuators.registry import Actuator, unit_ramps_s
+from design.model.actuators.registry import Actuator
 from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
@@ -232,7 +231,6 @@ def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) ->
     for mode in designed_for:
         for ratio in (1.0, band[0] / middle, band[1] / middle):
             require_workable(_scale(mode, ratio), actuator)
-        _require_a_unit(mode, actuator, (band[0] / middle, band[1] / middle), requirements.damping)
     return Question(
         actuator=actuator,
         requirements=requirements,
@@ -241,26 +239,6 @@ def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) ->
         band=band,
         scheduled=isinstance(plant, Scheduled),
     )
-
-
-def _require_a_unit(
-    mode: Mode,
-    actuator: Actuator,
-    band: tuple[float, float],
-    damping: tuple[float, float] | None,
-) -> None:
-    """Refuse a band with a frequency at which the unshaped step has no residual."""
-    ramp_s, _ = unit_ramps_s(actuator)
-    least = mode.damping_ratio if damping is None else damping[0]
-    periods = mode.natural_frequency_rad_s * ramp_s / (2 * math.pi)
-    if least == 0 and math.floor(band[1] * periods) >= max(1, math.ceil(band[0] * periods)):
-        raise InvalidInputError(
-            "actuator.accel_limit_m_s2",
-            f"a ramp of {band[0] * periods:.4g} to {band[1] * periods:.4g} periods over the band",
-            "such that at no frequency of the band it lasts whole periods: undamped, a ramp by "
-            "itself has no residual there",
-            code="ramp_of_whole_periods_in_band",
-        )
 
 
 def _in_the_middle(mode: Mode, damping: tuple[float, float]) -> Mode:

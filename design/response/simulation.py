@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.lags import Lag
@@ -174,7 +173,8 @@ def ringing_after(
     -------
     tuple of ComplexArray
         Modal coordinates, shape (f,) each: of the command at its last step, and of a unit step
-        that increases the command at that step. That of a unit step through an ideal actuator is 1.
+        that increases the command at that step, without limits. A unit step through an ideal
+        actuator leaves 1.
         The actuator's own transient is projected out by the left eigenvector of the mode in the
         coupled system.
     """
@@ -196,8 +196,6 @@ def ringing_after(
         left: ComplexArray = (last * final).sum(axis=1) * np.exp(-poles * late)
         return left
 
-    if isinstance(actuator, RateLimited):
-        return ringing(impulses, initial), ringing(UNIT_STEP, None)
     return ringing(impulses, initial), rising @ (-dynamics.jumps[1] * dynamics.kept[1])
 
 

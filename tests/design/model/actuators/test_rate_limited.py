@@ -12,6 +12,7 @@ from design.analysis.residual import residual_vibration
 from design.analysis.residuals_of_many import vectors_of_many
 from design.analysis.sensitivity import sensitivity
 from design.analysis.sensitivity_range import SensitivityRange
+from design.analysis.unshaped import unshaped_ramp_residual
 from design.analysis.vectors import residual_vectors
 from design.claims import zeros
 from design.errors import InfeasibleDesignError
@@ -107,12 +108,12 @@ def test_a_ramp_alone_swings_by_its_textbook_factor() -> None:
         return abs(math.sin(3.5 * duration) / (3.5 * duration))
 
     # From 1e-9 down to 0 by the fall, then on to -1 by the rise: all but the share of 1e-9.
-    assert residual_vibration(late, mode, ALONE) == pytest.approx(1.0, abs=1e-8)
+    assert residual_vibration(late, mode, ALONE) == pytest.approx(factor(0.2), abs=1e-8)
     fall = Impulses(times_s=np.array([0.0, 1e-300]), amplitudes=np.array([1.0, 1e-300]))
-    assert residual_vibration(fall, mode, ALONE) == pytest.approx(1.0, abs=1e-12)
+    assert residual_vibration(fall, mode, ALONE) == pytest.approx(factor(0.2), abs=1e-12)
     both = residual_vibration(pulse(2 * math.pi / 7.0), mode, ALONE)
     turn = abs(factor(0.2) - factor(0.08) * np.exp(-3.5j * (0.08 - 0.2)))
-    assert both == pytest.approx(turn / factor(0.2), abs=1e-14)
+    assert both == pytest.approx(turn, abs=1e-14)
 
 
 @pytest.mark.parametrize("seed", range(200))
@@ -265,8 +266,11 @@ def test_travel_of_a_ramped_pulse_is_its_area() -> None:
     assert travel(pulse(0.05), ALONE) == pytest.approx(0.25 * 0.07 / 2, rel=1e-14)
 
 
-def test_a_step_leaves_one_unit() -> None:
-    assert residual_vibration(step(), CRANE.mode, LIMITED) == pytest.approx(1.0, abs=1e-14)
+def test_the_unit_is_a_step_without_limits() -> None:
+    assert residual_vibration(step(), CRANE.mode, LIMITED.then) == pytest.approx(1.0, abs=1e-14)
+    ramped = residual_vibration(step(), CRANE.mode, LIMITED)
+    assert ramped == pytest.approx(unshaped_ramp_residual(CRANE.mode, LIMITED), rel=1e-13)
+    assert 0 < ramped < 1
 
 
 @pytest.mark.parametrize(
@@ -286,9 +290,14 @@ def test_limits_out_of_proportion_are_refused() -> None:
     slow = replace(ALONE, accel_limit_m_s2=1e-3)
     with refused("ramp_too_long", "actuator.accel_limit_m_s2"):
         design(CRANE, slow, SHAPERS["numzvd"])
-    period = replace(ALONE, accel_limit_m_s2=0.2 / CRANE.mode.period_s)
-    with refused("ramp_of_whole_periods", "actuator.accel_limit_m_s2"):
-        design(CRANE, period, SHAPERS["numzvd"])
+
+
+def test_a_ramp_of_one_period_is_no_obstacle_and_needs_a_shaper_for_its_slope_alone() -> None:
+    period = replace(ALONE, accel_limit_m_s2=ALONE.speed_m_s / CRANE.mode.period_s)
+    assert design(CRANE, period, SHAPERS["numzv"]).impulses.times_s.size == 1
+    robust = design(CRANE, period, SHAPERS["numzvd"])
+    assert robust.impulses.times_s.size > 1
+    assert robust.certificate.verified
 
 
 def test_a_move_at_another_speed_is_refused() -> None:
