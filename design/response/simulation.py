@@ -173,8 +173,8 @@ def ringing_after(
     -------
     tuple of ComplexArray
         Modal coordinates, shape (f,) each: of the command at its last step, and of a unit step
-        that increases the command at that step, without limits. A unit step through an ideal
-        actuator leaves 1.
+        that increases the command at that step, without limits. That of a unit step through
+        an ideal actuator is 1.
         The actuator's own transient is projected out by the left eigenvector of the mode in the
         coupled system.
     """
