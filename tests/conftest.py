@@ -15,6 +15,7 @@ import httpx
 import hypothesis
 import pytest
 
+from design.solvers import clarabel, ipopt_options, trust_region_step
 from tests.patience import PATIENT_S
 from tests.pointers import require_pointers
 
@@ -109,6 +110,16 @@ def wait_until_ready(service: Running) -> None:
             if service.process.poll() is not None or time.monotonic() > deadline:
                 raise RuntimeError(f"the service did not start: {service.log.read_text()}")
             time.sleep(0.05)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def patient_solvers() -> Iterator[None]:
+    """Give the solvers in this process their time: a run of theirs takes up to a second alone."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(clarabel, "LONGEST_S", PATIENT_S)
+        for options in (ipopt_options.OPTIONS, trust_region_step.OPTIONS):
+            patch.setitem(options, "ipopt.max_wall_time", PATIENT_S)
+        yield
 
 
 @pytest.fixture(scope="session")
