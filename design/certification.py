@@ -33,12 +33,10 @@ def certify(
 
     Parameters
     ----------
-    solutions, formulation
-        What solves the formulation, the likeliest optimum first.
+    solutions, formulation, budget
+        What solves the formulation, the likeliest optimum first; the budget of the search.
     kind, plant, actuator
         Kind of the shaper; what moves, and what drives it.
-    budget
-        That of the search, which notes what is rejected and why.
 
     Returns
     -------

@@ -31,10 +31,8 @@ def require_between(name: str, value: float, lowest: float, highest: float) -> N
 
     Parameters
     ----------
-    name, value
-        Field that the error names, and the number; nan is refused.
-    lowest, highest
-        Bounds in the unit of ``value``, both allowed.
+    name, value, lowest, highest
+        Field that the error names, the number, and its bounds, both allowed; nan is refused.
 
     Raises
     ------

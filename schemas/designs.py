@@ -4,9 +4,11 @@ from typing import Annotated, Self
 
 from pydantic import Field
 
+from design.analysis.ramp_figures import RampFigures
 from design.pipeline import Design
 from schemas.base import Wire, leave_out_none
 from schemas.certificates import CertificateOut
+from schemas.designed_shaper import ShaperOut
 from schemas.fits import FitOut
 from schemas.impulses import ImpulsesWire
 from schemas.ranges import RangeOut
@@ -16,14 +18,6 @@ from schemas.sensitivity_curves import SensitivityOut
 from schemas.solver import SolverOut
 from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut, Warnings
-
-
-class ShaperOut(Wire):
-    """The shaper."""
-
-    kind: str
-    impulses: ImpulsesWire
-    duration_s: Annotated[float, Field(description="Time that it adds to a move [s].")]
 
 
 class DesignResponse(Wire):
@@ -42,6 +36,13 @@ class DesignResponse(Wire):
         Field(
             description="Residual vibration with the plant and actuator given, a share of an "
             "unshaped step; of several modes the largest [-]."
+        ),
+    ]
+    unshaped_ramp_residual: Annotated[
+        float | None,
+        leave_out_none(
+            "Behind limits, the residual of the ramp of an unshaped step, a share of the step "
+            "without limits; otherwise left out [-]."
         ),
     ]
     certificate: CertificateOut
@@ -65,6 +66,7 @@ class DesignResponse(Wire):
         cls,
         kind: str,
         design: Design,
+        ramps: RampFigures | None,
         sampled: SampledOut | None,
         sensitivity: SensitivityOut | None,
         modes: list[ModeOut] | None,
@@ -79,7 +81,7 @@ class DesignResponse(Wire):
         ----------
         kind, design
             Name of the kind; the shaper that is sent, on samples where they were asked for.
-        sampled, sensitivity, modes, scheduled, fit, trace
+        ramps, sampled, sensitivity, modes, scheduled, fit, trace
             Each part that was asked for; None where it was not.
         version
             Of the tool.
@@ -94,9 +96,11 @@ class DesignResponse(Wire):
                 kind=kind,
                 impulses=ImpulsesWire.from_design(design.impulses),
                 duration_s=design.impulses.duration_s,
+                ramp_end_s=None if ramps is None else ramps.end_s,
             ),
             sampled=sampled,
             residual=design.residual,
+            unshaped_ramp_residual=None if ramps is None else ramps.unshaped_residual,
             certificate=CertificateOut.from_design(design.certificate, given=not design.for_ideal),
             sensitivity=sensitivity,
             modes=modes,

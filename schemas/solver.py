@@ -19,8 +19,8 @@ class SolverOut(OutOf[SolverReport]):
     lower_bound_s: Annotated[
         float | None,
         Field(
-            description="No shaper of its class is as short as this; null where nothing is "
-            "proven [s]."
+            description="No shaper of its class is as short as this; behind limits, none ends its "
+            "last ramp as early; null where nothing is proven [s]."
         ),
     ]
     gap: Annotated[

@@ -25,10 +25,8 @@ def drive_warnings(
 
     Parameters
     ----------
-    command, actuator
-        The steps that are sent, and the drive that is given.
-    modes
-        The modes of the plant, of which the fastest asks most of the drive.
+    command, modes, actuator
+        The steps that are sent, the modes, of which the fastest asks most, and the drive.
 
     Yields
     ------

@@ -35,10 +35,8 @@ def step_outward(start: float, end: float, step: float) -> FloatArray:
 
     Parameters
     ----------
-    start, end
-        Ratio that was looked at last, and where the search ends, above it or below [-].
-    step
-        Longest step [-].
+    start, end, step
+        Ratio that was looked at last; where the search ends, above it or below; longest step [-].
 
     Returns
     -------
@@ -97,7 +95,7 @@ def find_edge(
     Parameters
     ----------
     excess, end, step
-        Residual less the limit; ratio at which the search ends; longest step between ratios [-].
+        Residual less the limit; where the search ends; longest step between ratios [-].
     ratios, values
         The first stretch, the neighbour of 1 ahead of it, and the excess there, shape (m,) [-].
 

@@ -65,10 +65,8 @@ def sensitivity(
 
     Parameters
     ----------
-    impulses, mode, actuator
-        A shaper or a whole command, the nominal mode and its actuator.
-    wanted
-        Range, points and tolerance.
+    impulses, mode, actuator, wanted
+        A command, the nominal mode, its drive; the range, the points and the tolerance.
 
     Returns
     -------

@@ -9,8 +9,9 @@ import numpy as np
 from design.errors import InvalidInputError
 from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, Formulation, JointProblem
+from design.formulations.ramped import RampedProblem, ramped_problem
 from design.model.actuators.ideal import Ideal
-from design.model.actuators.registry import Actuator
+from design.model.actuators.registry import Actuator, follows_one_lag
 from design.model.plants.mode import Mode
 from design.model.plants.modes import MAX_MODES
 from design.shapers.actuators import EVERY_ACTUATOR_BY_ITS_LAG
@@ -41,15 +42,21 @@ By then what a joint shaper does early is in that mode below what counts as zero
 search shows where it should be. Of random plants all are solved up to 8, none from here on [-].
 """
 
+MAX_PERIODS_PER_MODE = 10.0
+"""Longest command behind limits without its ramps, in periods of the slowest mode [-]."""
+
 MAX_BAND_WORK = 4e6
 """Work of proving bands, at most: as much as a search may take [units]."""
 
 
-def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> JointProblem:
+def joint(
+    modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool
+) -> JointProblem | RampedProblem:
     """Formulate the fastest command without vibration in all modes.
 
     Positive steps share the acceleration set's G in each mode, so they are exact for every actuator
-    that follows steps; steps up and down are for one that follows its command.
+    that follows steps; steps up and down are for one that follows its command, or for limits that
+    one lag follows.
 
     Parameters
     ----------
@@ -62,8 +69,8 @@ def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> Joi
 
     Returns
     -------
-    JointProblem
-        In phases of the slowest mode.
+    JointProblem or RampedProblem
+        In phases of the slowest mode; the second of steps up and down behind limits.
 
     Raises
     ------
@@ -83,6 +90,13 @@ def joint(modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool) -> Joi
                 "convolved serves such modes",
                 code="mode_decays_too_fast",
             )
+    if not positive and follows_one_lag(actuator):
+        return ramped_problem(
+            modes,
+            actuator,
+            derivatives=0,
+            max_duration_periods=MAX_PERIODS_PER_MODE * len(modes),
+        )
     return JointProblem(
         unit_poles=np.array([mode.pole_rad_s / w for mode in modes], dtype=np.complex128),
         natural_frequency_rad_s=w,

@@ -1,8 +1,7 @@
 """How much a search may do: counted work, never a clock, so that equal requests end alike.
 
-Work is counted in units of about a microsecond of the machine that the solvers were measured on: a
-core of 2020 or so. Each solver counts what it does, evaluations, iterations, programs, with the
-weight of their size. Constants are measured; to be off by a half does no harm.
+Work is counted in units of about a microsecond of a core of 2020 or so. Each solver counts what it
+does, evaluations, iterations, programs, by their size and constants that are measured.
 """
 
 from dataclasses import dataclass

@@ -26,7 +26,8 @@ class SolverReport:
     starts
         Starts tried until then; cone or linear programs of ``clarabel`` and ``highs``.
     lower_bound_s
-        No shaper of its class is as short: proven for all times; None where nothing is proven [s].
+        No shaper of its class is as short, or behind limits ends its last ramp as early: proven for
+        all times; None where nothing is proven [s].
     gap
         How far the duration may be above the shortest, over itself; None as above [-].
     """

@@ -1,7 +1,9 @@
 """Design one shaper, prove it, and add what is asked: its curve, its coefficients, its file."""
 
+from design.analysis.ramp_figures import ramp_figures
 from design.analysis.sensitivity import Sensitivity
 from design.analysis.worst_mode import worst_of
+from design.model.actuators.rate_limited import RateLimited
 from design.model.plants.scheduled import Scheduled
 from schemas.design_request import DesignRequest
 from schemas.designs import DesignResponse
@@ -32,6 +34,9 @@ def design_shaper(request: DesignRequest) -> DesignResponse:
     return DesignResponse.from_design(
         request.shaper.kind,
         done.design,
+        ramp_figures(done.design.impulses, modes, done.actuator)
+        if isinstance(done.actuator, RateLimited)
+        else None,
         done.sampled,
         _curve(done.curves),
         of_modes(modes, done.design.residuals, done.curves) if len(modes) > 1 else None,

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from design.analysis.sensitivity import Sensitivity, sensitivity
 from design.errors import DesignError
+from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.pipeline import Design, design
 from design.solvers.budget import Budget
@@ -21,6 +22,7 @@ class RequestedDesign:
     """A design with all that was asked of it."""
 
     plant: Plant  # What moves
+    actuator: Actuator  # What drives it
     design: Design  # The shaper that is sent: on samples where they were asked for
     curves: list[Sensitivity]  # Its sensitivity curve in each mode; empty where none was asked for
     sampled: SampledOut | None  # How it came to the samples; None where none were asked for
@@ -70,4 +72,4 @@ def requested_design(request: DesignRequest) -> RequestedDesign:
     curves = []
     if curve_range is not None:
         curves = [sensitivity(found.impulses, mode, actuator, curve_range) for mode in plant.modes]
-    return RequestedDesign(plant, found, curves, told, trace)
+    return RequestedDesign(plant, actuator, found, curves, told, trace)

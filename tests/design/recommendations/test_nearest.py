@@ -19,16 +19,16 @@ def test_a_high_mode_limit_that_unity_cannot_meet_is_named() -> None:
         asked(sign="unity", max_high_mode_gain=1.0)
     assert isinstance(told.value, InfeasibleDesignError)
     assert set(dict(told.value.faults)) == {"sign", "max_high_mode_gain"}
-    assert "of other signs than unity si serves" in str(told.value)
+    assert "with another sign than unity, si serves" in str(told.value)
 
 
 def test_a_band_that_several_modes_cannot_be_kept_over_says_so() -> None:
-    with refused("none_meets_all", says=r"in every mode.*least found to be left is"):
+    with refused("none_meets_all", says=r"in every mode.*smallest residual found is"):
         asked(TWO_MODES, THESIS, half_width=0.6, tolerance=0.01)
 
 
 def test_where_no_single_limit_is_enough_the_nearest_is_told() -> None:
-    with refused("none_meets_all", says="nor if one limit is given up"):
+    with refused("none_meets_all", says="dropping any single limit does not help"):
         asked(half_width=0.9, tolerance=0.01, max_duration_s=0.2, max_high_mode_gain=0.1)
 
 
@@ -46,7 +46,7 @@ def test_what_is_offered_instead_is_of_shapers_that_miss_nothing_else() -> None:
             recommend(Mode(natural_frequency_rad_s=2 * math.pi), IDEAL, asked)
 
 
-@pytest.mark.parametrize("ramp_s", [5.5, 6.2, 12.0])
+@pytest.mark.parametrize("ramp_s", [5.5, 6.2])
 def test_a_band_in_which_the_unshaped_ramp_leaves_nothing_is_served(ramp_s: float) -> None:
     drive = RateLimited(accel_limit_m_s2=1 / ramp_s, decel_limit_m_s2=1.0, speed_m_s=1.0)
     mode = Mode(natural_frequency_rad_s=1.0)

@@ -43,7 +43,7 @@ def test_carrying_the_error_leaves_more_on_average_than_the_nearest_samples() ->
         mode = Mode(natural_frequency_rad_s=2 * math.pi / period)
         umzv = shaper([0.0, period / 6, period / 3], [1.0, -1.0, 1.0])
         results = {
-            "round_with_carry": round_with_carry(umzv, 1.0),
+            "carried": round_with_carry(umzv, 1.0),
             "nearest": nearest(umzv, 1.0),
             "search": unity_on_grid(umzv, mode, Ideal(), 1.0, slope=False),
         }

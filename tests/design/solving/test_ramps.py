@@ -14,6 +14,7 @@ from design.model.actuators.ideal import Ideal
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.pipeline import Design, design
@@ -105,6 +106,24 @@ def test_random_drives_are_solved_with_a_bound(mode: Mode, limited: RateLimited,
     assert outcome(found.impulses, mode, limited).residual < 1e-8
     if kind == "numzvd":
         assert slope(found.impulses, mode, limited) < 1e-5
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_several_modes_behind_limits_are_served_with_a_bound(count: int) -> None:
+    rng = np.random.default_rng(count)
+    modes = Modes(
+        modes=tuple(
+            Mode(natural_frequency_rad_s=float(w), damping_ratio=float(rng.uniform(0, 0.05)))
+            for w in np.cumsum(rng.uniform(1, 3, count))
+        )
+    )
+    found = design(modes, DRIVE, SHAPERS["multi_umzv"])
+    assert found.certificate.verified
+    assert not found.for_ideal
+    assert found.solver.gap is not None
+    assert found.solver.gap < 1e-3
+    for mode in modes.modes:
+        assert outcome(found.impulses, mode, DRIVE).residual < 1e-8
 
 
 def least_left(problem: RampedProblem, end_rad: float, cells: int) -> float:

@@ -1,5 +1,6 @@
 """Limits to acceleration on the wire, on every route that takes an actuator."""
 
+import cmath
 from typing import Any
 
 import httpx
@@ -28,6 +29,30 @@ def test_a_design_knows_the_ramps(client: httpx.Client) -> None:
     # 6.7 ms of ramp are a third of a percent of the swing.
     unaware = client.post("/v1/sensitivity", json={**there, "actuator": CRANE["actuator"]}).json()
     assert 1e-4 < unaware["residual"] < 0.05
+
+
+def test_an_answer_says_when_the_last_ramp_ends_and_that_none_ends_earlier(
+    client: httpx.Client,
+) -> None:
+    drive = {
+        "kind": "rate_limited",
+        "accel_limit_m_s2": 1.6,
+        "decel_limit_m_s2": 2.5,
+        "speed_m_s": 0.4,
+    }
+    plant = {"kind": "mode", "natural_frequency_rad_s": 3.5, "damping_ratio": 0.01}
+    request = {"plant": plant, "actuator": drive, "shaper": {"kind": "numzvd"}}
+    answer = client.post("/v1/designs", json=request).json()
+    shaper, solver = answer["shaper"], answer["solver"]
+    assert shaper["ramp_end_s"] == pytest.approx(1.5472535, abs=1e-7)
+    assert shaper["duration_s"] == pytest.approx(1.3302373, abs=1e-7)
+    assert 0.999 * shaper["ramp_end_s"] < solver["lower_bound_s"] <= shaper["ramp_end_s"]
+    turn = 3.5 * 0.25 * complex(-0.01, (1 - 1e-4) ** 0.5)
+    alone = abs((1 - cmath.exp(-turn)) / turn)
+    assert answer["unshaped_ramp_residual"] == pytest.approx(alone, rel=1e-12)
+    without = client.post("/v1/designs", json=CRANE).json()
+    assert "ramp_end_s" not in without["shaper"]
+    assert "unshaped_ramp_residual" not in without
 
 
 @pytest.mark.parametrize(

@@ -199,7 +199,7 @@ def test_workers_that_cannot_be_started_are_started_anew(
     told = run(store, start_twice, new)
     assert ended(store, new).state == "done"
     assert attempts(store) == 0
-    assert any(f"started anew: {type(error).__name__}" in one for one in told)
+    assert any(f"are restarted: {type(error).__name__}" in one for one in told)
 
 
 class Inline(Executor):

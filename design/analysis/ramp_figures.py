@@ -1,0 +1,48 @@
+"""What limits to acceleration make of a command, in figures: when its last ramp ends."""
+
+from dataclasses import dataclass
+
+from design.analysis.unshaped import unshaped_ramp_residual
+from design.model.actuators.rate_limited import RateLimited
+from design.model.impulses import Impulses
+from design.model.plants.mode import Mode
+from design.model.reference_ramps import reference
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RampFigures:
+    """Figures of a command behind limits.
+
+    Attributes
+    ----------
+    end_s
+        When the last ramp ends, after the first step [s].
+    unshaped_residual
+        Residual of the ramp of an unshaped step, a share of the step without limits; of several
+        modes the largest [-].
+    """
+
+    end_s: float
+    unshaped_residual: float
+
+
+def ramp_figures(impulses: Impulses, modes: tuple[Mode, ...], actuator: RateLimited) -> RampFigures:
+    """Return the figures of a command behind limits.
+
+    Parameters
+    ----------
+    impulses
+        The command.
+    modes, actuator
+        The plant's modes and the limits.
+
+    Returns
+    -------
+    RampFigures
+        Of the command, and of an unshaped step.
+    """
+    changes = reference(impulses, actuator)
+    return RampFigures(
+        end_s=float(changes.times_s[-1] + changes.ramps_s[-1] - impulses.times_s[0]),
+        unshaped_residual=max(unshaped_ramp_residual(mode, actuator) for mode in modes),
+    )
