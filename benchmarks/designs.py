@@ -9,9 +9,8 @@ import casadi as ca
 import numpy as np
 
 from benchmarks.measure import Figure, alternating_medians, ratio
-from design.analysis.sensitivity import sensitivity
-from design.analysis.sensitivity_range import SensitivityRange
-from design.analysis.vectors import evenly_spaced_vectors
+from design.analysis.residual import evenly_spaced_vectors
+from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.fields import Axis
 from design.formulations.published_times import ZVD_POLYNOMIALS
 from design.maps.field_map import field_map

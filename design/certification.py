@@ -1,14 +1,13 @@
 """Solutions held against what is promised of them, until one keeps it."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 
 from design.analysis.certificate import Certificate
-from design.analysis.claims_in_words import shortfall_of
+from design.analysis.claims_found import shortfall_of, unverified_error
 from design.analysis.judge import Judgement, judge
 from design.analysis.rounding import require_doubles_to_hold
-from design.claims import Promise, zeros
-from design.errors import InfeasibleDesignError, SolverFailedError
+from design.claims import ZERO_LIMITS, Promise
+from design.errors import InfeasibleDesignError
 from design.formulations.formulation import Convolution, Formulation
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
@@ -22,14 +21,6 @@ from design.solvers.search_steps import verdict_step
 from design.solvers.solution import Solution
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Certified:
-    """A solution that keeps what is promised of it."""
-
-    solution: Solution  # What a solver answered with
-    judgement: Judgement  # Its certificate, and what it does with the actuator given
-
-
 def certify(
     solutions: Iterator[Solution],
     formulation: Formulation,
@@ -37,7 +28,7 @@ def certify(
     plant: Plant,
     actuator: Actuator,
     budget: Budget,
-) -> Certified:
+) -> tuple[Solution, Judgement]:
     """Return the first solution that keeps what is promised of it.
 
     Parameters
@@ -51,7 +42,7 @@ def certify(
 
     Returns
     -------
-    Certified
+    tuple of Solution and Judgement
         The solution, held against its promises.
 
     Raises
@@ -62,7 +53,7 @@ def certify(
         If there are solutions, and none keeps its promises.
     """
     modes = plant.modes
-    promises = promises_of(formulation, kind, modes)
+    promises = _promises_of(formulation, kind, modes)
     if isinstance(plant, Scheduled):
         promises = promises_over(plant, promises)
     unverified: Certificate | None = None
@@ -93,7 +84,7 @@ def certify(
             if budget.trace is not None:
                 budget.note(verdict_step(solution, shortfall_of(certificate)))
             if certificate.verified:
-                return Certified(solution=solution, judgement=judgement)
+                return solution, judgement
             if isinstance(plant, Scheduled):
                 require_over(plant, kind.name, certificate)
             require_doubles_to_hold(solution.impulses, modes, certificate)
@@ -106,33 +97,16 @@ def certify(
             ) from None
         if unverified is None:
             raise
-    if unverified is None:
-        raise SolverFailedError(
-            f"no solution of {kind.name} was found; that there is none is not proven",
-            code="none_found_nor_excluded",
-        )
-    raise SolverFailedError(
-        f"no solution of {kind.name} was verified; of the last one {shortfall_of(unverified)}",
-        code="none_verified",
-    )
+    refusal = unverified_error(kind.name, unverified)
+    raise refusal
 
 
-def promises_of(
+def _promises_of(
     formulation: Formulation, kind: ShaperKind, modes: tuple[Mode, ...]
 ) -> tuple[Promise, ...]:
     """Return what is promised of a formulation's solutions.
 
     A formulation's own claims come first; without any its kind's count, each at zero in each mode.
-
-    Parameters
-    ----------
-    formulation, kind, modes
-        What is solved, the kind of the shaper, and the modes of the plant.
-
-    Returns
-    -------
-    tuple of Promise
-        With the numbers of the modes.
     """
     if formulation.claims:
         return formulation.claims
@@ -140,5 +114,7 @@ def promises_of(
     if isinstance(formulation, Convolution):
         names = formulation.zeros_of_parts
     return tuple(
-        replace(promise, mode=number) for number in range(len(modes)) for promise in zeros(names)
+        Promise(quantity=name, limit=ZERO_LIMITS[name], mode=number)
+        for number in range(len(modes))
+        for name in names
     )

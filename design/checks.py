@@ -4,24 +4,6 @@ import math
 
 from design.errors import InvalidInputError
 
-
-def require_positive(name: str, value: float) -> None:
-    """Check that ``value`` is finite and > 0.
-
-    Parameters
-    ----------
-    name, value
-        Field that the error names, and the number; nan is refused.
-
-    Raises
-    ------
-    InvalidInputError
-        If it is not.
-    """
-    if not (math.isfinite(value) and value > 0):
-        raise InvalidInputError(name, value, "finite and > 0", code="not_positive")
-
-
 MIN_VALUE, MAX_VALUE = 1e-12, 1e12
 """Bounds of any frequency, time or length in SI units: beyond them squares overflow."""
 
@@ -39,7 +21,8 @@ def require_scale(name: str, value: float) -> None:
     InvalidInputError
         If it is not.
     """
-    require_positive(name, value)
+    if not (math.isfinite(value) and value > 0):
+        raise InvalidInputError(name, value, "finite and > 0", code="not_positive")
     require_between(name, value, MIN_VALUE, MAX_VALUE)
 
 

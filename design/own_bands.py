@@ -38,5 +38,5 @@ def with_own_band(
     lower, upper = found.searched_from_ratio, found.searched_to_ratio
     if ((solution.ratios < lower) | (solution.ratios > upper)).any():
         return None
-    half_width = found.half_width * (1 - BAND_MARGIN)
+    half_width = min(1 - lower, upper - 1) * (1 - BAND_MARGIN)
     return replace(promise, band=(1 - half_width, 1 + half_width))

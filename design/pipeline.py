@@ -4,9 +4,10 @@ from dataclasses import dataclass, replace
 
 from design.analysis.certificate import Certificate
 from design.analysis.drive_warnings import drive_warnings
+from design.analysis.judge import Judgement
 from design.analysis.warnings import DesignWarning
 from design.analysis.workable import require_workable
-from design.certification import Certified, certify
+from design.certification import certify
 from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
@@ -15,7 +16,7 @@ from design.model.plants.scheduled import Scheduled
 from design.ranges import options_over, worst_over
 from design.shapers.kind import DesignCase, KindOf, Options
 from design.solvers.budget import Budget
-from design.solvers.solution import SolverReport
+from design.solvers.solution import Solution, SolverReport
 from design.solving.solve import solve
 
 
@@ -54,10 +55,8 @@ def design(
     ----------
     plant, actuator
         What moves, and what drives it.
-    kind, options
-        Entry of the registry, and its parameters; their defaults if not given.
-    budget
-        What its search may do; that of one design if not given.
+    kind, options, budget
+        Entry of the registry; its parameters; what its search may do: the usual ones if not given.
 
     Returns
     -------
@@ -73,22 +72,13 @@ def design(
         doubles to hold what it claims.
     SolverFailedError
         If the certificate verified none of the solutions found.
-
-    Examples
-    --------
-    >>> from design.model.actuators.ideal import Ideal
-    >>> from design.model.plants.pendulum import Pendulum
-    >>> from design.shapers.registry import SHAPERS
-    >>> crane = Pendulum(cable_length_m=0.8)
-    >>> design(crane, Ideal(), SHAPERS["umzvd"]).certificate.verified
-    True
     """
     budget = Budget() if budget is None else budget
     case = check(plant, actuator, kind, options)
     formulation = kind.formulate(case)
     solutions = solve(formulation, budget)
-    certified = certify(solutions, formulation, kind, plant, actuator, budget)
-    return describe(certified, plant, actuator)
+    solution, judgement = certify(solutions, formulation, kind, plant, actuator, budget)
+    return describe(solution, judgement, plant, actuator)
 
 
 def check(
@@ -128,12 +118,12 @@ def check(
     return case
 
 
-def describe(certified: Certified, plant: Plant, actuator: Actuator) -> Design:
+def describe(solution: Solution, judgement: Judgement, plant: Plant, actuator: Actuator) -> Design:
     """Return what is to be known of a certified solution.
 
     Parameters
     ----------
-    certified, plant, actuator
+    solution, judgement, plant, actuator
         The solution and what was found of it; what moves, and what drives it.
 
     Returns
@@ -141,15 +131,14 @@ def describe(certified: Certified, plant: Plant, actuator: Actuator) -> Design:
     Design
         With warnings of the judge and of the drive.
     """
-    impulses, judgement = certified.solution.impulses, certified.judgement
     return Design(
-        impulses=impulses,
+        impulses=solution.impulses,
         residuals=judgement.residuals,
         certificate=judgement.certificate,
         for_ideal=judgement.for_ideal,
-        solver=certified.solution.solver,
-        warnings=(*judgement.warnings, *drive_warnings(impulses, plant.modes, actuator)),
-        worst_in_range=worst_over(plant, impulses, actuator)
+        solver=solution.solver,
+        warnings=(*judgement.warnings, *drive_warnings(solution.impulses, plant.modes, actuator)),
+        worst_in_range=worst_over(plant, solution.impulses, actuator)
         if isinstance(plant, Scheduled)
         else None,
     )

@@ -8,7 +8,7 @@ from schemas.actuators import ActuatorIn
 from schemas.base import Wire
 from schemas.fits import FitIn
 from schemas.plants import PlantIn
-from schemas.sensitivity_range import SensitivityIn
+from schemas.sensitivity_curves import SensitivityIn
 from schemas.shapers import ShaperIn
 
 

@@ -10,8 +10,7 @@ from schemas.actuators import ActuatorIn
 from schemas.base import Wire, leave_out_none
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
-from schemas.sensitivity_curves import SensitivityOut
-from schemas.sensitivity_range import SensitivityIn
+from schemas.sensitivity_curves import SensitivityIn, SensitivityOut
 from schemas.warnings import Warnings
 
 

@@ -1,11 +1,44 @@
-"""Wire form of sensitivity curves, without what they are of."""
+"""Wire form of sensitivity curves: which part is wanted, and the curve."""
 
 from typing import Annotated, Self
 
-from design.analysis.sensitivity import Sensitivity
+from pydantic import Field
+
+from design.analysis.damping_curve import MAX_CURVE_POINTS
+from design.analysis.sensitivity import RATIO_BOUNDS, Sensitivity, SensitivityRange
 from schemas.base import Wire, leave_out_none
-from schemas.damping import DampingOut
+from schemas.damping import DampingIn, DampingOut
 from schemas.insensitivity import InsensitivityOut
+
+Ratio = Annotated[float, Field(ge=RATIO_BOUNDS[0], le=RATIO_BOUNDS[1])]
+
+
+class SensitivityIn(Wire):
+    """Range of the sensitivity curve that is wanted."""
+
+    from_ratio: Annotated[Ratio, Field(description="First frequency ratio [-].")] = 0.5
+    to_ratio: Annotated[Ratio, Field(description="Last frequency ratio [-].")] = 1.5
+    points: Annotated[int, Field(ge=2, le=MAX_CURVE_POINTS, description="Points of the curve.")] = (
+        201
+    )
+    tolerance: Annotated[
+        float, Field(gt=0, lt=1, description="Residual of the insensitivity [-].")
+    ] = 0.05
+
+    damping: Annotated[
+        DampingIn | None,
+        Field(description="Range of a curve over the damping ratio; null for none."),
+    ] = None
+
+    def to_design(self) -> SensitivityRange:
+        """Build the design record."""
+        return SensitivityRange(
+            from_ratio=self.from_ratio,
+            to_ratio=self.to_ratio,
+            points=self.points,
+            tolerance=self.tolerance,
+            damping=None if self.damping is None else self.damping.to_design(),
+        )
 
 
 class SensitivityOut(Wire):

@@ -16,7 +16,7 @@ from service.problems import (
     problem_of_validation,
 )
 from service.repeated_names import RepeatedNameError
-from service.strict_json import require_names_once
+from service.strict_json import loads
 
 NOTHING: Mapping[str, object] = MappingProxyType({})
 
@@ -47,10 +47,9 @@ def answer(operation: str, body: bytes) -> Answer:
     """
     started = time.perf_counter()
     outcome = respond(operation, body)
-    if isinstance(outcome, BaseModel):
-        encoded: bytes | Problem = outcome.model_dump_json(by_alias=True).encode()
-    else:
-        encoded = outcome
+    if isinstance(outcome, Problem):
+        return Answer(outcome, time.perf_counter() - started)
+    encoded = outcome.model_dump_json(by_alias=True).encode()
     return Answer(encoded, time.perf_counter() - started)
 
 
@@ -61,10 +60,8 @@ def respond(
 
     Parameters
     ----------
-    operation, body
-        Name of the operation, as in `OPERATIONS`, and the request as JSON.
-    asked
-        Fields of the request that are set once it is read: by options of the command line.
+    operation, body, asked
+        Name of the operation, the request as JSON, and fields that are set once it is read.
 
     Returns
     -------
@@ -77,7 +74,7 @@ def respond(
     except ValidationError as error:
         return problem_of_validation(error, body)
     try:
-        require_names_once(body)
+        loads(body)  # every name stands once
     except RepeatedNameError as error:
         return problem_of_repetition(error)
     try:

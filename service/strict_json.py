@@ -27,11 +27,6 @@ def loads(text: bytes | str) -> Any:  # noqa: ANN401
         raise RepeatedNameError(first_repeated_name(text)) from None
 
 
-def require_names_once(text: bytes | str) -> None:
-    """Raise RepeatedNameError if a name stands twice in an object."""
-    loads(text)
-
-
 class _RepeatedError(ValueError):
     """Some name stands more than once; where, is looked for then."""
 

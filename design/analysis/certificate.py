@@ -45,14 +45,12 @@ METHOD = (
 class Claim:
     """One promise of a shaper, with the value found for it."""
 
-    # ``residual`` [-]; ``slope`` and the higher derivatives: its vector's change per relative
-    # change of frequency [-]; ``band``: the largest residual over the band [-]
+    # ``slope`` and the higher derivatives are its vector's change per relative one of frequency
     quantity: Quantity
     value: float  # As recomputed [-]
     limit: float  # The claim holds if ``value <= limit`` [-], a tolerance with a margin of rounding
     mode: int = 0  # Number of the plant's mode that it is about, from 0
-    # Ends of the band, ratios of the mode's frequency [-]; None except for ``band``
-    band: tuple[float, float] | None = None
+    band: tuple[float, float] | None = None  # Its ends over the mode's frequency; None of others
 
     @property
     def is_zero(self) -> bool:
@@ -76,16 +74,6 @@ class Certificate:
     def verified(self) -> bool:
         """Whether every claim holds."""
         return all(claim.holds for claim in self.claims)
-
-    @property
-    def zeros(self) -> tuple[Quantity, ...]:
-        """What is claimed to be nothing."""
-        return tuple(claim.quantity for claim in self.claims if claim.is_zero)
-
-    @property
-    def over_band(self) -> Claim | None:
-        """What is claimed over a band of frequencies, if anything is."""
-        return next((claim for claim in self.claims if claim.band is not None), None)
 
 
 def certify(
@@ -163,8 +151,7 @@ class _Denominators:
     polynomial through some frequencies follows, nor does a difference; V D has none and is smooth.
     """
 
-    # Of the powers of the frequency's ratio to its nominal, ascending [-]
-    coefficients: list[complex]
+    coefficients: list[complex]  # of the powers of the frequency's ratio to its nominal [-]
 
     @classmethod
     def of(cls, impulses: Impulses, mode: Mode, actuator: Actuator) -> "_Denominators":

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.analysis.vectors import residual_vectors
+from design.analysis.residual import residual_vectors
 from design.checks import require_between
 from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator

@@ -4,8 +4,8 @@ import cmath
 
 import numpy as np
 
+from design.analysis.residual import residual_vectors
 from design.analysis.step_contributions import step_contributions
-from design.analysis.vectors import residual_vectors
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
@@ -99,15 +99,14 @@ def find_edge(
     excess, end, step
         Residual less the limit; ratio at which the search ends; longest step between ratios [-].
     ratios, values
-        The first stretch, with the neighbour of 1 on the other side ahead of it, and the excess
-        there, shape (m,) each [-].
+        The first stretch, the neighbour of 1 ahead of it, and the excess there, shape (m,) [-].
 
     Returns
     -------
     float or None
         The edge [-]; None where the search ended without one.
     float
-        Ratio up to which the residual is within the limit: the edge, or the search's end [-].
+        Ratio up to which the residual is within the limit: the edge, or the end [-].
     """
     scanned = 0
     while True:

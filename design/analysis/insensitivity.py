@@ -29,13 +29,11 @@ RATIO_LIMITS = (1e-3, 100.0)
 class Insensitivity:
     """The interval of frequency ratios around 1 on which the residual is within a tolerance."""
 
-    tolerance: float  # The tolerance [-]
-    # Edges of the connected interval that contains 1 [-]; None where the residual is within the
-    # tolerance as far as was searched
+    tolerance: float
+    # Edges of the connected interval that contains 1 [-]; None where the search found none
     lower_ratio: float | None
     upper_ratio: float | None
-    # Between them the residual is within the tolerance: the edges, or where the search for one
-    # ended without [-]
+    # Between them all is within the tolerance: the edges, or where the search for one ended [-]
     searched_from_ratio: float
     searched_to_ratio: float
 
@@ -46,21 +44,15 @@ class Insensitivity:
             return None
         return self.upper_ratio - self.lower_ratio
 
-    @property
-    def half_width(self) -> float:
-        """Half width of the widest interval around 1 known to be within [-]."""
-        return min(1 - self.searched_from_ratio, self.searched_to_ratio - 1)
-
 
 def insensitivity(
     impulses: Impulses, mode: Mode, actuator: Actuator, tolerance: float
 ) -> Insensitivity | None:
     """Return the interval around 1 with the residual within a tolerance.
 
-    The interval is connected. Either edge is bracketed by a scan outward from 1, fine against the
+    Either edge of the connected interval is bracketed by a scan outward from 1, fine against the
     turn of the last impulse and with its near-misses looked at again, and then root-found, unless
-    it is proven that there is none. The scan does not depend on any plotted grid; it ends at
-    `RATIO_LIMITS`, or after `MAX_SCAN_POINTS`, and says where it ended without an edge.
+    it is proven that there is none. The scan ends at `RATIO_LIMITS`, or after `MAX_SCAN_POINTS`.
 
     Parameters
     ----------

@@ -8,9 +8,9 @@ actuator that the shaper was designed for, an ideal one, and a warning says what
 from dataclasses import dataclass
 
 from design.analysis.certificate import Certificate, certify_modes
-from design.analysis.claims_in_words import claims_in_words
+from design.analysis.claims_found import claims_in_words
 from design.analysis.residual import residual_vibration
-from design.analysis.warnings import DesignWarning
+from design.analysis.warnings import DesignWarning, actuator_ignored
 from design.claims import Promise
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
@@ -22,14 +22,11 @@ from design.model.plants.mode import Mode
 class Judgement:
     """What a command does, held against what is claimed of it."""
 
-    # The claims, recomputed: for the actuator given if all of them hold there
-    certificate: Certificate
-    # Whether the certificate is for the actuator that the command was designed for, an ideal one,
-    # in place of the one given
+    certificate: Certificate  # The claims, recomputed: for the actuator given if all hold there
+    # Whether the certificate is for the actuator designed for, an ideal one, not the one given
     for_ideal: bool
     residuals: tuple[float, ...]  # Residual vibration of each mode with the actuator given [-]
-    # One for the claims that do not hold with the actuator given, if there are any
-    warnings: tuple[DesignWarning, ...]
+    warnings: tuple[DesignWarning, ...]  # One for claims that do not hold with the one given
 
     @property
     def residual(self) -> float:
@@ -52,14 +49,11 @@ def judge(
     Parameters
     ----------
     command, modes
-        The steps that are sent, a shaper, a whole command or a program as it is played; the modes
-        of the plant.
-    actuator, promises
-        The drive that is given; what is promised of the command, each with a limit.
-    name
-        What the command is called in a warning.
-    designed_for
-        The actuator for which the promises were made; the one given if left out.
+        The steps that are sent, and the modes of the plant.
+    actuator, designed_for
+        The drive that is given, and the one for which promises were made; the same if left out.
+    promises, name
+        What is promised of the command, and what the command is called in a warning.
     swing
         What the payload swings already at the first step.
 
@@ -67,20 +61,6 @@ def judge(
     -------
     Judgement
         Its certificate is not verified where a promise holds with neither actuator.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from design.model.actuators.first_order import FirstOrder
-    >>> from design.model.actuators.ideal import Ideal
-    >>> from design.claims import zeros
-    >>> mode = Mode(natural_frequency_rad_s=3.5)
-    >>> phases = np.pi * np.array([0, 1 / 3, 2 / 3])
-    >>> umzv = Impulses(times_s=phases / 3.5, amplitudes=np.array([1.0, -1.0, 1.0]))
-    >>> drive = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.3)
-    >>> found = judge(umzv, (mode,), drive, zeros(["residual"]), name="umzv", designed_for=Ideal())
-    >>> found.certificate.verified, found.for_ideal, found.warnings[0].code
-    (True, True, 'actuator_ignored')
     """
     certificate = certify_modes(command, modes, actuator, promises, swing)
     failing = [claim for claim in certificate.claims if not claim.holds]
@@ -88,13 +68,7 @@ def judge(
     for_ideal = bool(failing) and designed_for is not None and designed_for != actuator
     if for_ideal and designed_for is not None:
         certificate = certify_modes(command, modes, designed_for, promises, swing)
-        warnings = (
-            DesignWarning(
-                code="actuator_ignored",
-                detail=f"{name} is made, and its claims are proven, for an actuator that follows "
-                f"its command; with the one given {claims_in_words(failing, len(modes))}",
-            ),
-        )
+        warnings = (actuator_ignored(name, claims_in_words(failing, len(modes))),)
     return Judgement(
         certificate=certificate,
         for_ideal=for_ideal,

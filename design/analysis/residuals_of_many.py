@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from design.analysis.passed_on_state import pass_on_state
+from design.analysis.residual import join_over_accel, join_sets, residual_vectors
 from design.analysis.step_contributions import heights_by_set
-from design.analysis.vectors import join_over_accel, join_sets, residual_vectors
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.model import Model
 from design.model.actuators.rate_limited import RateLimited

@@ -23,11 +23,9 @@ class StepContributions:
     """
 
     until_last_s: FloatArray  # Time from each change to the command's last step, shape (n,) [s]
-    # Gains by the acceleration set, by the deceleration set, then, if there are any, their rates,
-    # shape (n, 2) or (n, 4)
+    # Gains by the sets, accel before decel, then, if any, their rates, shape (n, 2) or (n, 4)
     columns: FloatArray
-    # Durations of the ramps, shape (n,); None where all are steps [s]
-    ramps_s: FloatArray | None = None
+    ramps_s: FloatArray | None = None  # Durations of ramps, shape (n,); None for steps [s]
     # Gains that are a ramp's height and not in ``columns``, shape (n, 2); None for steps
     heights: FloatArray | None = None
 
@@ -35,8 +33,8 @@ class StepContributions:
 def step_contributions(impulses: Impulses, actuator: Actuator) -> StepContributions:
     """Return what each change of the reference adds to the vibration.
 
-    A superposed step adds its height by its own set. Where one actuator is switched, its state is
-    taken from the old set and given to the new, and each would let it ring in its own way.
+    A superposed step adds its height by its own set. A switched actuator's state is taken from the
+    old set and given to the new, and each would let it ring in its own way.
 
     Parameters
     ----------

@@ -2,12 +2,10 @@
 
 import numpy as np
 
+from design.analysis.residual import join_sets
 from design.analysis.step_contributions import step_contributions
-from design.analysis.vectors import join_sets
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.initial_state import FreeSwing
-from design.model.plants.mode import Mode
 from design.model.ramps import ramp_factors
 from design.types import ComplexArray
 
@@ -40,21 +38,3 @@ def terms_of_residual(impulses: Impulses, pole_rad_s: complex, actuator: Actuato
     turns = pole_rad_s * steps.until_last_s - 1j * pole_rad_s.imag * impulses.duration_s
     terms = np.exp(turns)[:, None] * columns
     return join_sets(terms, np.array([pole_rad_s]), actuator)
-
-
-def swing_over_step(swing: FreeSwing, mode: Mode, actuator: Actuator) -> complex:
-    """Return the vector of a swing over that of the unshaped step [-].
-
-    Parameters
-    ----------
-    swing
-        What the payload swings already, over the speed.
-    mode, actuator
-        The mode and its drive.
-
-    Returns
-    -------
-    complex
-        At the first step [-].
-    """
-    return swing.vector(mode) * actuator.accel_lag.denominator(mode.pole_rad_s)

@@ -41,3 +41,23 @@ def sum_warnings(impulses: Impulses) -> Iterator[DesignWarning]:
             "of a whole move to 0. The residual is a share of the vibration of an "
             "unshaped step of height 1",
         )
+
+
+def actuator_ignored(name: str, found: str) -> DesignWarning:
+    """Return the warning for claims that hold for an ideal actuator only.
+
+    Parameters
+    ----------
+    name, found
+        What the command is called, and what its claims are with the actuator given, in words.
+
+    Returns
+    -------
+    DesignWarning
+        With both.
+    """
+    return DesignWarning(
+        code="actuator_ignored",
+        detail=f"{name} is made, and its claims are proven, for an actuator that follows "
+        f"its command; with the one given {found}",
+    )

@@ -17,8 +17,8 @@ RESONANCE = 1e-6
 def require_workable(mode: Mode, actuator: Actuator) -> None:
     """Check that the sets of an actuator are in proportion to the plant.
 
-    A set with its own pole at the plant's rings with it, and a residual in units of the unshaped
-    step means nothing; one a hundred times slower passes so little on that it drowns in rounding.
+    A set with its own pole at the plant's rings with it, and a residual over the unshaped step
+    means nothing; one a hundred times slower passes so little on that it drowns in rounding.
 
     Parameters
     ----------

@@ -27,11 +27,7 @@ import numpy as np
 
 from design.analysis.residual import residual_vibration
 from design.errors import InvalidInputError
-from design.export.firmware import (
-    firmware_lines,
-    require_positive_row,
-    require_positive_shaper,
-)
+from design.export.firmware import firmware_lines, require_positive_row, require_positive_shaper
 from design.export.kind import Export
 from design.model.impulses import Impulses
 from design.tables.columns import require_times, varied_paths

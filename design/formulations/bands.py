@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from design.claims import Promise, within
-from design.formulations.equations import Seed
+from design.formulations.seeds import Seed
 from design.model.actuators.registry import Actuator
 from design.types import ComplexArray, FloatArray, Symbolic
 

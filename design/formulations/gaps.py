@@ -24,10 +24,8 @@ def settling_gaps_rad(mode: Mode, actuator: Actuator, impulses: int, *, settle: 
 
     Parameters
     ----------
-    mode, actuator
-        The plant's mode and its drive.
-    impulses, settle
-        Number of impulses n, and whether each step must settle.
+    mode, actuator, impulses, settle
+        The plant's mode, its drive, the number n of impulses, whether each step must settle.
 
     Returns
     -------

@@ -5,7 +5,6 @@ that is left, so the course alone decides, and the problem is convex in the slop
 """
 
 from dataclasses import dataclass
-from typing import TypeGuard
 
 import numpy as np
 
@@ -55,22 +54,6 @@ class RampedProblem:
     horizon_rad: float
     designed_for: Actuator
     claims: tuple[Promise, ...] = ()
-
-
-def follows_one_lag(actuator: Actuator) -> TypeGuard[RateLimited]:
-    """Return whether an actuator has limits, and one lag behind them.
-
-    Parameters
-    ----------
-    actuator
-        The actuator.
-
-    Returns
-    -------
-    bool
-        False where it responds to a falling reference in another way than to one that rises.
-    """
-    return isinstance(actuator, RateLimited) and actuator.accel_lag == actuator.decel_lag
 
 
 def ramped_problem(

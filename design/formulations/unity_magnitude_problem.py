@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from design.errors import InfeasibleDesignError
-from design.formulations.equations import GapProblem, Seed
+from design.formulations.equations import GapProblem
 from design.formulations.gaps import MIN_GAP_RAD, PERIOD_RAD, settling_gaps_rad
 from design.formulations.lag_parameters import decel_over_accel, lag_parameters, switched_order
 from design.formulations.published_times import ZV_POLYNOMIALS, ZVD_POLYNOMIALS
+from design.formulations.seeds import Seed
 from design.formulations.unity_magnitude import UnityMagnitude
 from design.formulations.vector_diagram import undamped_seeds
 from design.model.actuators.rate_limited import RateLimited
@@ -41,12 +42,10 @@ def unity_magnitude_problem(
     model, mode, actuator
         Number of impulses and order of the equations; the plant's mode and its drive.
     settle, max_duration_periods
-        Whether each step must settle to 80 % before the next; longest shaper in undamped periods
-        [-].
-    amplitudes
-        Heights, +1, -1, +1, ... if not given. Of three others the undamped triangle is the seed.
-    seeds
-        Starts; needed for more than three other amplitudes.
+        Whether each step must settle before the next; longest shaper in undamped periods [-].
+    amplitudes, seeds
+        Heights, +1, -1, +1, ... if not given; of three others the undamped triangle is the seed, of
+        more the seeds are needed.
 
     Returns
     -------
@@ -111,9 +110,7 @@ def _seeds(
     shifted = [time + shift * (index % 2 == 0) for index, time in enumerate(published)]
     seeds = []
     for name, times in ((label, shifted), (f"{label}_as_published", published)):
-        gaps = np.array([
-            after - before for before, after in zip([0.0, *times], times, strict=False)
-        ])
+        gaps = np.diff([0.0, *times])
         if shortest.max() <= MIN_GAP_RAD or (gaps >= shortest).all():
             seeds.append(Seed(name=name, gaps_rad=gaps))
     return tuple(seeds)

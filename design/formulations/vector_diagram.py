@@ -6,8 +6,8 @@ import math
 import numpy as np
 
 from design.errors import InfeasibleDesignError
-from design.formulations.equations import Seed
 from design.formulations.gaps import PERIOD_RAD
+from design.formulations.seeds import Seed
 from design.types import FloatArray
 
 MAX_ALPHA = 2

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.formulations.equations import GapProblem, Seed
+from design.formulations.equations import GapProblem
 from design.formulations.expressions import Expressions
 from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
 from design.formulations.lag_parameters import LAG_PARAMETERS, lag_parameters, switched_order
+from design.formulations.seeds import Seed
 from design.formulations.symbolic import alternating_steps, with_slopes, with_swing
 from design.formulations.unity_magnitude_problem import alternating
 from design.model.actuators.rate_limited import RateLimited

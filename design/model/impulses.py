@@ -28,11 +28,9 @@ class Impulses:
 
     times_s: FloatArray  # Times of the steps, shape (n,), finite and not decreasing [s]
     amplitudes: FloatArray  # Heights of the steps as shares of full speed, shape (n,), finite [-]
-    # Which steps increase the magnitude of the command, shape (n,), derived. They drive the
-    # actuator by its acceleration set, the others by its deceleration set. The sums are compared
-    # with a margin of rounding, so that a step from 0.3 to -0.3 does not fall on either side by
-    # chance: it decreases. Those at one time do so together, and one of no height does not change
-    # the set in force.
+    # Which steps increase the magnitude of the command, shape (n,): they drive the actuator by its
+    # acceleration set. Within a margin of rounding a step decreases it, as one from 0.3 to -0.3.
+    # Steps at one time are one, and one of no height leaves the set in force that was.
     accelerates: BoolArray = field(init=False)
 
     def __post_init__(self) -> None:

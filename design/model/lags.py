@@ -2,9 +2,11 @@
 
 import math
 from dataclasses import dataclass
-from typing import overload
+from typing import TypeVar
 
 from design.types import ComplexArray
+
+Pole = TypeVar("Pole", complex, ComplexArray)
 
 CRITICAL_PHASE = 1e-6
 """Below it, sin(x)/x and cos(x) are 1 to 1e-12: the lag counts as critically damped [rad]."""
@@ -20,11 +22,7 @@ class Lag:
     first_s: float = 0.0  # Coefficient of p, >= 0 [s]
     second_s2: float = 0.0  # Coefficient of p^2, >= 0 [s^2]; 0 makes it first order, both 0 ideal
 
-    @overload
-    def denominator(self, pole_rad_s: complex) -> complex: ...
-    @overload
-    def denominator(self, pole_rad_s: ComplexArray) -> ComplexArray: ...
-    def denominator(self, pole_rad_s: complex | ComplexArray) -> complex | ComplexArray:
+    def denominator(self, pole_rad_s: Pole) -> Pole:
         """Return ``1 / G`` at one pole or at many [-]."""
         return 1 + pole_rad_s * (self.first_s + pole_rad_s * self.second_s2)
 

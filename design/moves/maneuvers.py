@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.analysis.certificate import Certificate, certify
-from design.analysis.claims_in_words import shortfall_of
+from design.analysis.claims_found import shortfall_of
 from design.analysis.drive_warnings import drive_warnings
 from design.analysis.judge import judge
 from design.analysis.warnings import DesignWarning

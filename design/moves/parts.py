@@ -8,9 +8,10 @@ import numpy as np
 from design.analysis.certificate import certify
 from design.claims import Promise
 from design.errors import InfeasibleDesignError
-from design.formulations.equations import GapProblem, Seed
+from design.formulations.equations import GapProblem
 from design.formulations.gaps import settling_gaps_rad
 from design.formulations.lag_parameters import lag_parameters, switched_order
+from design.formulations.seeds import Seed
 from design.formulations.unity_magnitude import UnityMagnitude
 from design.formulations.whole_move import swing_parameters
 from design.model.actuators.rate_limited import RateLimited

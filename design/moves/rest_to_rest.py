@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from design.analysis.terms import swing_over_step
+from design.analysis.swing import swing_over_step
 from design.errors import InfeasibleDesignError
-from design.formulations.equations import GapProblem, Seed
+from design.formulations.equations import GapProblem
 from design.formulations.gaps import of_gaps, settling_gaps_rad
 from design.formulations.lag_parameters import lag_parameters, switched_order
+from design.formulations.seeds import Seed
 from design.formulations.whole_move import WholeMove, swing_parameters, whole_move_problem
 from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses

@@ -123,11 +123,7 @@ def states_at_changes(
     """
     held = changes.times_s[1:] - changes.times_s[:-1] - changes.ramps_s[:-1]
     sets = changes.accelerates.astype(int)
-    carried = (
-        exponentials(dynamics.matrices[sets[:-1]] * held[:, None, None, None])
-        if held.size
-        else held
-    )
+    carried = exponentials(dynamics.matrices[sets[:-1]] * held[:, None, None, None])
     kept = dynamics.kept[sets]
     jumps = changes.changes[:, None] * dynamics.jumps[sets] * kept
     ramps = (
@@ -161,22 +157,17 @@ def ringing_after(
     ----------
     impulses, actuator
         The command, and the actuator between command and mode.
-    frequencies_rad_s
-        Natural frequencies of the mode, shape (f,) [rad/s].
-    damping_ratio
-        Damping ratio of the mode, the same at all frequencies, or one for each, shape (f,) [-].
+    frequencies_rad_s, damping_ratio
+        Of the mode, shape (f,) each, or one damping ratio for all [rad/s], [-].
     initial
-        State ``q, q'/w`` of the mode at each frequency just before the first step, shape (f, 2); at
-        rest if not given, as the actuator is.
+        State ``q, q'/w`` just before the first step, shape (f, 2); at rest if not given.
 
     Returns
     -------
     tuple of ComplexArray
-        Modal coordinates, shape (f,) each: of the command at its last step, and of a unit step
-        that increases the command at that step, without limits. That of a unit step through
-        an ideal actuator is 1.
-        The actuator's own transient is projected out by the left eigenvector of the mode in the
-        coupled system.
+        Modal coordinates, shape (f,) each: of the command at its last step, and of a unit step that
+        increases the command at that step without limits, 1 through an ideal actuator. The
+        actuator's own transient is projected out by the left eigenvector of the mode in the coupled system.
     """
     dynamics = dynamics_of(actuator, frequencies_rad_s, damping_ratio)
     unit_poles = np.broadcast_to(

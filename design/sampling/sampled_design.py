@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from design.analysis.certificate import Claim
-from design.analysis.claims_in_words import shortfall_of
+from design.analysis.claims_found import claim_over_band, shortfall_of, zeros_of
 from design.analysis.drive_warnings import drive_warnings
 from design.analysis.judge import Judgement, judge
 from design.analysis.residual import residual_vibration
@@ -82,13 +82,13 @@ def sampled_design(
     SolverFailedError
         If simulation does not confirm the residual that the formula gives.
     """
-    kept = continuous.certificate.over_band
+    kept = claim_over_band(continuous.certificate)
     sampled = sample(
         continuous.impulses,
         mode,
         actuator,
         sample_time_s,
-        continuous.certificate.zeros,
+        zeros_of(continuous.certificate),
         tolerance=tolerance,
         band=None if kept is None else kept.band,
     )
@@ -137,7 +137,7 @@ def _sample_warnings(
     continuous: Design, judged: Judgement, tolerance: float | None
 ) -> Iterator[DesignWarning]:
     """Yield what of the shaper's claims is lost on samples."""
-    kept, over_band = continuous.certificate.over_band, judged.certificate.over_band
+    kept, over_band = claim_over_band(continuous.certificate), claim_over_band(judged.certificate)
     if kept is not None and over_band is not None:
         if over_band.value > kept.limit * (1 + BAND_AGREEMENT):
             yield DesignWarning(

@@ -9,6 +9,7 @@ from design.errors import InvalidInputError
 from design.formulations.formulation import Formulation
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
+from design.shapers.compiled_rows import CompiledRows
 from design.shapers.damping import EVERY_PLANT, DampingBound, require_modes_damped
 from design.shapers.options import ShaperOptions
 
@@ -32,16 +33,6 @@ class DesignCase(Generic[Options]):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CompiledRows:
-    """How the compiled kernel of tables solves a kind of as many equations as unknowns."""
-
-    # Whether the shaper knows no actuator: its rows are solved for an ideal one
-    for_ideal: bool = False
-    # Whether it is a closed form for an undamped plant behind superposed steps
-    closed_form_undamped: bool = False
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class KindOf(Generic[Options]):
     """One kind of shaper, which worker processes are sent: no function of it is made in another."""
 
@@ -52,7 +43,6 @@ class KindOf(Generic[Options]):
     claims: tuple[Quantity, ...]
     options: type[Options]  # Record of its parameters; field metadata hold description and bounds
     actuators: tuple[str, ...]  # Names of the actuator kinds that it serves
-    # From a case to a closed form or a problem
     formulation: Callable[[DesignCase[Options]], Formulation]
     most_modes: int = 1  # Modes of a plant that it serves, at most
     # Up to which damping ratio of the plant it is: `formulate` refuses what is beyond
@@ -73,10 +63,8 @@ class KindOf(Generic[Options]):
 
         Parameters
         ----------
-        modes, actuator
-            The modes of the plant, and what it is designed for.
-        options
-            Parameters of the kind; the usual ones if not given.
+        modes, actuator, options
+            The modes of the plant, its drive, and parameters; the usual ones if not given.
 
         Returns
         -------

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from design.errors import InfeasibleDesignError, InvalidInputError
-from design.formulations.equations import Seed
 from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.lag_parameters import decel_over_accel
+from design.formulations.seeds import Seed
 from design.formulations.unity_magnitude import ZERO_VIBRATION, ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.model.impulses import Impulses

@@ -12,7 +12,7 @@ from design.claims import ZERO_LIMITS, Promise, within
 from design.errors import InfeasibleDesignError
 from design.formulations.alternating import AlternatingBand
 from design.formulations.equal_sets import with_equal_sets
-from design.formulations.equations import GapProblem, Ratios, Seed
+from design.formulations.equations import GapProblem
 from design.formulations.expressions import Expressions
 from design.formulations.formulation import Formulation
 from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
@@ -25,6 +25,7 @@ from design.formulations.humps import (
     follow_from_undamped,
 )
 from design.formulations.lag_parameters import decel_over_accel, lag_parameters, switched_order
+from design.formulations.seeds import Ratios, Seed
 from design.formulations.unity_magnitude_problem import alternating
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator

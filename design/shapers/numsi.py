@@ -11,10 +11,10 @@ from design.checks import require_between
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.formulations.alternating import AlternatingBand
 from design.formulations.bands import BandSearch, UnityBandProblem
-from design.formulations.equations import Seed
 from design.formulations.formulation import Formulation
 from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
 from design.formulations.lag_parameters import decel_over_accel, lag_parameters, switched_order
+from design.formulations.seeds import Seed
 from design.formulations.unity_magnitude_problem import alternating
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator

@@ -6,14 +6,16 @@ from design.errors import InvalidInputError
 from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
 from design.formulations.lag_parameters import decel_over_accel
-from design.formulations.ramped import follows_one_lag, ramped_problem
+from design.formulations.ramped import ramped_problem
 from design.formulations.unity_magnitude import ZERO_VIBRATION
 from design.formulations.unity_magnitude_problem import alternating, unity_magnitude_problem
 from design.formulations.vector_diagram import undamped_times_rad
 from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import follows_one_lag
 from design.model.impulses import Impulses
 from design.shapers.actuators import EVERY_ACTUATOR
-from design.shapers.kind import CompiledRows, DesignCase, KindOf
+from design.shapers.compiled_rows import CompiledRows
+from design.shapers.kind import DesignCase, KindOf
 from design.shapers.peak_options import PeakOptions
 
 SOURCE = "Kim, master thesis (2011), chapter 3"

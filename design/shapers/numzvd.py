@@ -1,11 +1,13 @@
 """NUMZVD: five impulses of unity magnitude, whose residual is flat over the frequency."""
 
 from design.formulations.formulation import Formulation
-from design.formulations.ramped import follows_one_lag, ramped_problem
+from design.formulations.ramped import ramped_problem
 from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import unity_magnitude_problem
+from design.model.actuators.registry import follows_one_lag
 from design.shapers.actuators import EVERY_ACTUATOR
-from design.shapers.kind import CompiledRows, DesignCase, KindOf
+from design.shapers.compiled_rows import CompiledRows
+from design.shapers.kind import DesignCase, KindOf
 from design.shapers.numzv import SOURCE
 from design.shapers.settle_options import SettleOptions
 

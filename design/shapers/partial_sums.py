@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 
-from design.formulations.equations import Seed
 from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.gaps import PERIOD_RAD
+from design.formulations.seeds import Seed
 from design.formulations.unity_magnitude import ZERO_VIBRATION, ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.formulations.vector_diagram import undamped_times_rad

@@ -3,16 +3,18 @@
 import numpy as np
 
 from design.formulations.formulation import ClosedForm, Formulation
-from design.formulations.ramped import RampedProblem, follows_one_lag, ramped_problem
+from design.formulations.ramped import RampedProblem, ramped_problem
 from design.formulations.unity_magnitude import ZERO_VIBRATION, ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import alternating, unity_magnitude_problem
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import follows_one_lag
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.shapers.actuators import EVERY_ACTUATOR
+from design.shapers.compiled_rows import CompiledRows
 from design.shapers.damping import LAST_PULSE_VANISHES, DampingBound, damped_periods
-from design.shapers.kind import CompiledRows, DesignCase, KindOf
+from design.shapers.kind import DesignCase, KindOf
 from design.shapers.options import NoOptions
 
 SOURCE = (

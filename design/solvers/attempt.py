@@ -23,12 +23,10 @@ def attempt(
 
     Parameters
     ----------
-    problem, start
-        The problem and unknowns to start from, see `ipopt.solve`.
-    seed, tried
-        Name of the start; starts tried so far, this one included.
-    budget
-        That of the search, in which the work is counted.
+    problem, start, seed
+        The problem, unknowns to start from, see `ipopt.solve`, and their name.
+    tried, budget
+        Starts tried so far, this one included; the budget of the search.
 
     Yields
     ------
@@ -41,7 +39,7 @@ def attempt(
         If IPOPT ran past its time.
     """
     outcome = ipopt.solve(problem, start)
-    budget.spend(JUDGING_WORK + ipopt.work_of(problem.model, outcome.iterations))
+    budget.spend(JUDGING_WORK + outcome.iterations * ipopt.iteration_work(problem.model))
     if outcome.status is Status.TIME_LIMIT:
         raise TimeLimitError(f"ipopt ran past its time from seed {seed!r}", code="seed_past_time")
     gaps, ratios = problem.split(outcome.unknowns)

@@ -1,5 +1,6 @@
 """CasADi functions called through buffers: no conversion of arguments, a tenth of a millisecond."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,8 @@ class Buffered:
     ----------
     inputs, outputs
         An array for each, flat and column-major; write, `run`, read.
+    stats
+        Returns the statistics of the last run of a solver.
     """
 
     def __init__(
@@ -31,6 +34,7 @@ class Buffered:
     ) -> None:
         self._function = function  # kept alive: the buffer only points to it
         self._buffer, self.run = function.buffer()
+        self.stats: Callable[[], dict[str, Any]] = self._buffer.stats
         self.inputs: dict[str, FloatArray] = {}
         self.outputs: dict[str, FloatArray] = {}
         for name in inputs:
@@ -39,8 +43,3 @@ class Buffered:
         for name in outputs:
             self.outputs[name] = np.zeros(function.numel_out(name))
             self._buffer.set_res(function.index_out(name), self.outputs[name].data)
-
-    def stats(self) -> dict[str, Any]:
-        """Return the statistics of the last run of a solver."""
-        stats: dict[str, Any] = self._buffer.stats()
-        return stats

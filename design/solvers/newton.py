@@ -177,3 +177,24 @@ def _run(
         longest = np.abs(steps).max(axis=1, keepdims=True)
         unknowns[active] -= steps * np.minimum(1.0, MAX_STEP_RAD / np.maximum(longest, 1e-300))
     return unknowns, misses, iteration + 1
+
+
+@functools.cache
+def rootfinder(model: Model) -> Buffered:
+    """Return CasADi's own rootfinder of a family, for one start at a time."""
+    import casadi as ca  # noqa: PLC0415
+
+    parts = model.expressions()
+    finder = ca.rootfinder(
+        "root",
+        "newton",
+        {"x": parts.unknowns, "p": parts.parameters, "g": parts.equations},
+        {
+            "abstol": TOLERANCE / 10,
+            "max_iter": 12,
+            "error_on_fail": False,
+            "line_search": False,
+            "show_eval_warnings": False,
+        },
+    )
+    return Buffered(finder, ("x0", "p"), ("x",))

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 
-from design.formulations.equations import GapProblem, Seed
+from design.formulations.equations import GapProblem
+from design.formulations.seeds import Seed
 from design.solvers.attempt import attempt
 from design.solvers.branches import branches
 from design.solvers.budget import Budget
@@ -18,8 +19,8 @@ def candidates(problem: GapProblem, budget: Budget | None = None) -> Iterator[So
 
     Each solution comes from IPOPT, which starts at the problem's own seeds first. Newton's method
     sharpens the seeds, which halves the iterations of IPOPT, or follows them from what they solve.
-    IPOPT next starts at every root that Newton's method finds from `BRANCH_STARTS` starts spread
-    over the horizon, see `branches`. Where the budget is spent, the search ends.
+    Every branch comes next, see `branches`, which says what is raised. Where the budget is spent,
+    the search ends.
 
     Parameters
     ----------
@@ -30,13 +31,6 @@ def candidates(problem: GapProblem, budget: Budget | None = None) -> Iterator[So
     ------
     Solution
         As reported by the solver, with the start that led to it: not yet certified.
-
-    Raises
-    ------
-    InfeasibleDesignError
-        When all candidates, if any, are used up: says how far was searched.
-    TimeLimitError
-        If IPOPT ran past its time.
     """
     budget = Budget() if budget is None else budget
     tried = 0

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from design.formulations.equations import GapProblem, Seed
+from design.formulations.equations import GapProblem
+from design.formulations.seeds import Seed
 from design.solvers.outcome import Outcome
 from design.solvers.solution import Solution
 from design.trace import TraceStep

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from design.solvers import ipopt_options
+from design.solvers import ipopt_setup
 from design.solvers.buffered import Buffered
 from design.solvers.outcome import Outcome, Status
 from design.types import FloatArray
@@ -15,7 +15,7 @@ DISKS = 16
 """Disks of a program."""
 
 OPTIONS: dict[str, Any] = {
-    **ipopt_options.OPTIONS,
+    **ipopt_setup.OPTIONS,
     # Convex and scaled to one: from the middle of the cone, a dozen iterations.
     "ipopt.mu_init": 1e-2,
     "ipopt.bound_mult_init_method": "constant",
@@ -81,7 +81,7 @@ class _StepSolver:
         self._solver.run()
         stats = self._solver.stats()
         outcome = Outcome(
-            status=ipopt_options.STATUS.get(stats["return_status"], Status.FAILED),
+            status=ipopt_setup.STATUS.get(stats["return_status"], Status.FAILED),
             unknowns=self._solver.outputs["x"].copy(),
             iterations=int(stats["iter_count"]),
         )

@@ -14,6 +14,7 @@ from design.solvers.ramps.optimality import RampedOptimum
 from design.solvers.ramps.search import candidates
 from design.solvers.solution import Solution, SolverReport
 from design.solving.bounded import SMALL_GAP
+from design.solving.distinct_steps import distinct_steps
 from design.trace import TraceStep
 
 
@@ -100,7 +101,7 @@ def _solution(problem: RampedProblem, found: RampedOptimum, bound_rad: float) ->
     w, course = problem.natural_frequency_rad_s, found.course
     steps = np.where(np.arange(course.switches.size) % 2 == 0, 1.0, -1.0)
     return Solution(
-        impulses=Impulses(times_s=course.switches / w, amplitudes=steps),
+        impulses=distinct_steps(Impulses(times_s=course.switches / w, amplitudes=steps)),
         solver=SolverReport(
             name="highs",
             status="solve_succeeded",

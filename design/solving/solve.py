@@ -1,8 +1,4 @@
-"""What solves a formulation, by the solver that it is for: not yet certified.
-
-One more solver: write its file in `design.solvers`, with ``solve(formulation, budget)``, then list
-it in `SOLVERS`.
-"""
+"""What solves a formulation, by the solver that it is for: not yet certified."""
 
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -24,8 +20,7 @@ from design.solving.ramps import solve_behind_limits
 def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[Solution]:
     """Yield what solves a formulation, the likeliest optimum first.
 
-    No impulse of a solution is as small as rounding, and no two are at one time. A search ends
-    where its budget is spent.
+    No impulse of a solution is as small as rounding, and no two are at one time.
 
     Parameters
     ----------
@@ -39,10 +34,8 @@ def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[So
 
     Raises
     ------
-    InfeasibleDesignError
-        Where no more is found: says how far was searched.
-    SolverFailedError, TimeLimitError
-        If a solver stopped without an answer.
+    InfeasibleDesignError, SolverFailedError, TimeLimitError
+        Where no more is found, says how far was searched; if a solver stopped without an answer.
     """
     solver = SOLVERS[type(formulation)]
     yield from solver(formulation, Budget() if budget is None else budget)
@@ -61,4 +54,4 @@ SOLVERS: dict[type[Formulation], Callable[[Any, Budget], Iterator[Solution]]] = 
     RampedProblem: solve_behind_limits,
     Convolution: _convolution,
 }
-"""What solves each class of formulation."""
+"""What solves each class of formulation: one more solver is one more row."""

@@ -16,7 +16,8 @@ from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.model.plants.spring_mass import SpringMass
 from design.pipeline import Design, design
-from design.shapers.kind import CompiledRows, ShaperKind
+from design.shapers.compiled_rows import CompiledRows
+from design.shapers.kind import ShaperKind
 from design.shapers.options import NoOptions
 from design.shapers.settle_options import SettleOptions
 from design.tables.parameters import RowParameters, of_one_mode_and_lags, row_parameters

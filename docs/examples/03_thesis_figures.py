@@ -13,8 +13,7 @@ from typing import Literal
 import numpy as np
 from matplotlib.figure import Figure
 
-from design.analysis.sensitivity import sensitivity
-from design.analysis.sensitivity_range import SensitivityRange
+from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.fields import Axis
 from design.maps.field_map import field_map
 from design.maps.map_case import MapCase, Move, Quantity, Recipe

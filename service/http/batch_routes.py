@@ -6,8 +6,7 @@ from starlette.responses import Response
 from schemas.design_request import DesignRequest
 from service.dispatch import Answer
 from service.http.batches import Batch
-from service.http.bodies import read_body
-from service.http.clients import client_of, while_connected
+from service.http.bodies import client_of, read_body, while_connected
 from service.http.openapi import body_of
 from service.http.routes import PROBLEMS
 from service.problems import NOT_JSON, TOO_LARGE, Problem, ProblemError

@@ -5,6 +5,7 @@ from http import HTTPStatus
 from fastapi import FastAPI, Request
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
+from starlette.types import Send
 
 from service.problems import METHOD_NOT_ALLOWED, NOT_FOUND, Problem, ProblemError, ProblemKind
 
@@ -57,3 +58,25 @@ def problem_response(problem: Problem, request_id: str | None) -> Response:
         media_type="application/problem+json",
         headers=problem.headers,
     )
+
+
+async def send_problem(problem: Problem, request_id: str, send: Send) -> None:
+    """Send a problem as the response, without the framework.
+
+    Parameters
+    ----------
+    problem, request_id, send
+        The problem, the id of the request, and where ASGI takes the messages.
+    """
+    body = problem.document(request_id).model_dump_json().encode()
+    headers = [
+        (b"content-type", b"application/problem+json"),
+        (b"content-length", str(len(body)).encode()),
+    ]
+    headers += [(name.encode(), value.encode()) for name, value in problem.headers.items()]
+    await send({
+        "type": "http.response.start",
+        "status": problem.kind.http.value,
+        "headers": headers,
+    })
+    await send({"type": "http.response.body", "body": body})

@@ -8,7 +8,8 @@ import time
 from starlette.requests import ClientDisconnect
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from service.http.clients import client_of
+from service.http.bodies import client_of
+from service.http.handlers import send_problem
 from service.operations.table import TABLE
 from service.problems import INTERNAL, Problem
 from service.workers.protocol import Pool
@@ -26,15 +27,12 @@ ACCESS = logging.getLogger("shapersmith.access")
 ERRORS = logging.getLogger("shapersmith.error")
 
 
-def _new_id() -> str:
-    """Return an id that no other request has; no secret, so that it may be quick."""
-    return f"{random.getrandbits(128):032x}"
-
-
 def request_id_of(scope: Scope) -> str:
     """Return the id that the client gave its request, or a new one."""
-    given = dict(scope["headers"]).get(b"x-request-id", b"")
-    return given.decode() if REQUEST_ID.match(given) else _new_id()
+    given: bytes = dict(scope["headers"]).get(b"x-request-id", b"")
+    if REQUEST_ID.match(given):
+        return given.decode()
+    return f"{random.getrandbits(128):032x}"  # no secret, so that it may be quick
 
 
 def refusal_of(scope: Scope, pool: Pool) -> Problem | None:
@@ -62,10 +60,8 @@ def log_request(scope: Scope, request_id: str, status: int, started_s: float) ->
 
     Parameters
     ----------
-    scope, request_id, status
-        The request, as ASGI has it; its id; the status of its answer.
-    started_s
-        When it began, by the clock of `time.perf_counter` [s].
+    scope, request_id, status, started_s
+        The request, its id, the status of its answer, and when it began by `time.perf_counter` [s].
     """
     ACCESS.info(
         "request",
@@ -107,7 +103,7 @@ class RequestMiddleware:
         try:
             problem = refusal_of(scope, scope["app"].state.pool)
             if problem is not None:
-                await _send_problem(problem, request_id, send_with_id)
+                await send_problem(problem, request_id, send_with_id)
             else:
                 await self._app(scope, receive, send_with_id)
         except ClientDisconnect:
@@ -115,25 +111,10 @@ class RequestMiddleware:
         except Exception:  # noqa: BLE001 - the last resort, logged with its traceback
             ERRORS.exception("request failed", extra={"fields": {"request_id": request_id}})
             if status == 0:
-                await _send_problem(
+                await send_problem(
                     Problem(INTERNAL, "the service failed; its log has the reason"),
                     request_id,
                     send_with_id,
                 )
         finally:
             log_request(scope, request_id, status, started)
-
-
-async def _send_problem(problem: Problem, request_id: str, send: Send) -> None:
-    body = problem.document(request_id).model_dump_json().encode()
-    headers = [
-        (b"content-type", b"application/problem+json"),
-        (b"content-length", str(len(body)).encode()),
-    ]
-    headers += [(name.encode(), value.encode()) for name, value in problem.headers.items()]
-    await send({
-        "type": "http.response.start",
-        "status": problem.kind.http.value,
-        "headers": headers,
-    })
-    await send({"type": "http.response.body", "body": body})

@@ -8,9 +8,7 @@ from fastapi.routing import APIRoute
 from starlette.responses import Response
 
 from service.dispatch import OPERATIONS, Answer, answer
-from service.http.answers import answer_response
-from service.http.bodies import read_body
-from service.http.clients import client_of, while_connected
+from service.http.bodies import answer_response, client_of, read_body, while_connected
 from service.http.openapi import OPERATION_TEXTS, body_of, problems
 from service.operations.table import TABLE
 from service.settings import Settings

@@ -12,9 +12,8 @@ from design.export.formats import FORMATS
 from design.export.registry import EXPORTS
 from schemas.problems import FieldFault
 from schemas.tables import TableJob, TableJobs, TableRequest
-from service.http.bodies import read_body
+from service.http.bodies import client_of, read_body, while_connected
 from service.http.byte_ranges import file_response
-from service.http.clients import client_of, while_connected
 from service.http.openapi import TABLE_TEXTS, body_of, problems
 from service.jobs.adding import KeyReusedError
 from service.jobs.plan import Plan, plan_table, wire_job

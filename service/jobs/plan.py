@@ -20,7 +20,7 @@ from service.problems import (
     problem_of_validation,
 )
 from service.repeated_names import RepeatedNameError
-from service.strict_json import require_names_once
+from service.strict_json import loads
 from service.version import version
 
 STATUS_BYTES = 1
@@ -53,7 +53,7 @@ def plan_table(body: bytes) -> Plan | Problem:
     except ValidationError as error:
         return problem_of_validation(error, body)
     try:
-        require_names_once(body)
+        loads(body)  # every name stands once
     except RepeatedNameError as error:
         return problem_of_repetition(error)
     try:

@@ -19,24 +19,7 @@ from service.version import version
 
 
 def design_shaper(request: DesignRequest) -> DesignResponse:
-    """Design one shaper and prove it.
-
-    Returns
-    -------
-    DesignResponse
-        The shaper with its certificate, and all that was asked for.
-
-    Raises
-    ------
-    InvalidInputError
-        If a value breaks its rule.
-    InfeasibleDesignError
-        If no such shaper was found.
-    SolverFailedError
-        If none of the solutions found was verified.
-    TimeLimitError
-        If a solver ran past its time.
-    """
+    """Design one shaper and prove it; raises what `requested_design` does."""
     done = requested_design(request)
     fits = None
     if request.fit is not None:

@@ -2,8 +2,7 @@
 
 from typing import Literal
 
-from design.analysis.sensitivity import sensitivity
-from design.analysis.sensitivity_range import SensitivityRange
+from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.analysis.worst_mode import worst_of
 from schemas.design_request import DesignRequest
 from service.operations.requested_design import requested_design

@@ -43,10 +43,8 @@ class InlinePool:
 
         Parameters
         ----------
-        task, arguments
-            A function of a module and what it takes, both as pickle has it.
-        client, kind, shape, key, limit_s, splits
-            As of `Pool.run`; without effect here.
+        task, arguments, client, kind, shape, key, limit_s, splits
+            As of `Pool.run`; those after the arguments have no effect.
 
         Returns
         -------

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from design.analysis.certificate import Claim, certify
+from design.analysis.claims_found import claim_over_band, zeros_of
 from design.analysis.insensitivity import insensitivity
-from design.analysis.residual import residual_vibration
+from design.analysis.residual import residual_vectors, residual_vibration
 from design.analysis.residuals_of_many import residual_curve
-from design.analysis.vectors import residual_vectors
 from design.claims import Promise
 from design.errors import DesignError, InfeasibleDesignError, InvalidInputError
 from design.model.actuators.ideal import Ideal
@@ -237,7 +237,7 @@ def _wrong_on_samples(case: Case, made: Design) -> Iterator[str]:
     claim, *over_band = found.certificate.claims
     if claim.quantity != "residual" or not found.certificate.verified:
         yield f"on samples claims {found.certificate.claims}"
-    promised = made.certificate.over_band
+    promised = claim_over_band(made.certificate)
     if [one.band for one in over_band] != ([] if promised is None else [promised.band]):
         yield f"on samples claims {over_band}, promised was {promised}"
     samples = found.impulses.times_s / sample_time_s
@@ -260,7 +260,7 @@ def _shorter_than_bound(case: Case, made: Design) -> Iterator[str]:
                     bound = _bound(design(case.plant, Ideal(), SHAPERS[other]))
                 except (InfeasibleDesignError, InvalidInputError):
                     continue  # no joint shaper is found where modes decay at once
-                if "residual" in made.certificate.zeros and bound > duration * (1 + ROUNDING):
+                if "residual" in zeros_of(made.certificate) and bound > duration * (1 + ROUNDING):
                     yield f"is {duration!r} long, the bound of {other} is {bound!r}"
         return
     if not positive or case.kind.name == "si":

@@ -5,10 +5,15 @@ import sys
 from pathlib import Path
 from types import FrameType
 
+import pytest
+
 from tests.conftest import CRANE
 from tests.service.http.in_process import InProcess
 
 ROOT = Path(__file__).parents[2]
+
+MOST_LINES = 4_000
+"""Lines of all files that a design enters: what a reader meets on its way."""
 
 STATIONS = [
     ("service/http/routes.py", "_answering.<locals>.answering"),
@@ -48,9 +53,11 @@ class Entries:
         self.entered.append((name, frame.f_code.co_qualname))
 
 
-def test_a_design_passes_each_station_once_and_in_order() -> None:
+@pytest.fixture(scope="module")
+def entered() -> list[tuple[str, str]]:
+    """Return what the second request of a design enters; the first builds the solver."""
     service = InProcess()
-    assert service.ask("POST", "/v1/designs", CRANE).status_code == 200  # builds the solver
+    assert service.ask("POST", "/v1/designs", CRANE).status_code == 200
     entries = Entries()
     sys.setprofile(entries)
     try:
@@ -58,7 +65,18 @@ def test_a_design_passes_each_station_once_and_in_order() -> None:
     finally:
         sys.setprofile(None)
     assert answer.status_code == 200
-    assert [entry for entry in entries.entered if entry in STATIONS] == STATIONS
+    return entries.entered
+
+
+def test_a_design_passes_each_station_once_and_in_order(entered: list[tuple[str, str]]) -> None:
+    assert [entry for entry in entered if entry in STATIONS] == STATIONS
+
+
+def test_a_design_enters_few_lines(entered: list[tuple[str, str]]) -> None:
+    names = {name for name, _ in entered if not name.startswith(("tests/", ".venv/"))}
+    lines = {name: len((ROOT / name).read_text().splitlines()) for name in names}
+    by_size = sorted(lines.items(), key=lambda row: -row[1])
+    assert sum(lines.values()) <= MOST_LINES, "\n".join(f"{n:5} {name}" for name, n in by_size)
 
 
 def test_the_document_names_the_stations_of_the_trace() -> None:

@@ -6,7 +6,7 @@ import pickle
 import pytest
 
 from design import errors
-from design.checks import require_between, require_positive
+from design.checks import require_between, require_scale
 from design.errors import (
     DesignError,
     InfeasibleDesignError,
@@ -71,11 +71,12 @@ def test_a_fault_of_one_field_can_be_that_of_another() -> None:
 @pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf"), -float("inf")])
 def test_a_positive_number_is_asked_for_by_name(value: float) -> None:
     with refused("not_positive", "cable", says="finite and > 0, got "):
-        require_positive("cable", value)
+        require_scale("cable", value)
 
 
-def test_the_smallest_positive_number_is_positive() -> None:
-    require_positive("cable", 5e-324)
+def test_the_smallest_positive_number_is_positive_and_too_small() -> None:
+    with refused("out_of_range", "cable"):
+        require_scale("cable", 5e-324)
 
 
 @pytest.mark.parametrize("value", [-1e-12, 0.5 + 1e-12, float("nan"), float("inf")])

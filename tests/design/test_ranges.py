@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from design.analysis.damping_curve import DampingRange
-from design.analysis.sensitivity import sensitivity
-from design.analysis.sensitivity_range import SensitivityRange
+from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.analysis.worst_mode import worst_of
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator

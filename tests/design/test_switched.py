@@ -10,11 +10,9 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 from design.analysis.certificate import certify
-from design.analysis.residual import residual_vibration
+from design.analysis.residual import residual_vectors, residual_vibration
 from design.analysis.residuals_of_many import residual_curve
-from design.analysis.sensitivity import sensitivity
-from design.analysis.sensitivity_range import SensitivityRange
-from design.analysis.vectors import residual_vectors
+from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.claims import zeros
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.registry import Actuator

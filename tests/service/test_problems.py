@@ -18,7 +18,7 @@ from service.problems import (
     problem_of_design,
 )
 from service.repeated_names import RepeatedNameError
-from service.strict_json import loads, require_names_once
+from service.strict_json import loads
 
 
 def leaves(cls: type[DesignError]) -> set[type[DesignError]]:
@@ -96,14 +96,14 @@ def test_a_name_that_somebody_chose_is_pointed_at_whatever_it_holds(
 )
 def test_a_name_that_stands_twice_is_found(text: str, pointer: str) -> None:
     with pytest.raises(RepeatedNameError, match="must be given once") as caught:
-        require_names_once(text)
+        loads(text)
     assert caught.value.pointer == pointer
     with pytest.raises(RepeatedNameError):
-        require_names_once(text.encode())
+        loads(text.encode())
 
 
 def test_names_in_different_objects_are_different() -> None:
-    require_names_once('{"a": {"a": [{"a": 1}, {"a": 1}]}, "A": 1}')
+    loads('{"a": {"a": [{"a": 1}, {"a": 1}]}, "A": 1}')
     assert loads('{"a": 1}') == {"a": 1}
     with pytest.raises(ValueError, match="NaN is no JSON number"):
         loads('{"a": NaN}')

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from design.errors import InfeasibleDesignError
 from design.formulations.bands import BandSearch, UnityBandProblem
-from design.formulations.equations import Seed
 from design.formulations.gaps import of_gaps
+from design.formulations.seeds import Seed
 from design.solvers.budget import Budget
 from design.solvers.solution import Solution, SolverReport
 from design.solvers.unity_band.descent import Descent, Run

@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from design.analysis.residual import residual_vibration
+from design.analysis.residual import evenly_spaced_vectors, residual_vectors, residual_vibration
 from design.analysis.residuals_of_many import residual_curve
-from design.analysis.vectors import evenly_spaced_vectors, residual_vectors
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator

@@ -8,8 +8,7 @@ import pytest
 from design.analysis.insensitivity import RATIO_LIMITS, Insensitivity, insensitivity
 from design.analysis.residual import residual_vibration
 from design.analysis.residuals_of_many import residual_curve
-from design.analysis.sensitivity import sensitivity
-from design.analysis.sensitivity_range import SensitivityRange
+from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.analysis.worst_mode import common_interval
 from design.errors import InvalidInputError
 from design.model.actuators.first_order import FirstOrder

@@ -19,8 +19,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from design.analysis.residual import residual_vibration
-from design.analysis.sensitivity import Sensitivity, sensitivity
-from design.analysis.sensitivity_range import SensitivityRange
+from design.analysis.sensitivity import Sensitivity, SensitivityRange, sensitivity
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.rate_limited import RateLimited

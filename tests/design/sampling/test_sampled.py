@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from design.analysis.certificate import certify
-from design.analysis.residual import residual_vibration
+from design.analysis.residual import residual_vectors, residual_vibration
 from design.analysis.residuals_of_many import vectors_of_many
-from design.analysis.vectors import residual_vectors
 from design.claims import zeros
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal

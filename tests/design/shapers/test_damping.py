@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from design.analysis.damping_curve import DampingRange
-from design.analysis.sensitivity import sensitivity
-from design.analysis.sensitivity_range import SensitivityRange
+from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal

@@ -5,8 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from design.analysis.sensitivity import sensitivity
-from design.analysis.sensitivity_range import SensitivityRange
+from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.errors import InfeasibleDesignError
 from design.model.actuators.second_order import SecondOrder
 from design.model.plants.mode import Mode

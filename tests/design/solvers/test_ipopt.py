@@ -12,8 +12,7 @@ from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.model.actuators.ideal import Ideal
 from design.solvers import ipopt
-from design.solvers.buffered import Buffered
-from design.solvers.ipopt_options import STATUS
+from design.solvers.ipopt_setup import STATUS, solver_of
 from design.solvers.outcome import Status
 from tests.shaper_table import DAMPED, THESIS
 
@@ -111,8 +110,10 @@ def test_only_one_of_ipopts_words_is_success() -> None:
 def test_ipopts_words_become_ours_and_unknown_ones_are_failures(
     word: str, status: Status, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(Buffered, "stats", lambda _: {"return_status": word, "iter_count": 3})
-    outcome = ipopt.solve(problem(Hyperbola(), 4.0), np.array([1.0, 5.0]))
+    asked = problem(Hyperbola(), 4.0)
+    told = {"return_status": word, "iter_count": 3}
+    monkeypatch.setattr(solver_of(asked.model), "stats", lambda: told)
+    outcome = ipopt.solve(asked, np.array([1.0, 5.0]))
     assert (outcome.status, outcome.iterations) == (status, 3)
 
 

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from design.formulations.ramped import follows_one_lag, ramped_problem
+from design.formulations.ramped import ramped_problem
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import follows_one_lag
 from design.model.plants.mode import Mode
 from design.solvers.budget import Budget
 from design.solvers.ramps.course import Course, Slopes, course_of

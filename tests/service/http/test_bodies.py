@@ -2,7 +2,7 @@
 
 import pytest
 
-from service.http.clients import client_of
+from service.http.bodies import client_of
 
 
 @pytest.mark.parametrize(

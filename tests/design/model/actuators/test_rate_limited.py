@@ -8,12 +8,10 @@ import numpy as np
 import pytest
 
 from design.analysis.certificate import certify
-from design.analysis.residual import residual_vibration
+from design.analysis.residual import residual_vectors, residual_vibration
 from design.analysis.residuals_of_many import vectors_of_many
-from design.analysis.sensitivity import sensitivity
-from design.analysis.sensitivity_range import SensitivityRange
+from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.analysis.unshaped import unshaped_ramp_residual
-from design.analysis.vectors import residual_vectors
 from design.claims import zeros
 from design.errors import InfeasibleDesignError
 from design.model.actuators.first_order import FirstOrder

@@ -1,7 +1,10 @@
-"""How IPOPT is set, and what its words for the end of a run mean."""
+"""How IPOPT is set and built, and what its words for the end of a run mean."""
 
+import functools
 from typing import Any
 
+from design.formulations.expressions import Model
+from design.solvers.buffered import Buffered
 from design.solvers.outcome import Status
 
 STATUS = {
@@ -27,3 +30,22 @@ OPTIONS: dict[str, Any] = {
     "ipopt.max_iter": 200,
     "ipopt.max_wall_time": 10.0,
 }
+
+
+@functools.cache
+def solver_of(model: Model) -> Buffered:
+    """Return IPOPT on a family of problems, built once in a process."""
+    import casadi as ca  # noqa: PLC0415
+
+    parts = model.expressions()
+    program = {
+        "x": parts.unknowns,
+        "p": parts.parameters,
+        "f": parts.objective,
+        "g": parts.equations,
+    }
+    return Buffered(
+        ca.nlpsol("shaper", "ipopt", program, OPTIONS),
+        ("x0", "p", "lbx", "ubx", "lbg", "ubg"),  # the equations stay 0
+        ("x",),
+    )

@@ -1,6 +1,8 @@
-"""What claims found, in words."""
+"""What the claims of a certificate found: in words, which are zeros, which is over a band."""
 
 from design.analysis.certificate import Certificate, Claim
+from design.claims import Quantity
+from design.errors import SolverFailedError
 
 IN_WORDS = {
     "residual": "the residual is {value}",
@@ -48,3 +50,37 @@ def shortfall_of(certificate: Certificate | None) -> str:
         for claim in claims
         if not claim.holds
     )
+
+
+def unverified_error(name: str, certificate: Certificate | None) -> SolverFailedError:
+    """Return the error of a kind of shaper that has no verified solution.
+
+    Parameters
+    ----------
+    name, certificate
+        Name of the kind, and the certificate of its last solution; None where it has no solution.
+
+    Returns
+    -------
+    SolverFailedError
+        To be raised.
+    """
+    if certificate is None:
+        return SolverFailedError(
+            f"no solution of {name} was found; that there is none is not proven",
+            code="none_found_nor_excluded",
+        )
+    return SolverFailedError(
+        f"no solution of {name} was verified; of the last one {shortfall_of(certificate)}",
+        code="none_verified",
+    )
+
+
+def zeros_of(certificate: Certificate) -> tuple[Quantity, ...]:
+    """Return what is claimed to be nothing."""
+    return tuple(claim.quantity for claim in certificate.claims if claim.is_zero)
+
+
+def claim_over_band(certificate: Certificate) -> Claim | None:
+    """Return what is claimed over a band of frequencies, if anything is."""
+    return next((claim for claim in certificate.claims if claim.band is not None), None)
