@@ -15,7 +15,7 @@ import httpx
 import hypothesis
 import pytest
 
-from design.solvers import clarabel, ipopt_options, trust_region_step
+from design.solvers import clarabel, ipopt_setup, trust_region_step
 from tests.patience import PATIENT_S
 from tests.pointers import require_pointers
 
@@ -117,7 +117,7 @@ def patient_solvers() -> Iterator[None]:
     """Give the solvers in this process their time: a run of theirs takes up to a second alone."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(clarabel, "MAX_RUN_S", PATIENT_S)
-        for options in (ipopt_options.OPTIONS, trust_region_step.OPTIONS):
+        for options in (ipopt_setup.OPTIONS, trust_region_step.OPTIONS):
             patch.setitem(options, "ipopt.max_wall_time", PATIENT_S)
         yield
 

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 from design.analysis.unshaped import unshaped_ramp_residual
 from design.model.actuators.rate_limited import RateLimited
-from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.reference_ramps import reference
@@ -27,9 +26,7 @@ class RampFigures:
     unshaped_residual: float
 
 
-def ramp_figures(
-    impulses: Impulses, modes: tuple[Mode, ...], actuator: Actuator
-) -> RampFigures | None:
+def ramp_figures(impulses: Impulses, modes: tuple[Mode, ...], actuator: RateLimited) -> RampFigures:
     """Return the figures of a command behind limits.
 
     Parameters
@@ -37,15 +34,13 @@ def ramp_figures(
     impulses
         The command.
     modes, actuator
-        The plant's modes and their drive.
+        The plant's modes, and the limits.
 
     Returns
     -------
-    RampFigures or None
-        None behind an actuator without limits.
+    RampFigures
+        End of the last ramp, and the residual of an unshaped one.
     """
-    if not isinstance(actuator, RateLimited):
-        return None
     changes = reference(impulses, actuator)
     return RampFigures(
         end_s=float(changes.times_s[-1] + changes.ramps_s[-1] - impulses.times_s[0]),

@@ -167,7 +167,8 @@ def ringing_after(
     tuple of ComplexArray
         Modal coordinates, shape (f,) each: of the command at its last step, and of a unit step that
         increases the command at that step without limits, 1 through an ideal actuator. The
-        actuator's own transient is projected out by the left eigenvector of the mode in the coupled system.
+        actuator's own transient is projected out by the left eigenvector of the mode in the
+        coupled system.
     """
     dynamics = dynamics_of(actuator, frequencies_rad_s, damping_ratio)
     unit_poles = np.broadcast_to(

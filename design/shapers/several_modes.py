@@ -9,9 +9,9 @@ import numpy as np
 from design.errors import InvalidInputError
 from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, Formulation, JointProblem
-from design.formulations.ramped import RampedProblem, follows_one_lag, ramped_problem
+from design.formulations.ramped import RampedProblem, ramped_problem
 from design.model.actuators.ideal import Ideal
-from design.model.actuators.registry import Actuator
+from design.model.actuators.registry import Actuator, follows_one_lag
 from design.model.plants.mode import Mode
 from design.model.plants.modes import MAX_MODES
 from design.shapers.actuators import EVERY_ACTUATOR_BY_ITS_LAG
