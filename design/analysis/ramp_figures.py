@@ -34,12 +34,12 @@ def ramp_figures(impulses: Impulses, modes: tuple[Mode, ...], actuator: RateLimi
     impulses
         The command.
     modes, actuator
-        The plant's modes and the limits.
+        The plant's modes, and the limits.
 
     Returns
     -------
     RampFigures
-        Of the command, and of an unshaped step.
+        End of the last ramp, and the residual of an unshaped one.
     """
     changes = reference(impulses, actuator)
     return RampFigures(

@@ -11,7 +11,7 @@ from design.model.ramps import ramp_factors
 def unshaped_gain(mode: Mode, actuator: Actuator) -> float:
     """Return the residual of an unshaped step over that of an ideal one [-].
 
-    Limits are no part of it: a ramp of whole periods has no residual, and zero is no unit.
+    Limits are no part of it: a ramp of whole periods has no residual, and none is no unit.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def unshaped_gain(mode: Mode, actuator: Actuator) -> float:
 
 
 def unshaped_ramp_residual(mode: Mode, actuator: RateLimited) -> float:
-    """Return the residual of an unshaped ramp over that of its step itself.
+    """Return the residual of an unshaped ramp over that of the step itself.
 
     Parameters
     ----------

@@ -29,14 +29,14 @@ def design_shaper(request: DesignRequest) -> DesignResponse:
     scheduled = None
     if isinstance(done.plant, Scheduled) and done.design.worst_in_range is not None:
         scheduled = RangeOut.from_design(done.plant, done.design.worst_in_range)
-    modes = done.plant.modes
+    modes, ramps = done.plant.modes, None
+    if isinstance(done.actuator, RateLimited):
+        ramps = ramp_figures(done.design.impulses, modes, done.actuator)
     trace = [TraceStepOut.from_design(step) for step in done.trace]
     return DesignResponse.from_design(
         request.shaper.kind,
         done.design,
-        ramp_figures(done.design.impulses, modes, done.actuator)
-        if isinstance(done.actuator, RateLimited)
-        else None,
+        ramps,
         done.sampled,
         _curve(done.curves),
         of_modes(modes, done.design.residuals, done.curves) if len(modes) > 1 else None,
