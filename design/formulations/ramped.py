@@ -4,6 +4,7 @@ What follows the limits is ideal or one linear lag. Its transfer function is a c
 that is left, so the course alone decides, and the problem is convex in the slope of the reference.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,10 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.types import ComplexArray, FloatArray
+
+EARLIEST_PERIODS = (0.32, 0.71)
+"""What unity-magnitude commands take at least without limits, in periods of the slowest mode: with
+no residual, and with no slope either [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -39,10 +44,17 @@ class RampedProblem:
         The common frequency: it turns phases into times [rad/s].
     horizon_rad
         Latest end [rad].
+    earliest_rad
+        An end before which, or little after which, nothing is possible: the search begins there
+        [rad].
     designed_for
         The actuator of the claims.
     claims
         None: zeros, as the kind says.
+    farthest_rad
+        Where the search for an end gives up: there may be none, however late [rad].
+    seeds
+        Switches to begin with, ahead of any search, shape (n,) each [rad].
     """
 
     unit_poles: ComplexArray
@@ -52,8 +64,11 @@ class RampedProblem:
     last: float
     natural_frequency_rad_s: float
     horizon_rad: float
+    earliest_rad: float
     designed_for: Actuator
     claims: tuple[Promise, ...] = ()
+    seeds: tuple[FloatArray, ...] = ()
+    farthest_rad: float = math.inf
 
 
 def ramped_problem(
@@ -92,5 +107,6 @@ def ramped_problem(
         last=1.0,
         natural_frequency_rad_s=w,
         horizon_rad=max_duration_periods * PERIOD_RAD + rise + fall,
+        earliest_rad=max(rise, PERIOD_RAD * EARLIEST_PERIODS[derivatives]),
         designed_for=actuator,
     )

@@ -5,13 +5,15 @@ from dataclasses import replace
 import numpy as np
 
 from design.analysis.swing import swing_over_step
-from design.errors import InfeasibleDesignError
+from design.errors import InfeasibleDesignError, SolverFailedError
 from design.formulations.equations import GapProblem
 from design.formulations.gaps import of_gaps, settling_gaps_rad
 from design.formulations.lag_parameters import lag_parameters, switched_order
+from design.formulations.ramped_move import ramped_move
 from design.formulations.seeds import Seed
 from design.formulations.whole_move import WholeMove, swing_parameters, whole_move_problem
 from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import follows_one_lag
 from design.model.impulses import Impulses
 from design.moves.parts import Parts
 from design.response.closed_form import travel
@@ -20,6 +22,7 @@ from design.solvers.continuation import Path, follow
 from design.solvers.moves import MoveCandidate, move_candidates
 from design.solvers.near_root import root
 from design.solvers.outcome import Status
+from design.solving.solve import solve
 from design.types import FloatArray
 
 TRAVEL_TOLERANCE = 1e-14
@@ -33,6 +36,9 @@ PULSE_ITERATIONS = 60
 
 MAX_TRAVEL_ERROR = 1e-12
 """Relative error of the distance beyond which a move is not returned [-]."""
+
+TIME_ROUNDING = 1e-15
+"""Rounding of a step's time, over the duration: a move of 1 um travels no more exactly [-]."""
 
 COMPRESSED = 0.95
 """Share of the pulse into which a compressed start is squeezed [-]."""
@@ -181,6 +187,9 @@ def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> I
 
 def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> Impulses:
     """Return the fastest move found on levels 0 and the peak that travels ``wanted_s``."""
+    drive = parts.designed_for
+    if follows_one_lag(drive) and parts.peak == 1 and not parts.settle:
+        return _behind_limits(parts, drive, wanted_s)
     seeds = _overlapping_seeds(parts, pulse_s)
     try:
         return _travelling(parts, wanted_s, seeds)
@@ -200,6 +209,25 @@ def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> Impulses:
             f"{100 * share:.3g} % of it was cancelled: {error}",
             code="swing_not_cancelled",
         ) from error
+
+
+def _behind_limits(parts: Parts, drive: RateLimited, wanted_s: float) -> Impulses:
+    """Return the fastest of all courses of the reference that travel ``wanted_s``."""
+    problem = ramped_move(
+        parts.mode,
+        drive,
+        derivatives=parts.derivatives,
+        travel_s=wanted_s,
+        swing=parts.swing,
+    )
+    for found in solve(problem):
+        command = found.impulses
+        rounding_s = TIME_ROUNDING * command.duration_s
+        if parts.verified(command) and _travels(parts, command, wanted_s, rounding_s):
+            return command
+    raise SolverFailedError(
+        "no move behind the limits was verified", code="ramped_move_not_verified"
+    )
 
 
 def _follow_as_one(parts: Parts, wanted_s: float, seeds: tuple[Seed, ...]) -> Path:
@@ -296,7 +324,10 @@ def _overlapping_seeds(parts: Parts, pulse_s: float) -> tuple[Seed, ...]:
     )
 
 
-def _travels(parts: Parts, command: Impulses, wanted_s: float | None) -> bool:
+def _travels(
+    parts: Parts, command: Impulses, wanted_s: float | None, rounding_s: float = 0.0
+) -> bool:
     if wanted_s is None:
         return True
-    return abs(travel(command, parts.actuator) - wanted_s) <= MAX_TRAVEL_ERROR * wanted_s
+    allowed_s = MAX_TRAVEL_ERROR * wanted_s + rounding_s
+    return abs(travel(command, parts.actuator) - wanted_s) <= allowed_s

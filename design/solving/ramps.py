@@ -1,5 +1,6 @@
 """The fastest shapers behind limits to acceleration, each with its bound."""
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -45,7 +46,7 @@ def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solu
             TraceStep(
                 stage="bound",
                 method="proof",
-                start="linear_program",
+                start=found.seed,
                 outcome="proved",
                 duration_s=bound / problem.natural_frequency_rad_s,
                 detail="no reference within the limits ends as early",
@@ -60,11 +61,19 @@ def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solu
     if best is None:
         raise InfeasibleDesignError(
             "no course of the reference without residual was found within the limits"
-            + (f": {budget.in_words}" if budget.spent else ""),
+            + _how_far(problem, budget),
             code="no_ramped_command_found",
         )
     _require_in_time(problem, *best)
     yield _solution(problem, *best)
+
+
+def _how_far(problem: RampedProblem, budget: Budget) -> str:
+    if budget.spent:
+        return f": {budget.in_words}"
+    if problem.farthest_rad < math.inf:
+        return f" up to {problem.farthest_rad / PERIOD_RAD:.4g} periods"
+    return ""
 
 
 def _require_in_time(problem: RampedProblem, found: RampedOptimum, bound_rad: float) -> None:
@@ -106,7 +115,7 @@ def _solution(problem: RampedProblem, found: RampedOptimum, bound_rad: float) ->
             name="highs",
             status="solve_succeeded",
             iterations=found.iterations,
-            seed="linear_program",
+            seed=found.seed,
             starts=found.programs,
             lower_bound_s=bound_rad / w,
             gap=1 - bound_rad / course.end,

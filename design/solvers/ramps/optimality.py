@@ -18,7 +18,10 @@ from design.types import ComplexArray, FloatArray
 NEWTON_STEPS = 40
 
 CONVERGED = 1e-12
-"""Step of the switches after which the next is rounding [rad]."""
+"""Step of the switches after which the next is rounding, over the shortest gap or 1 rad [-]."""
+
+ROUNDING = 4e-16
+"""Rounding of a switch, over the duration [-]."""
 
 FARTHEST_STEP_RAD = 0.5
 """Largest step of a switch [rad]."""
@@ -44,12 +47,15 @@ class RampedOptimum:
         Steps of Newton's method.
     programs
         Linear programs until then.
+    seed
+        Name of the start.
     """
 
     course: Course
     multipliers: ComplexArray
     iterations: int
     programs: int = 0
+    seed: str = "linear_program"
 
 
 def find_multipliers(course: Course, functionals: Functionals) -> ComplexArray:
@@ -110,7 +116,7 @@ def solve_conditions(
         course = course_of(course.switches + np.append(0.0, share * moves), slopes)
         real, imaginary = np.split(rest, 2)
         multipliers = multipliers + share * (real + 1j * imaginary)
-        if share == 1 and farthest < CONVERGED:
+        if share == 1 and farthest < max(CONVERGED * min(1.0, gaps.min()), ROUNDING * course.end):
             break
     missed = np.abs(course.values(functionals) - targets) * functionals.scales(course.end)
     gaps = np.diff(course.switches)

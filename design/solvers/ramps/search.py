@@ -11,9 +11,6 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
-
-from design.formulations.gaps import PERIOD_RAD
 from design.formulations.ramped import RampedProblem
 from design.solvers.budget import Budget
 from design.solvers.ramps.course import Slopes
@@ -21,13 +18,10 @@ from design.solvers.ramps.functionals import Functionals
 from design.solvers.ramps.optimality import NEWTON_STEPS, RampedOptimum, solve_conditions
 from design.solvers.ramps.structure import GridCourse, nearest_course, switches_of, work_of
 from design.trace import TraceStep
+from design.types import FloatArray
 
 MAX_PROGRAMS = 60
 """Linear programs until the search is given up; two or three do for one mode."""
-
-FIRST_PERIODS = (0.33, 0.73)
-"""Duration that is tried first, in periods of the slowest mode, without and with slopes: just below
-what commands without limits take [-]."""
 
 MIN_STEP, USUAL_STEP, MAX_STEP = 1.02, 1.1, 1.3
 """Quotient of two durations tried in turn: at least, where nothing says more, and at most [-]."""
@@ -65,22 +59,26 @@ def candidates(problem: RampedProblem, budget: Budget) -> Iterator[RampedOptimum
         As reported by Newton's method; the caller stops at one that is proven.
     """
     search = _Search(problem, budget)
+    for seed in problem.seeds:
+        yield from search.optima(seed, "triangles")
     fineness = 1.0
-    periods = FIRST_PERIODS[int(problem.orders.max())]
-    first = max(MIN_STEP * problem.ramps_rad[0], PERIOD_RAD * periods)
+    first = MIN_STEP * problem.earliest_rad
     while fineness <= FINEST:
         low, high, before = first, math.inf, None
         duration = first
         while high > low * (1 + CLOSED / fineness):
-            if budget.spent or search.programs >= MAX_PROGRAMS:
+            late = duration > problem.farthest_rad
+            if late or budget.spent or search.programs >= MAX_PROGRAMS:
                 return
             course = search.nearest_course(duration, fineness)
             if course is not None and course.is_possible:
                 high = duration
             else:
                 low = duration
-                yield from search.optima(course)
-                violation = math.inf if course is None else course.violation
+                violation = math.inf
+                if course is not None:
+                    violation = course.violation
+                    yield from search.optima(search.switches_of(course), "linear_program")
                 duration = _next_duration(low, violation, before)
                 before = (low, violation)
             if duration >= high:
@@ -127,9 +125,12 @@ class _Search:
         )
         return course
 
-    def optima(self, course: GridCourse | None) -> Iterator[RampedOptimum]:
-        """Yield what Newton's method makes of a course on a grid, if anything."""
-        switches = np.zeros(0) if course is None else switches_of(course, self._slopes)
+    def switches_of(self, course: GridCourse) -> FloatArray:
+        """Return the switches of a command that a course on a grid follows."""
+        return switches_of(course, self._slopes)
+
+    def optima(self, switches: FloatArray, start: str) -> Iterator[RampedOptimum]:
+        """Yield what Newton's method makes of switches near the optimum's, if anything."""
         if not switches.size:
             return
         problem = self._problem
@@ -140,7 +141,7 @@ class _Search:
             TraceStep(
                 stage="solve",
                 method="newton",
-                start="linear_program",
+                start=start,
                 outcome="failed" if found is None else "solve_succeeded",
                 iterations=iterations,
                 duration_s=float(switches[-1] if found is None else found.course.end)
@@ -149,4 +150,4 @@ class _Search:
             )
         )
         if found is not None:
-            yield replace(found, programs=self.programs)
+            yield replace(found, programs=self.programs, seed=start)
