@@ -102,7 +102,7 @@ def solutions() -> FloatArray:
 
 
 @pytest.fixture(scope="module")
-def fit_quadratics(solutions: FloatArray) -> FloatArray:
+def fitted(solutions: FloatArray) -> FloatArray:
     """Quadratics in w through the solutions, rows of coefficients a, b, c."""
     return np.polyfit(FREQUENCIES, solutions, 2).T
 

@@ -120,7 +120,7 @@ def test_warnings_are_of_the_impulses_on_the_samples(client: httpx.Client) -> No
     assert plain["warnings"] == client.post("/v1/designs", json=kept).json()["warnings"] == []
     warned = client.post("/v1/designs", json=numzv).json()["warnings"]
     assert [one["code"] for one in warned] == ["actuator_not_settled", "longer_on_samples"]
-    assert "3 leave " in warned[1]["detail"]
+    assert "3 impulses have " in warned[1]["detail"]
 
 
 def test_a_tolerance_without_a_sample_time_is_refused(client: httpx.Client) -> None:

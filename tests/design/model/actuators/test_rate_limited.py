@@ -252,10 +252,11 @@ def travel_by_quadrature(command: Impulses, actuator: Actuator) -> float:
     return float(widths @ motion.velocity.reshape(at.shape) @ weights) / 2
 
 
-def test_a_move_whose_ramps_cannot_finish_is_refused() -> None:
+def test_a_move_in_which_no_ramp_finishes_turns_them() -> None:
     # 0.25 s at full speed, in pulses of 0.2 s of ramp each: three of them are too many.
-    with refused("no_move_found"):
-        maneuver(CRANE, ALONE, SHAPERS["numzvd"], speed_m_s=0.2, distance_m=0.05)
+    move = maneuver(CRANE, ALONE, SHAPERS["numzvd"], speed_m_s=0.2, distance_m=0.05)
+    assert move.certificate.verified
+    assert np.diff(move.command.times_s)[::2].max() < 0.2
 
 
 def test_travel_of_a_ramped_pulse_is_its_area() -> None:
