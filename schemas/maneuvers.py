@@ -8,7 +8,7 @@ from design.model.initial_state import AngleSwing, DeflectionSwing
 from design.moves.maneuvers import Maneuver
 from design.moves.programs import Program
 from schemas.actuators import ActuatorIn
-from schemas.base import Positive, Wire
+from schemas.base import Positive, Wire, leave_out_none
 from schemas.certificates import CertificateOut
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
@@ -115,6 +115,19 @@ class ManeuverResponse(Wire):
     command: ImpulsesWire
     pulse_s: float
     duration_s: float
+    ramp_end_s: Annotated[
+        float | None,
+        leave_out_none(
+            "Behind limits, when the last ramp ends, after the first step; otherwise left out [s]."
+        ),
+    ]
+    lower_bound_s: Annotated[
+        float | None,
+        leave_out_none(
+            "Solved as one behind limits: no move ends its last ramp as early, proven; otherwise "
+            "left out [s]."
+        ),
+    ]
     distance_m: Annotated[
         float, Field(description="Travel of the actuator, signed, recomputed [m].")
     ]
@@ -158,6 +171,8 @@ class ManeuverResponse(Wire):
             command=ImpulsesWire.from_design(move.command),
             pulse_s=move.pulse_s,
             duration_s=move.duration_s,
+            ramp_end_s=None if move.ramps is None else move.ramps.end_s,
+            lower_bound_s=move.lower_bound_s,
             distance_m=move.distance_m,
             residual=move.residual,
             certificate=CertificateOut.from_design(move.certificate, given=not move.for_ideal),

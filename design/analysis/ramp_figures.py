@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from design.analysis.unshaped import unshaped_ramp_residual
 from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.reference_ramps import reference
@@ -41,8 +42,24 @@ def ramp_figures(impulses: Impulses, modes: tuple[Mode, ...], actuator: RateLimi
     RampFigures
         End of the last ramp, and the residual of an unshaped one.
     """
-    changes = reference(impulses, actuator)
     return RampFigures(
-        end_s=float(changes.times_s[-1] + changes.ramps_s[-1] - impulses.times_s[0]),
+        end_s=end_of_reference(impulses, actuator) - float(impulses.times_s[0]),
         unshaped_residual=max(unshaped_ramp_residual(mode, actuator) for mode in modes),
     )
+
+
+def end_of_reference(command: Impulses, actuator: Actuator) -> float:
+    """Return when the reference has come to rest.
+
+    Parameters
+    ----------
+    command, actuator
+        The command, and what follows it.
+
+    Returns
+    -------
+    float
+        On the command's clock [s].
+    """
+    changes = reference(command, actuator)
+    return float(changes.times_s[-1] + changes.ramps_s[-1])

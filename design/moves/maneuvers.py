@@ -9,6 +9,7 @@ from design.analysis.certificate import Certificate, certify
 from design.analysis.claims_found import shortfall_of
 from design.analysis.drive_warnings import drive_warnings
 from design.analysis.judge import judge
+from design.analysis.ramp_figures import RampFigures, ramp_figures
 from design.analysis.warnings import DesignWarning
 from design.checks import MAX_VALUE, MIN_VALUE, require_scale
 from design.claims import ZERO_LIMITS, zeros
@@ -76,6 +77,10 @@ class Maneuver:
     joint
         Whether the move was solved as one: where start and stop would overlap, where the start
         alone cannot cancel the swing, or where it was asked for and is faster.
+    ramps
+        When its last ramp ends; None without limits to acceleration.
+    lower_bound_s
+        Solved as one behind such limits: no move ends its last ramp as early [s]; None of others.
     warnings
         What to know besides.
     """
@@ -92,6 +97,8 @@ class Maneuver:
     for_ideal: bool
     swing: FreeSwing | None
     joint: bool
+    ramps: RampFigures | None
+    lower_bound_s: float | None
     warnings: tuple[DesignWarning, ...]
 
     @property
@@ -189,15 +196,16 @@ def maneuver(
         parts = with_swing(parts, swing)
     if pulse_s is None:
         wanted_s = abs(distance_m or 0.0) / speed_m_s
-        command, as_one = over_distance(parts, wanted_s)
+        whole = over_distance(parts, wanted_s)
     else:
-        command, as_one = over_pulse(parts, pulse_s)
+        whole = over_pulse(parts, pulse_s)
     warnings: tuple[DesignWarning, ...] = ()
-    if joint and not as_one:
-        faster = faster_as_one(parts, command)
+    if joint and not whole.joint:
+        faster = faster_as_one(parts, whole.command)
         if faster is not None:
-            warnings = tuple(_robustness_warnings(parts, command, faster))
-            command, as_one = faster, True
+            warnings = tuple(_robustness_warnings(parts, whole.command, faster.command))
+            whole = faster
+    command = whole.command
     judged = judge(
         command,
         (parts.mode,),
@@ -230,7 +238,11 @@ def maneuver(
         certificate=judged.certificate,
         for_ideal=judged.for_ideal,
         swing=swing,
-        joint=as_one,
+        joint=whole.joint,
+        ramps=ramp_figures(command, (parts.mode,), actuator)
+        if isinstance(actuator, RateLimited)
+        else None,
+        lower_bound_s=whole.lower_bound_s,
         warnings=(
             *judged.warnings,
             *warnings,

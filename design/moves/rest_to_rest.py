@@ -1,9 +1,10 @@
 """Start and stop of a move put together: in turn, or solved as one where they overlap."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from design.analysis.ramp_figures import end_of_reference
 from design.analysis.swing import swing_over_step
 from design.errors import InfeasibleDesignError, SolverFailedError
 from design.formulations.equations import GapProblem
@@ -51,7 +52,27 @@ MIN_SLOPE = 0.1
 """Change of travel per travel asked below which the secant is not trusted [-]."""
 
 
-def over_pulse(parts: Parts, pulse_s: float) -> tuple[Impulses, bool]:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class WholeCommand:
+    """Start and stop of a move, put together.
+
+    Attributes
+    ----------
+    command
+        The whole move, of sum 0.
+    joint
+        Whether start and stop were solved as one problem.
+    lower_bound_s
+        No move within the limits of acceleration ends its last ramp as early; None where nothing is
+        proven [s].
+    """
+
+    command: Impulses
+    joint: bool = False
+    lower_bound_s: float | None = None
+
+
+def over_pulse(parts: Parts, pulse_s: float) -> WholeCommand:
     """Return the command of a pulse, and whether it was solved as one.
 
     Parameters
@@ -63,10 +84,8 @@ def over_pulse(parts: Parts, pulse_s: float) -> tuple[Impulses, bool]:
 
     Returns
     -------
-    Impulses
-        The whole move, of sum 0.
-    bool
-        True if start and stop were solved as one problem.
+    WholeCommand
+        The command, and whether start and stop were solved as one problem.
 
     Raises
     ------
@@ -76,7 +95,7 @@ def over_pulse(parts: Parts, pulse_s: float) -> tuple[Impulses, bool]:
     if parts.apart and pulse_s >= parts.shortest_pulse_s:
         command = _with_solved_stop(parts, pulse_s, None)
         if command is not None:
-            return command, False
+            return WholeCommand(command=command)
     wanted_s = pulse_s + parts.lead_s()
     if wanted_s <= 0:
         raise InfeasibleDesignError(
@@ -84,10 +103,10 @@ def over_pulse(parts: Parts, pulse_s: float) -> tuple[Impulses, bool]:
             "off its travel",
             code="pulse_goes_nowhere",
         )
-    return _as_one(parts, wanted_s, pulse_s), True
+    return _as_one(parts, wanted_s, pulse_s)
 
 
-def over_distance(parts: Parts, wanted_s: float) -> tuple[Impulses, bool]:
+def over_distance(parts: Parts, wanted_s: float) -> WholeCommand:
     """Return the command that travels a distance, as in `over_pulse`.
 
     Parameters
@@ -99,10 +118,8 @@ def over_distance(parts: Parts, wanted_s: float) -> tuple[Impulses, bool]:
 
     Returns
     -------
-    Impulses
-        The whole move, of sum 0.
-    bool
-        True if start and stop were solved as one problem.
+    WholeCommand
+        The command, and whether start and stop were solved as one problem.
 
     Raises
     ------
@@ -119,11 +136,11 @@ def over_distance(parts: Parts, wanted_s: float) -> tuple[Impulses, bool]:
     if parts.apart and pulse_s >= parts.shortest_pulse_s:
         command = _with_solved_stop(parts, pulse_s, wanted_s)
         if command is not None:
-            return command, False
-    return _as_one(parts, wanted_s, pulse_s), True
+            return WholeCommand(command=command)
+    return _as_one(parts, wanted_s, pulse_s)
 
 
-def faster_as_one(parts: Parts, apart: Impulses) -> Impulses | None:
+def faster_as_one(parts: Parts, apart: Impulses) -> WholeCommand | None:
     """Return the move solved as one if it is faster than its parts apart.
 
     Both travel as far.
@@ -137,7 +154,7 @@ def faster_as_one(parts: Parts, apart: Impulses) -> Impulses | None:
 
     Returns
     -------
-    Impulses or None
+    WholeCommand or None
         None where the move solved as one is slower, or was not found.
     """
     pulse_s = float(apart.times_s[parts.start.times_s.size])
@@ -145,7 +162,8 @@ def faster_as_one(parts: Parts, apart: Impulses) -> Impulses | None:
         one = _as_one(parts, travel(apart, parts.actuator), pulse_s)
     except InfeasibleDesignError:  # there is a move all the same
         return None
-    return one if one.duration_s < apart.duration_s else None
+    ends = [end_of_reference(command, parts.actuator) for command in (one.command, apart)]
+    return one if ends[0] < ends[1] else None
 
 
 def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> Impulses | None:
@@ -185,22 +203,21 @@ def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> I
     return solved if parts.verified(solved) and _travels(parts, solved, wanted_s) else None
 
 
-def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> Impulses:
+def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> WholeCommand:
     """Return the fastest move found on levels 0 and the peak that travels ``wanted_s``."""
     drive = parts.designed_for
     if follows_one_lag(drive) and parts.peak == 1 and not parts.settle:
         return _behind_limits(parts, drive, wanted_s)
     seeds = _overlapping_seeds(parts, pulse_s)
     try:
-        return _travelling(parts, wanted_s, seeds)
+        command = _travelling(parts, wanted_s, seeds)
     except InfeasibleDesignError as error:
         if parts.swing is None:
             raise
         path = _follow_as_one(parts, wanted_s, seeds)
         if path.complete:
-            return _travelling(
-                parts, wanted_s, (Seed(name="continuation", gaps_rad=path.unknowns),)
-            )
+            seeds = (Seed(name="continuation", gaps_rad=path.unknowns),)
+            return WholeCommand(command=_travelling(parts, wanted_s, seeds), joint=True)
         size = abs(swing_over_step(parts.swing, parts.mode, parts.designed_for))
         share = path.share if parts.apart else max(path.share, parts.cancelled)
         raise InfeasibleDesignError(
@@ -209,9 +226,10 @@ def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> Impulses:
             f"{100 * share:.3g} % of it was cancelled: {error}",
             code="swing_not_cancelled",
         ) from error
+    return WholeCommand(command=command, joint=True)
 
 
-def _behind_limits(parts: Parts, drive: RateLimited, wanted_s: float) -> Impulses:
+def _behind_limits(parts: Parts, drive: RateLimited, wanted_s: float) -> WholeCommand:
     """Return the fastest of all courses of the reference that travel ``wanted_s``."""
     problem = ramped_move(
         parts.mode,
@@ -224,7 +242,8 @@ def _behind_limits(parts: Parts, drive: RateLimited, wanted_s: float) -> Impulse
         command = found.impulses
         rounding_s = TIME_ROUNDING * command.duration_s
         if parts.verified(command) and _travels(parts, command, wanted_s, rounding_s):
-            return command
+            bound_s = found.solver.lower_bound_s
+            return WholeCommand(command=command, joint=True, lower_bound_s=bound_s)
     raise SolverFailedError(
         "no move behind the limits was verified", code="ramped_move_not_verified"
     )

@@ -55,6 +55,26 @@ def test_an_answer_says_when_the_last_ramp_ends_and_that_none_ends_earlier(
     assert "unshaped_ramp_residual" not in without
 
 
+def test_a_short_move_is_served_with_its_bound(client: httpx.Client) -> None:
+    request = {
+        "plant": {"kind": "pendulum", "cable_length_m": 12},
+        "actuator": {
+            "kind": "rate_limited",
+            "accel_limit_m_s2": 0.2,
+            "decel_limit_m_s2": 0.2,
+            "speed_m_s": 0.5,
+        },
+        "shaper": {"kind": "numzv"},
+        "speed_m_s": 0.5,
+        "distance_m": -0.3,
+    }
+    answer = client.post("/v1/maneuvers", json=request).json()
+    assert answer["joint"]
+    assert answer["distance_m"] == pytest.approx(-0.3, abs=1e-9)
+    assert answer["residual"] < 1e-9
+    assert 0.999 * answer["ramp_end_s"] < answer["lower_bound_s"] <= answer["ramp_end_s"]
+
+
 @pytest.mark.parametrize(
     ("route", "more"),
     [
