@@ -14,6 +14,7 @@ from dataclasses import replace
 from design.formulations.ramped import RampedProblem
 from design.solvers.budget import Budget
 from design.solvers.ramps.course import Slopes
+from design.solvers.ramps.exchange import lacking_switches
 from design.solvers.ramps.functionals import Functionals
 from design.solvers.ramps.optimality import NEWTON_STEPS, RampedOptimum, solve_conditions
 from design.solvers.ramps.structure import GridCourse, nearest_course, switches_of, work_of
@@ -38,6 +39,9 @@ FINER, FINEST = 3.0, 27.0
 
 BACK = 0.99
 """Share of the longest duration known to be too short at which a finer grid begins [-]."""
+
+MAX_EXCHANGES = 6
+"""How often two switches are added to a course that lacks them."""
 
 NEWTON_WORK = 150.0
 """Work of a step of Newton's method [units]."""
@@ -131,8 +135,18 @@ class _Search:
 
     def optima(self, switches: FloatArray, start: str) -> Iterator[RampedOptimum]:
         """Yield what Newton's method makes of switches near the optimum's, if anything."""
-        if not switches.size:
+        found = self._solve(switches, start) if switches.size else None
+        if found is None:
             return
+        for _ in range(MAX_EXCHANGES):
+            more = lacking_switches(found, self._functionals)
+            better = None if more is None else self._solve(more, start)
+            if better is None or better.course.end > found.course.end:
+                break
+            found = better
+        yield replace(found, programs=self.programs, seed=start)
+
+    def _solve(self, switches: FloatArray, start: str) -> RampedOptimum | None:
         problem = self._problem
         found = solve_conditions(switches, self._functionals, problem.targets, self._slopes)
         iterations = NEWTON_STEPS if found is None else found.iterations
@@ -149,5 +163,4 @@ class _Search:
                 detail=f"{switches.size} switches",
             )
         )
-        if found is not None:
-            yield replace(found, programs=self.programs, seed=start)
+        return found

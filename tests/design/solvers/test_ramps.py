@@ -1,16 +1,21 @@
 """The fastest courses of a limited reference: derivatives, conditions, structure, search."""
 
+import math
+
 import numpy as np
 import pytest
 
 from design.formulations.ramped import ramped_problem
+from design.formulations.ramped_move import ramped_move
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import follows_one_lag
 from design.model.plants.mode import Mode
 from design.solvers.budget import Budget
 from design.solvers.ramps.course import Course, Slopes, course_of
+from design.solvers.ramps.exchange import lacking_switches
 from design.solvers.ramps.functionals import Functionals
+from design.solvers.ramps.optimality import solve_conditions
 from design.solvers.ramps.search import candidates
 from design.types import FloatArray
 
@@ -100,6 +105,28 @@ def test_a_ramp_of_one_period_needs_no_shaper() -> None:
     problem = ramped_problem((period,), limited, derivatives=0, max_duration_periods=3.0)
     ends = [found.course.end for found in candidates(problem, Budget())]
     assert min(ends) == pytest.approx(2 * np.pi, rel=1e-9)
+
+
+def test_a_dip_too_short_for_the_grid_is_found_by_the_signs_that_it_breaks() -> None:
+    crane = Mode(natural_frequency_rad_s=math.sqrt(9.81 / 9))
+    limited = RateLimited(accel_limit_m_s2=0.3, decel_limit_m_s2=0.4, speed_m_s=1.0)
+    problem = ramped_move(crane, limited, derivatives=1, travel_s=12.0, swing=None)
+    functionals = Functionals(problem.unit_poles, problem.orders)
+    slopes = Slopes(up=1 / problem.ramps_rad[0], down=1 / problem.ramps_rad[1])
+    w = crane.natural_frequency_rad_s
+    seed = w * np.array([0, 2.0594, 2.6169, 12.2381, 13.8565, 14.8043])
+    without = solve_conditions(seed, functionals, problem.targets, slopes)
+    assert without is not None
+    assert without.course.end / w == pytest.approx(16.3967163, abs=1e-6)
+    more = lacking_switches(without, functionals)
+    assert more is not None
+    assert more.size == seed.size + 2
+    best = solve_conditions(more, functionals, problem.targets, slopes)
+    assert best is not None
+    assert best.course.end / w == pytest.approx(16.3966926, abs=1e-6)
+    assert lacking_switches(best, functionals) is None
+    # The search needs no grid that is fine enough for the dip of 0.1 s.
+    assert next(candidates(problem, Budget())).programs <= 5
 
 
 def test_a_search_ends_with_its_budget() -> None:
