@@ -69,6 +69,11 @@ def events_of(command: Impulses, actuator: Actuator) -> list[Event]:
     return found
 
 
+def end_s(command: Impulses, actuator: Actuator) -> float:
+    """Return when what the lags follow has come to rest [s]."""
+    return max(float(command.times_s[-1]), events_of(command, actuator)[-1].time_s)
+
+
 class Simulation:
     """Drive and payload, moved from event to event."""
 

@@ -7,6 +7,7 @@ largest half width h such that the residual is at most 5 % wherever the true fre
     python docs/examples/04_band_and_duration.py band.png
 """
 
+import math
 import sys
 
 import matplotlib as mpl
@@ -36,7 +37,11 @@ HALF_WIDTHS += [0.2, 0.22, 0.25, 0.28, 0.31, 0.335, 0.35, 0.38, 0.41, 0.44]
 def guaranteed_half_width(shaper: Impulses) -> float:
     """Return the half width of the centred band within the tolerance, 0 if there is none [-]."""
     found = insensitivity(shaper, CRANE.mode, ACTUATOR, TOLERANCE)
-    return 0.0 if found is None else found.half_width
+    if found is None:
+        return 0.0
+    below = 1.0 if found.lower_ratio is None else 1 - found.lower_ratio
+    above = math.inf if found.upper_ratio is None else found.upper_ratio - 1
+    return min(below, above)
 
 
 figure, panel = plt.subplots(figsize=(9.0, 6.0), layout="constrained")

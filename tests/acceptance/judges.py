@@ -28,6 +28,7 @@ from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions
 from design.solvers.budget import MAX_WORK_PER_DESIGN
 from design.types import FloatArray
+from tests.expm_route import end_s
 from tests.integration_route import residual_by_integration
 from tests.random_cases import Case
 from tests.second_route import (
@@ -79,7 +80,7 @@ def wrong_in_design(case: Case, made: Design) -> Iterator[str]:
         if abs(told - residual) > NOTHING + ROUNDING * told:
             yield f"tells a residual of {residual:.6g}, another route {told:.6g}"
     yield from _wrong_range(case, made)
-    yield from _wrong_bound(made)
+    yield from _wrong_bound(case, made)
     if len(case.plant.modes) == 1 and case.number % INTEGRATED == 0:
         yield from _wrong_by_integration(case, made)
     if case.number % SAMPLED == 0 and not isinstance(case.plant, Modes | Scheduled):
@@ -202,8 +203,10 @@ def _wrong_range(case: Case, made: Design) -> Iterator[str]:
             yield f"tells {made.worst_in_range!r} as the worst in range, another route {told!r}"
 
 
-def _wrong_bound(made: Design) -> Iterator[str]:
+def _wrong_bound(case: Case, made: Design) -> Iterator[str]:
     bound, gap, duration = made.solver.lower_bound_s, made.solver.gap, made.impulses.duration_s
+    if (made.impulses.amplitudes < 0).any():  # what ends behind limits is the last ramp
+        duration = end_s(made.impulses, case.actuator)
     if (bound is None) != (gap is None):
         yield f"bound {bound} and gap {gap}"
     if bound is None or gap is None:
