@@ -159,9 +159,9 @@ class RampedProof:
         steepest = max(self.up, self.down)
         exact = self._cost(np.diff(self._areas(edges)) + constants * widths)
         chord = widths * (self._cost(before) + self._cost(after)) / 2
-        moving = np.where(
-            sure, exact + 2 * steepest * widths * nearly, chord + steepest * widths * sag
-        )
+        beyond = np.minimum(np.abs(before), np.abs(after))  # 0 but for rounding, where signs differ
+        rounding = np.where(before * after < 0, 2 * steepest * widths * beyond, 0.0)
+        moving = np.where(sure, exact + rounding, chord + steepest * widths * sag)
         return np.where(resting, rises, moving), np.where(resting, ~monotone, ~sure)
 
     def _cost(self, q: FloatArray) -> FloatArray:

@@ -8,9 +8,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from design.claims import Promise
 from design.formulations.gaps import PERIOD_RAD
+from design.formulations.published_times import ZV_POLYNOMIALS, ZVD_POLYNOMIALS
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
@@ -51,6 +53,8 @@ class RampedProblem:
         The actuator of the claims.
     claims
         None: zeros, as the kind says.
+    seed_name
+        Name of these, as reported with the answer.
     farthest_rad
         Where the search for an end gives up: there may be none, however late [rad].
     seeds
@@ -68,6 +72,7 @@ class RampedProblem:
     designed_for: Actuator
     claims: tuple[Promise, ...] = ()
     seeds: tuple[FloatArray, ...] = ()
+    seed_name: str = "none"
     farthest_rad: float = math.inf
 
 
@@ -109,4 +114,13 @@ def ramped_problem(
         horizon_rad=max_duration_periods * PERIOD_RAD + rise + fall,
         earliest_rad=max(rise, PERIOD_RAD * EARLIEST_PERIODS[derivatives]),
         designed_for=actuator,
+        seeds=_published(modes[0], derivatives) if len(modes) == 1 else (),
+        seed_name="umzvd_polynomials" if derivatives else "umzv_polynomials",
     )
+
+
+def _published(mode: Mode, derivatives: int) -> tuple[FloatArray, ...]:
+    """Return the switches published for no limits: short ramps move them little."""
+    table = ZVD_POLYNOMIALS if derivatives else ZV_POLYNOMIALS
+    times = polyval(mode.damping_ratio, np.array(table).T)
+    return (PERIOD_RAD * np.append(0.0, times),)

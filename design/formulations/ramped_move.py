@@ -69,6 +69,7 @@ def ramped_move(
         earliest_rad=earliest,
         farthest_rad=earliest + SWING_PERIODS * PERIOD_RAD,
         designed_for=actuator,
+        seed_name="triangles",
         seeds=() if swing is not None else _triangles(mode, derivatives, rise, fall, travel),
     )
 

@@ -63,8 +63,8 @@ def candidates(problem: RampedProblem, budget: Budget) -> Iterator[RampedOptimum
         As reported by Newton's method; the caller stops at one that is proven.
     """
     search = _Search(problem, budget)
-    for seed in problem.seeds:
-        yield from search.optima(seed, "triangles")
+    for seed in () if budget.spent else problem.seeds:
+        yield from search.optima(seed, problem.seed_name)
     fineness = 1.0
     first = MIN_STEP * problem.earliest_rad
     while fineness <= FINEST:

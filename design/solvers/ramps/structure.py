@@ -158,7 +158,8 @@ def switches_of(course: GridCourse, slopes: Slopes) -> FloatArray:
     FloatArray
         Ascending from 0, shape (n,) [rad].
     """
-    up, down = slopes.up * course.cell, slopes.down * course.cell
+    # A ramp shorter than a cell is a jump of the whole level.
+    up, down = min(slopes.up * course.cell, 1.0), min(slopes.down * course.cell, 1.0)
     changes = np.diff(course.levels)
     shares = np.where(changes > 0, changes / up, changes / down)
     switches: list[float] = []

@@ -48,8 +48,10 @@ def of_one_set(mode: Mode) -> SecondOrder:
     return SecondOrder(accel=one, decel=one)
 
 
-def random_drives(seed: int, count: int) -> list[tuple[Mode, RateLimited, str]]:
-    """Return cases with ramps from 0.05 to 3 periods, and what follows them symmetric."""
+def random_drives(
+    seed: int, count: int, shortest: float = 0.05
+) -> list[tuple[Mode, RateLimited, str]]:
+    """Return cases with ramps from the shortest to 3 periods, and what follows symmetric."""
     rng = np.random.default_rng(seed)
     cases = []
     for _ in range(count):
@@ -57,7 +59,7 @@ def random_drives(seed: int, count: int) -> list[tuple[Mode, RateLimited, str]]:
             natural_frequency_rad_s=float(rng.uniform(0.5, 20)),
             damping_ratio=float(rng.choice([0, rng.uniform(0, 0.1), rng.uniform(0, 0.3)])),
         )
-        up, down = mode.period_s * np.exp(rng.uniform(math.log(0.05), math.log(3), 2))
+        up, down = mode.period_s * np.exp(rng.uniform(math.log(shortest), math.log(3), 2))
         lag = of_one_set(mode)
         then = lag if rng.random() < 0.3 else Ideal()
         limited = RateLimited(
@@ -98,7 +100,9 @@ def test_switches_of_equal_limits_are_those_that_practice_asked_for() -> None:
     np.testing.assert_allclose(found.impulses.times_s, [0, 0.20589889, 0.36769666], atol=1e-8)
 
 
-@pytest.mark.parametrize(("mode", "limited", "kind"), random_drives(4, 40))
+@pytest.mark.parametrize(
+    ("mode", "limited", "kind"), [*random_drives(4, 40), *random_drives(5, 20, shortest=1e-6)]
+)
 def test_random_drives_are_solved_with_a_bound(mode: Mode, limited: RateLimited, kind: str) -> None:
     found = design(mode, limited, SHAPERS[kind])
     assert found.solver.gap is not None
