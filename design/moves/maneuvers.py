@@ -15,10 +15,9 @@ from design.checks import MAX_VALUE, MIN_VALUE, require_scale
 from design.claims import ZERO_LIMITS, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.formulations.gaps import PERIOD_RAD
-from design.model.actuators.first_order import FirstOrder
-from design.model.actuators.rate_limited import RateLimited, Unlimited
+from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
-from design.model.actuators.second_order import SecondOrder
+from design.model.actuators.swapped import swap_directions
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing, InitialSwing, free_swing
 from design.model.plants.mode import Mode
@@ -289,30 +288,6 @@ def mirrored_stop(start: Impulses) -> Impulses:
     return Impulses(
         times_s=(start.times_s[-1] - start.times_s)[::-1], amplitudes=-start.amplitudes[::-1]
     )
-
-
-def swap_directions(actuator: Actuator) -> Actuator:
-    """Return the actuator with its acceleration and deceleration swapped."""
-    if isinstance(actuator, RateLimited):
-        return replace(
-            actuator,
-            accel_limit_m_s2=actuator.decel_limit_m_s2,
-            decel_limit_m_s2=actuator.accel_limit_m_s2,
-            then=_swap_sets(actuator.then),
-        )
-    return _swap_sets(actuator)
-
-
-def _swap_sets(actuator: Unlimited) -> Unlimited:
-    if isinstance(actuator, FirstOrder):
-        return replace(
-            actuator,
-            accel_time_constant_s=actuator.decel_time_constant_s,
-            decel_time_constant_s=actuator.accel_time_constant_s,
-        )
-    if isinstance(actuator, SecondOrder):
-        return replace(actuator, accel=actuator.decel, decel=actuator.accel)
-    return actuator
 
 
 def _direction(

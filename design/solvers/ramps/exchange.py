@@ -39,7 +39,7 @@ def lacking_switches(optimum: RampedOptimum, functionals: Functionals) -> FloatA
     course = optimum.course
     turns = course.end * float(np.abs(functionals.poles).max()) / (2 * np.pi)
     times = np.linspace(0, course.end, max(MIN_POINTS, int(POINTS_PER_TURN * turns)))
-    pull = (optimum.multipliers.conj() @ functionals.kernels(times)).real
+    pull = _pull(optimum, functionals, times)
     slopes, level = _rules(optimum, functionals, times)
     moving = slopes != 0
     # While it rests q is 0, and the rule is one of the slope of P.
@@ -70,8 +70,7 @@ def _rules(
     course = optimum.course
     directions, levels = np.zeros(times.size), np.zeros(times.size)
     arriving = -_pull(optimum, functionals, course.arrivals)
-    ending = _pull(optimum, functionals, course.arrivals[-1:])
-    arriving[-1] = -1 / course.last_slopes[-1] - float(ending[0])
+    arriving[-1] -= 1 / course.last_slopes[-1]
     for start, end, slope, group in zip(
         course.starts, course.ends, course.slopes, course.groups, strict=True
     ):

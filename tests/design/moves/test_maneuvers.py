@@ -15,10 +15,11 @@ from design.model.actuators.ideal import Ideal
 from design.model.actuators.model import Model
 from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder
+from design.model.actuators.swapped import swap_directions
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.settling import settling_time_s
-from design.moves.maneuvers import maneuver, mirrored_stop, swap_directions
+from design.moves.maneuvers import maneuver, mirrored_stop
 from design.pipeline import design
 from design.shapers.kind import ShaperKind
 from design.shapers.settle_options import SettleOptions
