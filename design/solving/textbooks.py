@@ -145,13 +145,30 @@ def textbook_moves(
     tuple of Textbook
         One: a trapezoid, or a triangle that does not reach full speed, convolved.
     """
+    unshaped = unshaped_move(actuator, travel_s)
+    unshaped_s = end_of_reference(unshaped, actuator)
+    return (_shaped((mode,), actuator, POSITIVE[derivatives], unshaped, unshaped_s, end_s),)
+
+
+def unshaped_move(actuator: RateLimited, travel_s: float) -> Impulses:
+    """Return the fastest move within limits, whatever then swings.
+
+    Parameters
+    ----------
+    actuator
+        The limits.
+    travel_s
+        Distance over full speed [s].
+
+    Returns
+    -------
+    Impulses
+        One pulse: a trapezoid of the reference, or a triangle that does not reach full speed.
+    """
     rise_s, fall_s = actuator.unit_ramps_s
     highest = min(1.0, (2 * travel_s / (rise_s + fall_s)) ** 0.5)
     # At the height of a triangle the step down comes as its ramp up ends.
-    pulse_s = travel_s / highest + highest * (rise_s - fall_s) / 2
-    unshaped_s = pulse_s + highest * fall_s
-    name = POSITIVE[derivatives]
-    return (_shaped((mode,), actuator, name, pulse(pulse_s), unshaped_s, end_s),)
+    return pulse(travel_s / highest + highest * (rise_s - fall_s) / 2)
 
 
 def waiting(shaper: Impulses, actuator: RateLimited) -> Impulses:
