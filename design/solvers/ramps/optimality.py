@@ -33,7 +33,7 @@ the unshaped step [-]."""
 SMALLEST = 1e-200
 """Size of a row or column of zeros [-]."""
 
-MIN_GAP_RAD, MIN_GAP_RAMPS = 1e-6, 1e-3
+MIN_GAP_RAD, MIN_GAP_RAMPS = 1e-9, 1e-3
 """Switches closer than this, or than this share of the shorter ramp, are one [rad], [-]."""
 
 
