@@ -189,8 +189,7 @@ def draw_payload(
     if residual > ZERO_LIMITS["residual"]:
         ringing_s = times_s[times_s >= last]
         decay = mode.damping_ratio * mode.natural_frequency_rad_s
-        # The residual is extrapolated back to the last switch, and a ramp may follow it.
-        envelope = residual * np.exp(-decay * (ringing_s - float(impulses.times_s[-1])))
+        envelope = residual * np.exp(-decay * (ringing_s - last))
         axes.fill_between(
             ringing_s, -envelope, envelope, color=BRIGHT, alpha=0.3, linewidth=0, label="residual"
         )

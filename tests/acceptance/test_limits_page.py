@@ -79,7 +79,8 @@ def facts() -> set[str]:
     lone = design(CRANE, WHOLE, SHAPERS["numzv"]).impulses
     assert lone.times_s.size == 1
     three = [
-        PERIOD_S, 1 / 0.3, *turned, 0.3 * turned[0], 0.3 * turned[0] - 0.4 * (turned[1] - turned[0]),
+        PERIOD_S, 1 / 0.3, *turned,
+        0.3 * turned[0], 0.3 * turned[0] - 0.4 * (turned[1] - turned[0]),
         numzvd.end_s, end_of_reference(whole.impulses, WHOLE), end_of_reference(lone, WHOLE),
         move_end_s(12.0, joint=False), move_end_s(12.0, joint=True), move_end_s(0.3, joint=True),
         shaped_move_end_s(12.0), shaped_move_end_s(0.3),
