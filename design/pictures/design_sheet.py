@@ -6,7 +6,7 @@ from typing import Literal
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from design.analysis.ramp_figures import end_of_reference
+from design.analysis.ramp_figures import moving_time_s
 from design.analysis.sensitivity import Sensitivity
 from design.claims import ZERO_LIMITS
 from design.model.actuators.registry import Actuator
@@ -115,7 +115,7 @@ def _write_header(
     """Write what was designed for what, and whether it holds, above a rule."""
     # A long name shrinks rather than run into the facts.
     figure.text(0.018, 0.933, name, fontsize=min(21.0, 160.0 / len(name)), weight="bold")
-    duration = end_of_reference(design.impulses, actuator) - float(design.impulses.times_s[0])
+    duration = moving_time_s(design.impulses, actuator)
     until = "duration" if duration == design.impulses.duration_s else "last ramp ends"
     certificate, proven, tone = _certificate_lines(design)
     facts = (

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from design.analysis.ramp_figures import end_of_reference
+from design.analysis.ramp_figures import end_of_reference, moving_time_s
 from design.claims import ZERO_LIMITS
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
@@ -141,7 +141,7 @@ def _write_header(
     figure: Figure, name: str, mode: Mode, actuator: Actuator, move: Maneuver
 ) -> None:
     figure.text(0.02, 0.925, name, fontsize=min(19.0, 130.0 / len(name)), weight="bold")
-    end = end_of_reference(move.command, actuator) - float(move.command.times_s[0])
+    end = moving_time_s(move.command, actuator)
     bound = "" if move.lower_bound_s is None else f"none before {move.lower_bound_s:.4g} s"
     tiny = move.residual <= ZERO_LIMITS["residual"]
     claims = " and ".join(dict.fromkeys(claim.quantity for claim in move.certificate.claims))

@@ -70,3 +70,7 @@ def test_a_notch_cancels_the_ramp_to_first_order() -> None:
 def test_a_ramp_that_swings_much_has_no_notch() -> None:
     assert notched_ramps(1j, 0.9 * PERIOD, 3.0) != ()  # 0.11 of a step
     assert notched_ramps(1j, 0.5 * PERIOD, 3.0) == ()  # 0.64 of a step
+
+
+def test_a_ramp_that_no_design_takes_is_not_searched() -> None:
+    assert notched_ramps(1j, 1e12 * PERIOD, 3.0) == ()
