@@ -11,6 +11,7 @@ from schemas.certificates import CertificateOut
 from schemas.designed_shaper import ShaperOut
 from schemas.fits import FitOut
 from schemas.impulses import ImpulsesWire
+from schemas.ramps import LimitsOut, OfLimits, UnshapedRampResidual
 from schemas.ranges import RangeOut
 from schemas.sampled import SampledOut
 from schemas.sensitivity import ModeOut, OfModes
@@ -38,13 +39,8 @@ class DesignResponse(Wire):
             "unshaped step; of several modes the largest [-]."
         ),
     ]
-    unshaped_ramp_residual: Annotated[
-        float | None,
-        leave_out_none(
-            "Behind limits, the residual of the ramp of an unshaped step, a share of the step "
-            "without limits; otherwise left out [-]."
-        ),
-    ]
+    unshaped_ramp_residual: UnshapedRampResidual
+    limits: OfLimits
     certificate: CertificateOut
     sensitivity: SensitivityOut | None
     modes: OfModes
@@ -101,6 +97,7 @@ class DesignResponse(Wire):
             sampled=sampled,
             residual=design.residual,
             unshaped_ramp_residual=None if ramps is None else ramps.unshaped_residual,
+            limits=None if ramps is None else LimitsOut.from_design(ramps),
             certificate=CertificateOut.from_design(design.certificate, given=not design.for_ideal),
             sensitivity=sensitivity,
             modes=modes,

@@ -12,6 +12,7 @@ from schemas.base import Positive, Wire, leave_out_none
 from schemas.certificates import CertificateOut
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
+from schemas.ramps import LimitsOut, OfLimits
 from schemas.shapers import ShaperIn
 from schemas.warnings import WarningOut, Warnings
 
@@ -128,6 +129,7 @@ class ManeuverResponse(Wire):
             "left out [s]."
         ),
     ]
+    limits: OfLimits
     distance_m: Annotated[
         float, Field(description="Travel of the actuator, signed, recomputed [m].")
     ]
@@ -173,6 +175,7 @@ class ManeuverResponse(Wire):
             duration_s=move.duration_s,
             ramp_end_s=None if move.ramps is None else move.ramps.end_s,
             lower_bound_s=move.lower_bound_s,
+            limits=None if move.ramps is None else LimitsOut.from_design(move.ramps),
             distance_m=move.distance_m,
             residual=move.residual,
             certificate=CertificateOut.from_design(move.certificate, given=not move.for_ideal),

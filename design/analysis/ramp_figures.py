@@ -1,13 +1,41 @@
-"""What limits to acceleration make of a command, in figures: when its last ramp ends."""
+"""What limits to acceleration make of a command: when its ramps end, and what binds them."""
 
 from dataclasses import dataclass
+from typing import Literal
 
+from design.analysis.binding_limits import BindingLimit, binding_limits
 from design.analysis.unshaped import unshaped_ramp_residual
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.reference_ramps import reference
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Textbook:
+    """A shaper of an ideal drive behind the same limits.
+
+    Attributes
+    ----------
+    shaper
+        Its name.
+    command
+        ``shaped_ramp``: the ramp to full speed, or the unshaped move, convolved with the shaper.
+        ``steps``: its own steps, each begun when it is due and the ramp before it is over.
+    ramp_end_s
+        When its last ramp ends, after the first step [s].
+    residual
+        Its residual, a share of the step without limits; of several modes the largest [-].
+    earlier
+        Share of that time by which the command that is compared ends earlier [-].
+    """
+
+    shaper: str
+    command: Literal["shaped_ramp", "steps"]
+    ramp_end_s: float
+    residual: float
+    earlier: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,10 +49,16 @@ class RampFigures:
     unshaped_residual
         Residual of the ramp of an unshaped step, a share of the step without limits; of several
         modes the largest [-].
+    binding
+        Which limit binds when.
+    textbooks
+        Shapers of an ideal drive to compare with; none where the command claims something else.
     """
 
     end_s: float
     unshaped_residual: float
+    binding: tuple[BindingLimit, ...]
+    textbooks: tuple[Textbook, ...] = ()
 
 
 def ramp_figures(impulses: Impulses, modes: tuple[Mode, ...], actuator: RateLimited) -> RampFigures:
@@ -40,11 +74,12 @@ def ramp_figures(impulses: Impulses, modes: tuple[Mode, ...], actuator: RateLimi
     Returns
     -------
     RampFigures
-        End of the last ramp, and the residual of an unshaped one.
+        End of the last ramp, the residual of an unshaped one, and what binds when.
     """
     return RampFigures(
         end_s=moving_time_s(impulses, actuator),
         unshaped_residual=max(unshaped_ramp_residual(mode, actuator) for mode in modes),
+        binding=binding_limits(impulses, actuator),
     )
 
 

@@ -29,11 +29,12 @@ def require_workable_ramps(mode: Mode, actuator: RateLimited) -> None:
         If a ramp lasts for more than three periods.
     """
     for name, ramp_s in zip(LIMIT_FIELDS, actuator.unit_ramps_s, strict=True):
-        turn = mode.natural_frequency_rad_s * ramp_s
-        if turn > MAX_RAMP_RAD:
+        longest_s = MAX_RAMP_RAD / mode.natural_frequency_rad_s
+        if ramp_s > longest_s:
             raise InvalidInputError(
                 f"actuator.{name}",
-                f"a ramp of {turn:.3g} rad of the plant's swing",
-                f"such that a ramp to or from full speed takes at most {MAX_RAMP_RAD:.5g} rad",
+                getattr(actuator, name),
+                f"at least {actuator.speed_m_s / longest_s:.4g} m/s^2: a ramp to or from full "
+                f"speed, {actuator.speed_m_s:g} m/s, may take three periods, {longest_s:.4g} s",
                 code="ramp_too_long",
             )

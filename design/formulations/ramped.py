@@ -12,6 +12,7 @@ from numpy.polynomial.polynomial import polyval
 
 from design.claims import Promise
 from design.formulations.gaps import PERIOD_RAD
+from design.formulations.notches import notched_ramps
 from design.formulations.published_times import ZV_POLYNOMIALS, ZVD_POLYNOMIALS
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
@@ -114,13 +115,20 @@ def ramped_problem(
         horizon_rad=max_duration_periods * PERIOD_RAD + rise + fall,
         earliest_rad=max(rise, PERIOD_RAD * EARLIEST_PERIODS[derivatives]),
         designed_for=actuator,
-        seeds=_published(modes[0], derivatives) if len(modes) == 1 else (),
+        seeds=_seeds(modes[0], derivatives, rise, fall) if len(modes) == 1 else (),
         seed_name="umzvd_polynomials" if derivatives else "umzv_polynomials",
     )
 
 
-def _published(mode: Mode, derivatives: int) -> tuple[FloatArray, ...]:
-    """Return the switches published for no limits: short ramps move them little."""
+def _seeds(mode: Mode, derivatives: int, rise: float, fall: float) -> tuple[FloatArray, ...]:
+    """Return the switches published for no limits, and the notches of a ramp of whole periods.
+
+    Short ramps move the published ones little.
+    """
     table = ZVD_POLYNOMIALS if derivatives else ZV_POLYNOMIALS
     times = polyval(mode.damping_ratio, np.array(table).T)
-    return (PERIOD_RAD * np.append(0.0, times),)
+    published = PERIOD_RAD * np.append(0.0, times)
+    if derivatives:
+        return (published,)
+    unit_pole = mode.pole_rad_s / mode.natural_frequency_rad_s
+    return (published, *notched_ramps(unit_pole, rise, fall))

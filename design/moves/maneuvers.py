@@ -9,7 +9,7 @@ from design.analysis.certificate import Certificate, certify
 from design.analysis.claims_found import shortfall_of
 from design.analysis.drive_warnings import drive_warnings
 from design.analysis.judge import judge
-from design.analysis.ramp_figures import RampFigures, ramp_figures
+from design.analysis.ramp_figures import RampFigures
 from design.analysis.warnings import DesignWarning
 from design.checks import MAX_VALUE, MIN_VALUE, require_scale
 from design.claims import ZERO_LIMITS, zeros
@@ -32,6 +32,7 @@ from design.shapers.options import ShaperOptions
 from design.shapers.peak_options import PeakOptions
 from design.shapers.settle_options import SettleOptions
 from design.solving.solve import solve
+from design.solving.textbooks import figures_beside_textbook_moves
 
 MAX_PERIODS = 500.0
 """Longest pulse: up to it the certificate's slope, by differencing, stays clear of rounding [-]."""
@@ -238,7 +239,12 @@ def maneuver(
         for_ideal=judged.for_ideal,
         swing=swing,
         joint=whole.joint,
-        ramps=ramp_figures(command, (parts.mode,), actuator)
+        ramps=figures_beside_textbook_moves(
+            command,
+            parts.mode,
+            actuator,
+            derivatives=None if judged.for_ideal or swing is not None else parts.derivatives,
+        )
         if isinstance(actuator, RateLimited)
         else None,
         lower_bound_s=whole.lower_bound_s,

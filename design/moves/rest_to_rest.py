@@ -39,7 +39,8 @@ MAX_TRAVEL_ERROR = 1e-12
 """Relative error of the distance beyond which a move is not returned [-]."""
 
 TIME_ROUNDING = 1e-15
-"""Rounding of a step's time, over the duration: a move of 1 um travels no more exactly [-]."""
+"""Rounding of a step's time, over the duration: a move of 1 um travels no more exactly, and a ramp
+that is turned by so much too late rises too high, for the rest of the move [-]."""
 
 COMPRESSED = 0.95
 """Share of the pulse into which a compressed start is squeezed [-]."""
@@ -172,7 +173,7 @@ def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> I
     None where Newton's method finds no such stop in order: the move must be solved as one.
     """
     command = parts.whole(pulse_s)
-    if parts.designed_for.model == "superposed":
+    if parts.designed_for.model == "superposed" or follows_one_lag(parts.designed_for):
         return command if _travels(parts, command, wanted_s) else None
     # With a travel to meet, the gap between start and stop is unknown too.
     given = parts.start.times_s.size - (wanted_s is not None)
@@ -238,9 +239,10 @@ def _behind_limits(parts: Parts, drive: RateLimited, wanted_s: float) -> WholeCo
         travel_s=wanted_s,
         swing=parts.swing,
     )
+    ramp_s = min(drive.unit_ramps_s)
     for found in solve(problem):
         command = found.impulses
-        rounding_s = TIME_ROUNDING * command.duration_s
+        rounding_s = TIME_ROUNDING * command.duration_s * max(1.0, command.duration_s / ramp_s)
         if parts.verified(command) and _travels(parts, command, wanted_s, rounding_s):
             bound_s = found.solver.lower_bound_s
             return WholeCommand(command=command, joint=True, lower_bound_s=bound_s)

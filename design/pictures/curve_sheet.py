@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from design.pictures.style import BRIGHT, DEEP, GREY, INK, house_style
+from design.pictures.style import BRIGHT, DEEP, GREEN, GREY, INK, house_style
 from design.types import FloatArray
 
 STROKES: tuple[tuple[str, str | tuple[int, tuple[float, ...]]], ...] = (
@@ -14,7 +14,7 @@ STROKES: tuple[tuple[str, str | tuple[int, tuple[float, ...]]], ...] = (
     (BRIGHT, (0, (5, 2))),
     (INK, (0, (1, 1.4))),
     (GREY, (0, (7, 2, 1.5, 2))),
-    ("#3f9a8a", "-"),
+    (GREEN, "-"),
 )
 """Colour and dashes of each curve: distinct in grey print too."""
 

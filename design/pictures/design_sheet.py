@@ -6,6 +6,7 @@ from typing import Literal
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from design.analysis.ramp_figures import end_of_reference
 from design.analysis.sensitivity import Sensitivity
 from design.claims import ZERO_LIMITS
 from design.model.actuators.registry import Actuator
@@ -103,7 +104,7 @@ def _draw_time_panels(
     time_panels.draw_payload(bottom, impulses, mode, actuator, residual, times_s)
     top.set_xlim(float(times_s[0]), float(times_s[-1]))
     for axes in (top, middle, bottom):
-        time_panels.mark_switches(axes, impulses)
+        time_panels.mark_switches(axes, impulses, actuator)
         axes.tick_params(labelbottom=axes is bottom)
     figure.align_ylabels([top, middle, bottom])
 
@@ -114,7 +115,8 @@ def _write_header(
     """Write what was designed for what, and whether it holds, above a rule."""
     # A long name shrinks rather than run into the facts.
     figure.text(0.018, 0.933, name, fontsize=min(21.0, 160.0 / len(name)), weight="bold")
-    duration = design.impulses.duration_s
+    duration = end_of_reference(design.impulses, actuator) - float(design.impulses.times_s[0])
+    until = "duration" if duration == design.impulses.duration_s else "last ramp ends"
     certificate, proven, tone = _certificate_lines(design)
     facts = (
         (
@@ -125,7 +127,7 @@ def _write_header(
             + (f"\nthe slowest of {modes} modes" if modes > 1 else ""),
         ),
         (0.345, "actuator", *actuator.in_words),
-        (0.565, "duration", f"{duration:.4g} s", f"{duration / mode.period_s:.3f} periods"),
+        (0.565, until, f"{duration:.4g} s", f"{duration / mode.period_s:.3f} periods"),
         (0.7, "residual", _residual_text(design), "of the unshaped step"),
         (0.855, "certificate", certificate, proven),
     )

@@ -15,6 +15,7 @@ DEEP = "#0b4f8a"
 """Blue, as dark in grey print as the text."""
 BRIGHT = "#dd7a00"
 """Orange, half as dark in grey print; never distinguished from blue by colour alone."""
+GREEN = "#3f9a8a"
 WASH = "#dbe8f4"
 
 SMALL_PT = 8.0

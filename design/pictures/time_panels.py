@@ -7,10 +7,12 @@ from matplotlib.ticker import MaxNLocator
 from design.analysis.ramp_figures import end_of_reference
 from design.analysis.unshaped import unshaped_deflection_s
 from design.claims import ZERO_LIMITS
+from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.settling import settling_time_s
+from design.pictures.limit_marks import mark_limits
 from design.pictures.style import BRIGHT, DEEP, GREY, INK, PALE, SMALL_PT, legend_above, name_panel
 from design.response.closed_form import history
 from design.types import FloatArray
@@ -30,7 +32,8 @@ LABEL_WIDTH = (0.05, 0.0095)
 def time_grid(impulses: Impulses, mode: Mode, actuator: Actuator) -> FloatArray:
     """Return the times to draw: even, and either side of every switch.
 
-    From just before the first switch until the plant has swung and the actuator has settled.
+    From just before the first switch until the plant has swung and the actuator has settled after
+    the last switch, or the last ramp.
 
     Parameters
     ----------
@@ -44,7 +47,7 @@ def time_grid(impulses: Impulses, mode: Mode, actuator: Actuator) -> FloatArray:
     FloatArray
         Shape (n,), rising [s].
     """
-    first, last = float(impulses.times_s[0]), float(impulses.times_s[-1])
+    first, last = float(impulses.times_s[0]), end_of_reference(impulses, actuator)
     settling = max(
         settling_time_s(lag, SETTLED_SHARE) for lag in (actuator.accel_lag, actuator.decel_lag)
     )
@@ -124,7 +127,8 @@ def draw_command(
 ) -> None:
     """Draw the commanded velocity and the actuator's.
 
-    Both are shares of full speed.
+    Both are shares of full speed. Behind limits, what they make of the command is drawn as well,
+    marked by the limit that binds.
 
     Parameters
     ----------
@@ -142,6 +146,8 @@ def draw_command(
     axes.plot(
         times_s, moves.command, color=INK, linewidth=1.0, linestyle=(0, (4, 2)), label="command"
     )
+    if isinstance(actuator, RateLimited):
+        mark_limits(axes, impulses, actuator)
     axes.plot(times_s, moves.velocity, color=DEEP, label="velocity", gid="velocity")
     axes.margins(y=0.14)
     axes.set_ylabel("velocity\n[share of full speed]")
@@ -174,17 +180,16 @@ def draw_payload(
         Times to draw, shape (n,) [s].
     """
     name_panel(axes, "payload", "Payload")
-    start, last = impulses.times_s[:1], float(impulses.times_s[-1])
+    start, last = impulses.times_s[:1], end_of_reference(impulses, actuator)
     step = Impulses(times_s=start, amplitudes=np.ones(1))
     # What `history` returns is over speed and natural frequency.
     unit = 1 / (mode.natural_frequency_rad_s * unshaped_deflection_s(mode, actuator))
     unshaped = unit * history(step, mode, actuator, times_s).deflection
     shaped = unit * history(impulses, mode, actuator, times_s).deflection
     if residual > ZERO_LIMITS["residual"]:
-        end = end_of_reference(impulses, actuator)
-        ringing_s = times_s[times_s >= end]
+        ringing_s = times_s[times_s >= last]
         decay = mode.damping_ratio * mode.natural_frequency_rad_s
-        envelope = residual * np.exp(-decay * (ringing_s - end))
+        envelope = residual * np.exp(-decay * (ringing_s - last))
         axes.fill_between(
             ringing_s, -envelope, envelope, color=BRIGHT, alpha=0.3, linewidth=0, label="residual"
         )
@@ -198,7 +203,7 @@ def draw_payload(
     # After a long shaper the note would leave the panel on the right.
     after = last - times_s[0] < 0.7 * (times_s[-1] - times_s[0])
     axes.annotate(
-        f"last switch, {last:.4g} s",
+        f"{last_event(actuator)}, {last:.4g} s",
         (last, 1.0),
         xycoords=("data", "axes fraction"),
         xytext=(5 if after else -5, -3),
@@ -212,18 +217,24 @@ def draw_payload(
     legend_above(axes)
 
 
-def mark_switches(axes: Axes, impulses: Impulses) -> None:
-    """Draw a line through a panel at every switch, the last one darker.
+def last_event(actuator: Actuator) -> str:
+    """Return what comes last in a command: a switch or a ramp."""
+    return "last ramp ends" if isinstance(actuator, RateLimited) else "last switch"
+
+
+def mark_switches(axes: Axes, impulses: Impulses, actuator: Actuator) -> None:
+    """Draw a line through a panel at every switch, a darker one at the end.
+
+    The end is the last switch, or behind limits the end of the last ramp.
 
     Parameters
     ----------
     axes
         A panel over time.
-    impulses
-        The command.
+    impulses, actuator
+        The command, and what follows it.
     """
-    for time in impulses.times_s[:-1].tolist():
+    end = end_of_reference(impulses, actuator)
+    for time in impulses.times_s[impulses.times_s < end].tolist():
         axes.axvline(time, color=PALE, linewidth=0.9, zorder=0.8)
-    axes.axvline(
-        float(impulses.times_s[-1]), color=INK, linewidth=0.9, linestyle=(0, (1, 1.6)), zorder=0.9
-    )
+    axes.axvline(end, color=INK, linewidth=0.9, linestyle=(0, (1, 1.6)), zorder=0.9)

@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from design.analysis.shortest_ramps import RampedProof, excluded_end_rad
-from design.errors import InfeasibleDesignError
+from design.analysis.workable_ramps import LIMIT_FIELDS
+from design.errors import InfeasibleDesignError, InvalidInputError
 from design.formulations.gaps import PERIOD_RAD
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
@@ -16,10 +17,14 @@ from design.model.impulses import Impulses
 from design.solvers.budget import Budget
 from design.solvers.ramps import band_search, search
 from design.solvers.ramps.optimality import RampedOptimum
+from design.solvers.ramps.short_ramps import SHOWN_RAD
 from design.solvers.solution import Solution, SolverReport
 from design.solving.bounded import SMALL_GAP
 from design.solving.distinct_steps import distinct_steps
 from design.trace import TraceStep
+
+MIN_TURNED_RAD = 1e-5
+"""Ramp that can be turned midway: a turn is off by 1e-15 rad, and the level by 1e-10 [rad]."""
 
 
 def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solution]:
@@ -41,6 +46,8 @@ def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solu
     ------
     InfeasibleDesignError
         If the fastest ends after the horizon, or none is found: says how far was searched.
+    InvalidInputError
+        If none is found and a limit makes a ramp too short to be turned.
     """
     yield from _solutions(problem, search.candidates(problem, budget), "highs", budget)
 
@@ -64,6 +71,8 @@ def solve_band_behind_limits(problem: RampedBandProblem, budget: Budget) -> Iter
     ------
     InfeasibleDesignError
         If the fastest ends after the horizon, or none is found: says how far was searched.
+    InvalidInputError
+        If none is found and a limit makes a ramp too short to be turned.
     """
     yield from _solutions(problem, band_search.candidates(problem, budget), "clarabel", budget)
 
@@ -87,6 +96,7 @@ def _solutions(
         )
         yield replace(solution, solver=report)
     if none_found:
+        _require_ramps_that_turn(problem)
         raise InfeasibleDesignError(
             "no course of the reference that keeps what is asked was found within the limits"
             + _how_far(problem, budget),
@@ -134,6 +144,22 @@ def proven(
             best = None
     if best is not None:
         yield best, bound
+
+
+def _require_ramps_that_turn(problem: RampedProblem | RampedBandProblem) -> None:
+    """Refuse a limit so far above the other that doubles do not hold when its ramp turns."""
+    if max(problem.ramps_rad) < SHOWN_RAD:
+        return
+    for name, ramp_rad in zip(LIMIT_FIELDS, problem.ramps_rad, strict=True):
+        if ramp_rad < MIN_TURNED_RAD:
+            limit = getattr(problem.designed_for, name)
+            raise InvalidInputError(
+                f"actuator.{name}",
+                limit,
+                f"at most {limit * ramp_rad / MIN_TURNED_RAD:.4g} m/s^2 beside the other limit: "
+                "the fastest command turns ramps, and doubles do not hold when a shorter one turns",
+                code="ramp_too_short",
+            )
 
 
 def _how_far(problem: RampedProblem | RampedBandProblem, budget: Budget) -> str:

@@ -1,10 +1,10 @@
 """Design one shaper, prove it, and add what is asked: its curve, its coefficients, its file."""
 
-from design.analysis.ramp_figures import ramp_figures
 from design.analysis.sensitivity import Sensitivity
 from design.analysis.worst_mode import worst_of
 from design.model.actuators.rate_limited import RateLimited
 from design.model.plants.scheduled import Scheduled
+from design.solving.textbooks import figures_beside_textbooks
 from schemas.design_request import DesignRequest
 from schemas.designs import DesignResponse
 from schemas.fits import FitDesign
@@ -31,7 +31,9 @@ def design_shaper(request: DesignRequest) -> DesignResponse:
         scheduled = RangeOut.from_design(done.plant, done.design.worst_in_range)
     modes, ramps = done.plant.modes, None
     if isinstance(done.actuator, RateLimited):
-        ramps = ramp_figures(done.design.impulses, modes, done.actuator)
+        certificate = done.design.certificate
+        claims = () if done.design.for_ideal else certificate.claims
+        ramps = figures_beside_textbooks(done.design.impulses, modes, done.actuator, claims)
     trace = [TraceStepOut.from_design(step) for step in done.trace]
     return DesignResponse.from_design(
         request.shaper.kind,

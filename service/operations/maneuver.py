@@ -1,6 +1,10 @@
 """A whole move from rest to rest."""
 
-from design.moves.maneuvers import maneuver
+from typing import Literal
+
+from design.model.actuators.registry import Actuator
+from design.model.plants.registry import Plant
+from design.moves.maneuvers import Maneuver, maneuver
 from design.moves.programs import program
 from schemas.base import name_field
 from schemas.maneuvers import ManeuverRequest, ManeuverResponse
@@ -17,6 +21,48 @@ NO_MOVE_ON_SAMPLES = (
 
 def whole_move(request: ManeuverRequest) -> ManeuverResponse:
     """Design a move from rest to rest, and its program where asked."""
+    plant, actuator, move = _move_of(request)
+    played = None
+    if request.sample_time_s is not None:
+        signed = move.direction * move.speed_m_s
+        played = program(
+            move.command, plant.mode, actuator, signed, request.sample_time_s, move.swing
+        )
+    return ManeuverResponse.from_design(request.shaper.kind, move, played, version())
+
+
+def move_picture(request: ManeuverRequest, image_format: Literal["png", "svg"]) -> bytes:
+    """Draw the move that `whole_move` designs.
+
+    Parameters
+    ----------
+    request
+        The plant, the actuator, the shaper and how far.
+    image_format
+        Format of the picture.
+
+    Returns
+    -------
+    bytes
+        The picture.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule.
+    InfeasibleDesignError
+        If no such move was found.
+    SolverFailedError
+        If no move found was verified.
+    """
+    from design.pictures.design_sheet import figure_bytes  # noqa: PLC0415 - matplotlib takes a second
+    from design.pictures.move_sheet import move_sheet  # noqa: PLC0415
+
+    plant, actuator, move = _move_of(request)
+    return figure_bytes(move_sheet(request.shaper.kind, plant.mode, actuator, move), image_format)
+
+
+def _move_of(request: ManeuverRequest) -> tuple[Plant, Actuator, Maneuver]:
     plant, actuator = subject_of(request)
     with name_field("shaper"):
         options = continuous_options(request.shaper, NO_MOVE_ON_SAMPLES)
@@ -35,13 +81,9 @@ def whole_move(request: ManeuverRequest) -> ManeuverResponse:
         joint=request.joint,
         options=options,
     )
-    played = None
-    if request.sample_time_s is not None:
-        signed = move.direction * move.speed_m_s
-        played = program(
-            move.command, plant.mode, actuator, signed, request.sample_time_s, move.swing
-        )
-    return ManeuverResponse.from_design(request.shaper.kind, move, played, version())
+    return plant, actuator, move
 
 
-OPERATION = Operation(request=ManeuverRequest, response=ManeuverResponse, run=whole_move)
+OPERATION = Operation(
+    request=ManeuverRequest, response=ManeuverResponse, run=whole_move, draw=move_picture
+)

@@ -60,6 +60,7 @@ TABLE: dict[str, Row] = {
         "A whole move from rest to rest over an exact distance, proven as a whole",
         "maneuver",
         "a whole move from rest to rest",
+        drawn=True,
     ),
     "simulation": Row(
         "/v1/simulations",

@@ -73,3 +73,19 @@ def test_every_band_is_as_wide_as_asked_and_the_shorter_for_it_than_numzvd(tmp_p
     assert [row[2] for row in bands] == sorted(row[2] for row in bands)
     assert max(row[2] for row in bands if row[1] < numzvd[1]) >= 18.0 > numzvd[2]
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_end_of_the_last_ramp_rises_with_the_ramps(tmp_path: Path) -> None:
+    picture = tmp_path / "ramps.png"
+    command = [sys.executable, str(EXAMPLES[4]), str(picture)]
+    printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    rows = [[float(one) for one in line.split()] for line in printed.splitlines()[1:]]
+    assert [tuple(row[:2]) for row in rows] == [
+        (ratio, damping) for ratio in (1.0, 0.25) for damping in (0.0, 0.05, 0.2)
+    ]
+    for row in rows:
+        assert row[2:] == sorted(row[2:])
+        assert row[-1] > 3.0  # the ramp alone
+    for equal, stronger in zip(rows[:3], rows[3:], strict=True):
+        assert all(late >= early for late, early in zip(equal[2:], stronger[2:], strict=True))
+    assert picture.read_bytes().startswith(b"\x89PNG")

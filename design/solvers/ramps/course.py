@@ -47,6 +47,9 @@ class Course:
         Slope with which it arrives, shape (g,) [1/rad].
     starts, ends, slopes
         Stretches of constant slope that is not 0, shape (n,) each [rad], [1/rad].
+    rises
+        By how much the level changes in each: the times of a short one say it with few digits,
+        shape (n,) [-].
     """
 
     switches: FloatArray
@@ -57,6 +60,7 @@ class Course:
     starts: FloatArray
     ends: FloatArray
     slopes: FloatArray
+    rises: FloatArray
 
     @property
     def end(self) -> float:
@@ -75,7 +79,7 @@ class Course:
         nodes = self.starts[short] + np.multiply.outer(NODES, lengths[short])
         kernels = functionals.kernels(nodes.ravel()).reshape(functionals.poles.size, *nodes.shape)
         means = np.tensordot(WEIGHTS, kernels, axes=(0, 1))
-        values += means @ (self.slopes * lengths)[short]
+        values += means @ self.rises[short]
         return values
 
     def changes(self, functionals: Functionals) -> ComplexArray:
@@ -133,7 +137,7 @@ def course_of(switches: FloatArray, slopes: Slopes) -> Course:
     """
     count = switches.size
     steep = np.where(np.arange(count) % 2 == 0, slopes.up, -slopes.down)
-    groups, ends = np.zeros(count, dtype=np.intp), np.empty(count)
+    groups, ends, rises = np.zeros(count, dtype=np.intp), np.empty(count), np.empty(count)
     arrivals: list[float] = []
     level = 0.0
     times = [*switches.tolist(), np.inf]
@@ -143,10 +147,11 @@ def course_of(switches: FloatArray, slopes: Slopes) -> Course:
         arrival = now + (goal - level) / float(steep[number])
         if arrival <= following:
             arrivals.append(arrival)
-            level, ends[number] = goal, arrival
+            rises[number], ends[number] = goal - level, arrival
+            level = goal
         else:
-            level += float(steep[number]) * (following - now)
-            ends[number] = following
+            rises[number], ends[number] = float(steep[number]) * (following - now), following
+            level += float(rises[number])
     first = np.diff(groups, prepend=-1) > 0
     before = np.where(first, 0.0, np.roll(steep, 1))
     last = np.append(first[1:], True)
@@ -159,4 +164,5 @@ def course_of(switches: FloatArray, slopes: Slopes) -> Course:
         starts=switches,
         ends=ends,
         slopes=steep,
+        rises=rises,
     )

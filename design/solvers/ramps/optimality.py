@@ -27,10 +27,14 @@ FARTHEST_STEP_RAD = 0.5
 """Largest step of a switch [rad]."""
 
 MET = 1e-10
-"""Largest miss of a target that counts as none, over the unshaped step [-]."""
+"""Largest miss of a target that counts as none, beside what the rounding of switches makes, over
+the unshaped step [-]."""
 
-MIN_GAP_RAD = 1e-6
-"""Switches closer than this are one [rad]."""
+SMALLEST = 1e-200
+"""Size of a row or column of zeros [-]."""
+
+MIN_GAP_RAD, MIN_GAP_RAMPS = 1e-9, 1e-3
+"""Switches closer than this, or than this share of the shorter ramp, are one [rad], [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -125,9 +129,12 @@ def solve_conditions(
         multipliers = multipliers + share * (real + 1j * imaginary)
         if share == 1 and farthest < max(CONVERGED * min(1.0, gaps.min()), ROUNDING * course.end):
             break
-    missed = np.abs(course.values(functionals) - targets) * functionals.scales(course.end)
+    scales = functionals.scales(course.end)
+    missed = np.abs(course.values(functionals) - targets) * scales
+    rounding = np.abs(course.changes(functionals)).sum(axis=1) * scales * ROUNDING * course.end
+    closest = min(MIN_GAP_RAD, MIN_GAP_RAMPS / max(slopes.up, slopes.down))
     gaps = np.diff(course.switches)
-    if not missed.max() < MET or gaps.min(initial=math.inf) < MIN_GAP_RAD:
+    if not (missed < MET + rounding).all() or gaps.min(initial=math.inf) < closest:
         return None
     return RampedOptimum(
         course=course,
@@ -157,5 +164,10 @@ def _newton_step(
     matrix[2 * m :, n:] = np.hstack((changes.real.T, changes.imag.T))
     still = (multipliers.conj() @ changes).real + course.end_changes()[1:]
     values = np.concatenate((missed.real, missed.imag, still))
-    step: FloatArray = np.linalg.lstsq(matrix, -values, rcond=1e-13)[0]
+    # Rows and columns of one size: with short ramps some are a million times as large as others.
+    rows = 1 / np.abs(matrix).max(axis=1, initial=SMALLEST)
+    matrix *= rows[:, None]
+    columns = 1 / np.abs(matrix).max(axis=0, initial=SMALLEST)
+    found = np.linalg.lstsq(matrix * columns, -rows * values, rcond=1e-13)[0]
+    step: FloatArray = columns * found
     return step

@@ -10,6 +10,7 @@ above.
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import islice
 
 from design.formulations.ramped import RampedProblem
 from design.solvers.budget import Budget
@@ -17,6 +18,7 @@ from design.solvers.ramps.course import Slopes
 from design.solvers.ramps.exchange import lacking_switches
 from design.solvers.ramps.functionals import Functionals
 from design.solvers.ramps.optimality import NEWTON_STEPS, RampedOptimum, solve_conditions
+from design.solvers.ramps.short_ramps import lengthened, shortened
 from design.solvers.ramps.structure import GridCourse, nearest_course, switches_of, work_of
 from design.trace import TraceStep
 from design.types import FloatArray
@@ -39,6 +41,9 @@ FINER, FINEST = 3.0, 27.0
 
 BACK = 0.99
 """Share of the longest duration known to be too short at which a finer grid begins [-]."""
+
+MAX_LONGER = 2
+"""Courses of longer ramps from which very short ones are sought."""
 
 MAX_EXCHANGES = 6
 """How often two switches are added to a course that lacks them."""
@@ -65,6 +70,9 @@ def candidates(problem: RampedProblem, budget: Budget) -> Iterator[RampedOptimum
     search = _Search(problem, budget)
     for seed in () if budget.spent else problem.seeds:
         yield from search.optima(seed, problem.seed_name)
+    longer = lengthened(problem)
+    for found in () if longer is None else islice(candidates(longer, budget), MAX_LONGER):
+        yield from search.optima(search.shortened(found), "longer_ramps")
     fineness = 1.0
     first = MIN_STEP * problem.earliest_rad
     while fineness <= FINEST:
@@ -132,6 +140,10 @@ class _Search:
     def switches_of(self, course: GridCourse) -> FloatArray:
         """Return the switches of a command that a course on a grid follows."""
         return switches_of(course, self._slopes)
+
+    def shortened(self, longer: RampedOptimum) -> FloatArray:
+        """Return the switches of a course with ramps as short as these limits make them."""
+        return shortened(longer.course, self._slopes)
 
     def optima(self, switches: FloatArray, start: str) -> Iterator[RampedOptimum]:
         """Yield what Newton's method makes of switches near the optimum's, if anything."""

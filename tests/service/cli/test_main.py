@@ -252,3 +252,18 @@ def test_plants_of_more_than_one_frequency_are_drawn(
     drawn = shapersmith("design", "-", "--plot", str(picture), given=request)
     assert (drawn.returncode, drawn.stderr) == (0, "")
     assert picture.read_text().startswith("<?xml")
+
+
+def test_a_move_is_drawn(tmp_path: Path) -> None:
+    limits = {"accel_limit_m_s2": 0.3, "decel_limit_m_s2": 0.4, "speed_m_s": 1.0}
+    request: dict[str, object] = {
+        "plant": {"kind": "pendulum", "cable_length_m": 9},
+        "actuator": {"kind": "rate_limited", **limits},
+        "shaper": {"kind": "numzv"},
+        "speed_m_s": 1.0,
+        "distance_m": 0.3,
+    }
+    picture = tmp_path / "move.svg"
+    drawn = shapersmith("maneuver", "-", "--plot", str(picture), given=request)
+    assert (drawn.returncode, drawn.stderr) == (0, "")
+    assert picture.read_text().startswith("<?xml")

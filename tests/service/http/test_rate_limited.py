@@ -50,7 +50,18 @@ def test_an_answer_says_when_the_last_ramp_ends_and_that_none_ends_earlier(
     turn = 3.5 * 0.25 * complex(-0.01, (1 - 1e-4) ** 0.5)
     alone = abs((cmath.exp(turn) - 1) / turn)  # at the end of the ramp
     assert answer["unshaped_ramp_residual"] == pytest.approx(alone, rel=1e-12)
+    binding = answer["limits"]["binding"]
+    assert [one["limit"] for one in binding[:2]] == ["acceleration", "deceleration"]
+    assert binding[0]["from_s"] == 0
+    assert binding[-1]["to_s"] == pytest.approx(shaper["ramp_end_s"], rel=1e-12)
+    compared = answer["limits"]["textbooks"]
+    assert [(one["shaper"], one["command"]) for one in compared] == [
+        ("zvd", "shaped_ramp"), ("zvd", "steps"), ("umzvd", "steps"),
+    ]  # fmt: skip
+    for one in compared:
+        assert one["earlier"] == pytest.approx(1 - shaper["ramp_end_s"] / one["ramp_end_s"])
     without = client.post("/v1/designs", json=CRANE).json()
+    assert "limits" not in without
     assert "ramp_end_s" not in without["shaper"]
     assert "unshaped_ramp_residual" not in without
 
@@ -73,6 +84,11 @@ def test_a_short_move_is_served_with_its_bound(client: httpx.Client) -> None:
     assert answer["distance_m"] == pytest.approx(-0.3, abs=1e-9)
     assert answer["residual"] < 1e-9
     assert 0.999 * answer["ramp_end_s"] < answer["lower_bound_s"] <= answer["ramp_end_s"]
+    limits = [one["limit"] for one in answer["limits"]["binding"]]
+    assert limits == ["acceleration", "deceleration", "rest", "acceleration", "deceleration"]
+    (shaped,) = answer["limits"]["textbooks"]
+    assert shaped["shaper"] == "zv"
+    assert 0 < shaped["earlier"] < 0.5
 
 
 @pytest.mark.parametrize(

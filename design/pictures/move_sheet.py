@@ -1,0 +1,163 @@
+"""One move from rest to rest on one page: velocity and payload, the unshaped move beside it."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from design.analysis.ramp_figures import end_of_reference
+from design.claims import ZERO_LIMITS
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
+from design.model.commands import pulse
+from design.model.impulses import Impulses
+from design.model.plants.mode import Mode
+from design.moves.maneuvers import Maneuver
+from design.pictures.limit_marks import mark_limits
+from design.pictures.style import (
+    BRIGHT,
+    DEEP,
+    GREY,
+    INK,
+    SMALL_PT,
+    house_style,
+    legend_above,
+    name_panel,
+    percent,
+)
+from design.pictures.time_panels import last_event, mark_switches, time_grid
+from design.response.closed_form import history
+from design.solving.textbooks import unshaped_move
+from design.types import FloatArray
+
+SIZE_IN = (9.0, 6.4)
+"""Width and height [in]."""
+
+RIGHT = 0.975
+"""Margin of the page, as a share of its width [-]."""
+
+
+def move_sheet(name: str, mode: Mode, actuator: Actuator, move: Maneuver) -> Figure:
+    """Return the sheet of one move.
+
+    Parameters
+    ----------
+    name
+        The shaper's kind, as the registry names it.
+    mode, actuator
+        The plant's mode, and its drive.
+    move
+        The move.
+
+    Returns
+    -------
+    Figure
+        9 x 6.4 in. Over one time axis [s]: the command, what limits make of it with the limit that
+        binds, and the velocity of the actuator [m/s]; the payload's deflection, of the move and of
+        the unshaped one [m].
+    """
+    times_s = time_grid(move.command, mode, actuator)
+    with house_style():
+        figure = Figure(figsize=SIZE_IN)
+        _write_header(figure, name, mode, actuator, move)
+        rows = figure.add_gridspec(2, 1, left=0.1, right=RIGHT, bottom=0.085, top=0.79, hspace=0.24)
+        top = figure.add_subplot(rows[0])
+        bottom = figure.add_subplot(rows[1], sharex=top)
+        _draw_velocity(top, mode, actuator, move, times_s)
+        _draw_payload(bottom, mode, actuator, move, times_s)
+        top.set_xlim(float(times_s[0]), float(times_s[-1]))
+        top.tick_params(labelbottom=False)
+        for axes in (top, bottom):
+            mark_switches(axes, move.command, actuator)
+        figure.align_ylabels([top, bottom])
+        return figure
+
+
+def _draw_velocity(
+    axes: Axes, mode: Mode, actuator: Actuator, move: Maneuver, times_s: FloatArray
+) -> None:
+    name_panel(axes, "velocity", "Command and actuator")
+    speed = move.direction * move.speed_m_s
+    moves = history(move.command, mode, actuator, times_s)
+    axes.plot(
+        times_s, speed * moves.command, color=INK, linewidth=1.0, linestyle=(0, (4, 2)),
+        label="command",
+    )  # fmt: skip
+    if isinstance(actuator, RateLimited):
+        mark_limits(axes, move.command, actuator, speed)
+    axes.plot(times_s, speed * moves.velocity, color=DEEP, label="velocity", gid="velocity-line")
+    axes.margins(y=0.14)
+    axes.set_ylabel("velocity [m/s]")
+    legend_above(axes)
+
+
+def _draw_payload(
+    axes: Axes, mode: Mode, actuator: Actuator, move: Maneuver, times_s: FloatArray
+) -> None:
+    name_panel(axes, "payload", "Payload")
+    last = end_of_reference(move.command, actuator)
+    shaped = _deflection_m(move.command, mode, actuator, move, times_s)
+    unshaped = _deflection_m(_unshaped(actuator, move), mode, actuator, move, times_s)
+    axes.plot(
+        times_s, unshaped, color=GREY, linewidth=1.2, linestyle=(0, (5, 2)), label="unshaped move"
+    )
+    axes.plot(times_s, shaped, color=DEEP, label="this move", gid="shaped")
+    highest = max(float(np.abs(unshaped).max()), float(np.abs(shaped).max()), 1e-300)
+    axes.set_ylim(-1.12 * highest, 1.42 * highest)
+    after = last - times_s[0] < 0.7 * (times_s[-1] - times_s[0])
+    axes.annotate(
+        f"{last_event(actuator)}, {last:.4g} s", (last, 1.0),
+        xycoords=("data", "axes fraction"), xytext=(5 if after else -5, -3),
+        textcoords="offset points", ha="left" if after else "right", va="top", fontsize=SMALL_PT,
+    )  # fmt: skip
+    axes.set_ylabel("deflection [m]")
+    axes.set_xlabel("time [s]")
+    legend_above(axes)
+
+
+def _unshaped(actuator: Actuator, move: Maneuver) -> Impulses:
+    travel_s = abs(move.distance_m) / move.speed_m_s
+    if isinstance(actuator, RateLimited):
+        return unshaped_move(actuator, travel_s)
+    return pulse(travel_s)
+
+
+def _deflection_m(
+    command: Impulses, mode: Mode, actuator: Actuator, move: Maneuver, times_s: FloatArray
+) -> FloatArray:
+    """Return the deflection under a command, with what swings already at the first step."""
+    of_command = history(command, mode, actuator, times_s).deflection
+    deflection_s = of_command / mode.natural_frequency_rad_s
+    if move.swing is not None:
+        pole = mode.pole_rad_s
+        # A vector V rings as -Im(V exp(s t)) / Im(s).
+        free = np.exp(pole * (times_s - command.times_s[0])) * move.swing.vector(mode)
+        deflection_s = deflection_s - free.imag / pole.imag
+    deflection: FloatArray = move.direction * move.speed_m_s * deflection_s
+    return deflection
+
+
+def _write_header(
+    figure: Figure, name: str, mode: Mode, actuator: Actuator, move: Maneuver
+) -> None:
+    figure.text(0.02, 0.925, name, fontsize=min(19.0, 130.0 / len(name)), weight="bold")
+    end = end_of_reference(move.command, actuator) - float(move.command.times_s[0])
+    bound = "" if move.lower_bound_s is None else f"none before {move.lower_bound_s:.4g} s"
+    tiny = move.residual <= ZERO_LIMITS["residual"]
+    claims = " and ".join(dict.fromkeys(claim.quantity for claim in move.certificate.claims))
+    left = f"below {percent(ZERO_LIMITS['residual'])}" if tiny else percent(move.residual)
+    tone = BRIGHT if move.for_ideal else INK
+    facts = (
+        (0.19, "plant", f"{mode.natural_frequency_rad_s:.4g} rad/s",
+         f"damping ratio {mode.damping_ratio:.3g}", INK),
+        (0.345, "actuator", *actuator.in_words, INK),
+        (0.545, last_event(actuator), f"{end:.4g} s", bound, INK),
+        (0.69, "distance", f"{move.distance_m:.4g} m", f"residual {left}", INK),
+        (0.86, "certificate", "ideal drive only" if move.for_ideal else "✓ verified", claims, tone),
+    )  # fmt: skip
+    for place, label, value, detail, colour in facts:
+        figure.text(place, 0.965, label, color=GREY, fontsize=SMALL_PT)
+        figure.text(place, 0.932, value, fontsize=9.5, weight="bold", color=colour)
+        for row, line in enumerate(detail.splitlines()):
+            figure.text(place, 0.902 - 0.025 * row, line, fontsize=SMALL_PT)
+    figure.add_artist(Line2D([0.02, RIGHT], [0.865, 0.865], color=INK, linewidth=1.0))
