@@ -5,8 +5,9 @@ actuator's frequency against it bend little, as in `design.curve_fit`; those are
 the cubic through the four nearest points along each axis (by all points, where there are fewer).
 
 Neighbouring rows may be designs of different branches, with nothing to interpolate between them.
-Every cell is tried in its middles, and one whose residual is too large there is closed. Behind
-limits the times bend where ramps begin to turn: cells that reach across are tried all over.
+Every cell is tried in its middles, and one whose residual is too large there is closed. Tried all
+over are those that may be the worst, and those that reach across a kink: behind limits the times
+bend where ramps begin to turn.
 """
 
 from dataclasses import dataclass, replace
@@ -41,10 +42,14 @@ largest of the cell where the cell is inside an even grid, and 1/1.07 of it wher
 the last; the rest is for uneven grids and for what the next order adds. Across a kink it is for
 what is between two of the points tried."""
 
-PARTS_ACROSS_KINKS = 8
-"""Parts of a cell along each axis, at whose ends it is tried where it reaches across a kink. The
-error is up to a straight line on either side of the kink, and a sixteenth of the cell from a point
-tried: it is at most a seventh above what is found there [-]."""
+PARTS = 8
+"""Parts of a cell along each axis, at whose ends it is tried all over, and then once more between
+the points beside the largest. The error across a kink is nearly a straight line on either side of
+it, and its top a sixteenth of the cell at most from a point tried at first [-]."""
+
+NEARLY_WORST = 0.5
+"""Share of the largest residual above which a cell may be the worst: where it is large in the
+middles of two axes at once, the largest may be beside them [-]."""
 
 CLOSED_ABOVE = 0.05
 """Residual in its middles that closes a cell: more than shapers are commonly allowed. There the
@@ -180,7 +185,9 @@ def interpolant(head: TableHead, rows: Rows) -> Interpolant:
     drives = [_actuator_at(made, point) for point in rows.fields[order].tolist()]
     turned = turned_ramps(times_of(head, rows)[order], made.amplitudes, drives)
     across = cells_across_kinks(turned.reshape(made.phases.shape))
-    worst = np.fmax(_worst_of_cells(made), _worst_across_kinks(made, across))
+    worst = _worst_of_cells(made)
+    largest = float(np.max(worst[worst <= CLOSED_ABOVE], initial=0.0))
+    worst = np.fmax(worst, _worst_all_over(made, across | (worst > NEARLY_WORST * largest)))
     closed = worst > CLOSED_ABOVE
     bound = BOUND_MARGIN * float(np.max(worst[worst <= CLOSED_ABOVE], initial=-np.inf))
     return replace(made, closed=closed, residual_bound=bound if bound >= 0 else np.nan)
@@ -312,23 +319,40 @@ def _actuator_at(made: Interpolant, point: list[float]) -> Actuator:
     return actuator
 
 
-def _worst_across_kinks(made: Interpolant, across: BoolArray) -> FloatArray:
-    """Return the worst residual tried all over the cells that reach across kinks.
+def _worst_all_over(made: Interpolant, which: BoolArray) -> FloatArray:
+    """Return the worst residual tried all over some cells.
 
     Shape of `Interpolant.closed`; not a number in others.
     """
-    worst = np.full(across.shape, np.nan)
-    shares = np.linspace(0, 1, PARTS_ACROSS_KINKS + 1)
-    for cell in np.argwhere(across).tolist():
-        sides = []
-        for name, axis, number in zip(made.names, made.axes, cell, strict=True):
-            first, last = axis[[number, min(number + 1, axis.size - 1)]].tolist()
-            start, end = _coordinate(name, np.array([first, last]))
-            inside = _field(name, start + (end - start) * shares)
-            sides.append(np.clip(inside, first, last))
-        points = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(sides))
-        worst[tuple(cell)] = np.fmax.reduce(_residuals(made, points))
+    worst = np.full(which.shape, np.nan)
+    for cell in np.argwhere(which).tolist():
+        starts, ends = np.array([
+            _coordinate(name, axis[[number, min(number + 1, axis.size - 1)]])
+            for name, axis, number in zip(made.names, made.axes, cell, strict=True)
+        ]).T
+        largest, at = _largest_within(made, starts, ends)
+        width = (ends - starts) / PARTS
+        low, high = np.minimum(starts, ends), np.maximum(starts, ends)
+        # Once more, finely, around where it is.
+        around = (np.clip(at + side * width, low, high) for side in (-1, 1))
+        worst[tuple(cell)] = np.fmax(largest, _largest_within(made, *around)[0])
     return worst
+
+
+def _largest_within(
+    made: Interpolant, starts: FloatArray, ends: FloatArray
+) -> tuple[float, FloatArray]:
+    """Return the largest residual at the points of a box, in coordinates, and where it is."""
+    shares = np.linspace(0, 1, PARTS + 1)
+    sides = starts[:, None] + (ends - starts)[:, None] * shares
+    at = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(starts))
+    points = np.column_stack([
+        np.clip(_field(name, column), axis[0], axis[-1])
+        for name, axis, column in zip(made.names, made.axes, at.T, strict=True)
+    ])
+    residuals = _residuals(made, points)
+    largest = int(np.argmax(np.nan_to_num(residuals, nan=-1.0)))
+    return float(residuals[largest]), at[largest]
 
 
 def _worst_of_cells(made: Interpolant) -> FloatArray:
