@@ -7,6 +7,7 @@ from design.claims import Promise, Quantity
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import GapProblem
 from design.formulations.ramped import RampedProblem
+from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.types import ComplexArray
@@ -88,5 +89,12 @@ class Convolution:
 
 
 Formulation = (
-    ClosedForm | GapProblem | BandProblem | BandSearch | JointProblem | RampedProblem | Convolution
+    ClosedForm
+    | GapProblem
+    | BandProblem
+    | BandSearch
+    | JointProblem
+    | RampedProblem
+    | UnequalRampsProblem
+    | Convolution
 )

@@ -13,8 +13,7 @@ from design.formulations.lag_parameters import lag_parameters, switched_order
 from design.formulations.ramped_move import ramped_move
 from design.formulations.seeds import Seed
 from design.formulations.whole_move import WholeMove, swing_parameters, whole_move_problem
-from design.model.actuators.rate_limited import RateLimited
-from design.model.actuators.registry import follows_one_lag
+from design.model.actuators.rate_limited import RateLimited, follows_one_lag
 from design.model.impulses import Impulses
 from design.moves.parts import Parts
 from design.response.closed_form import travel

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from typing import NoReturn
 
 import numpy as np
 
@@ -39,6 +40,31 @@ def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solu
     InfeasibleDesignError
         If the fastest ends after the horizon, or none is found: says how far was searched.
     """
+    for found, bound in proven_courses(problem, budget):
+        _require_in_time(problem, found, bound)
+        yield _solution(problem, found, bound)
+        if not _is_proven(found, bound):
+            return
+    refuse_without_course(problem, budget)
+
+
+def proven_courses(problem: RampedProblem, budget: Budget) -> Iterator[tuple[RampedOptimum, float]]:
+    """Yield courses that are proven to end first.
+
+    Where none is, the one that ends first comes last.
+
+    Parameters
+    ----------
+    problem
+        Targets and limits.
+    budget
+        What the search may do.
+
+    Yields
+    ------
+    tuple of RampedOptimum and float
+        A course, and a time before which none ends [rad].
+    """
     best: tuple[RampedOptimum, float] | None = None
     for found in candidates(problem, budget):
         bound = excluded_end_rad(_proof(problem, found))
@@ -54,18 +80,37 @@ def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solu
         )
         if best is None or found.course.end < best[0].course.end:
             best = found, bound
-        if bound >= (1 - SMALL_GAP) * found.course.end:
-            _require_in_time(problem, found, bound)
-            yield _solution(problem, found, bound)
+        if _is_proven(found, bound):
+            yield found, bound
             best = None
-    if best is None:
-        raise InfeasibleDesignError(
-            "no course of the reference without residual was found within the limits"
-            + _how_far(problem, budget),
-            code="no_ramped_command_found",
-        )
-    _require_in_time(problem, *best)
-    yield _solution(problem, *best)
+    if best is not None:
+        yield best
+
+
+def _is_proven(found: RampedOptimum, bound_rad: float) -> bool:
+    return bound_rad >= (1 - SMALL_GAP) * found.course.end
+
+
+def refuse_without_course(problem: RampedProblem, budget: Budget) -> NoReturn:
+    """Refuse a problem for which no course was found.
+
+    Parameters
+    ----------
+    problem
+        Targets and limits.
+    budget
+        What the search might do.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        Always; says how far was searched.
+    """
+    raise InfeasibleDesignError(
+        "no course of the reference without residual was found within the limits"
+        + _how_far(problem, budget),
+        code="no_ramped_command_found",
+    )
 
 
 def _how_far(problem: RampedProblem, budget: Budget) -> str:
