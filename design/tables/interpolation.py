@@ -6,8 +6,8 @@ the cubic through the four nearest points along each axis (by all points, where 
 
 Neighbouring rows may be designs of different branches, with nothing to interpolate between them.
 Every cell is tried in its middles, and one whose residual is too large there is closed. Tried all
-over are those that may be the worst, and those that reach across a kink: behind limits the times
-bend where ramps begin to turn.
+over are those that may be the worst, those whose rows are far from each other, and those that reach
+across a kink: behind limits the times bend where ramps begin to turn.
 """
 
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ from design.model.plants.spring_mass import SpringMass
 from design.tables.columns import amplitudes_of, names_of, times_of
 from design.tables.rows import Rows, TableHead, subject_of
 from design.tables.stencil import IndexArray, first_of_stencil
-from design.tables.turned_rows import cells_across_kinks, turned_ramps
+from design.tables.turned_rows import cells_across_kinks, cells_of_far_rows, turned_ramps
 from design.types import BoolArray, FloatArray
 
 INVERTED = (".natural_frequency_rad_s", "_limit_m_s2")
@@ -184,7 +184,7 @@ def interpolant(head: TableHead, rows: Rows) -> Interpolant:
     )
     drives = [_actuator_at(made, point) for point in rows.fields[order].tolist()]
     turned = turned_ramps(times_of(head, rows)[order], made.amplitudes, drives)
-    across = cells_across_kinks(turned.reshape(made.phases.shape))
+    across = cells_across_kinks(turned.reshape(made.phases.shape)) | cells_of_far_rows(made.phases)
     worst = _worst_of_cells(made)
     largest = float(np.max(worst[worst <= CLOSED_ABOVE], initial=0.0))
     worst = np.fmax(worst, _worst_all_over(made, across | (worst > NEARLY_WORST * largest)))

@@ -16,6 +16,10 @@ from design.model.reference_ramps import reference
 from design.tables.stencil import first_of_stencil
 from design.types import BoolArray, FloatArray
 
+FAR_RAD = 0.25
+"""Difference of two rows' phases from which on they may be of two branches: then the error may be
+small in the middle of a cell and large beside it [rad]."""
+
 ROUNDING = 1e-9
 """Distance of the reference from the command that is rounding [-]."""
 
@@ -64,16 +68,36 @@ def cells_across_kinks(turned: BoolArray) -> BoolArray:
     BoolArray
         One less along each axis than it has points, at least one.
     """
-    alike = _throughout(turned) | _throughout(~turned)
-    across: BoolArray = ~np.all(alike, axis=-1)
+    share = turned.astype(np.float64)
+    across: BoolArray = np.any(
+        _of_stencils(share, np.fmin) != _of_stencils(share, np.fmax), axis=-1
+    )
     return across
 
 
-def _throughout(rows: BoolArray) -> BoolArray:
-    """Return what holds at all points that a cell is interpolated from, shape (..., n)."""
-    holds = rows
+def cells_of_far_rows(phases: FloatArray) -> BoolArray:
+    """Return the cells that are interpolated from rows far from each other.
+
+    Parameters
+    ----------
+    phases
+        Phases of the steps at the points of a grid, shape (..., n) [rad].
+
+    Returns
+    -------
+    BoolArray
+        One less along each axis than it has points, at least one.
+    """
+    apart = _of_stencils(phases, np.fmax) - _of_stencils(phases, np.fmin)
+    far: BoolArray = np.any(apart > FAR_RAD, axis=-1)
+    return far
+
+
+def _of_stencils(rows: FloatArray, joined: np.ufunc) -> FloatArray:
+    """Return what all points that a cell is interpolated from come to, shape (..., n)."""
+    found = rows
     for axis, points in enumerate(rows.shape[:-1]):
         first, size = first_of_stencil(np.arange(max(points - 1, 1)), points)
-        stencils = np.take(holds, first[:, None] + np.arange(size), axis=axis)
-        holds = np.logical_and.reduce(stencils, axis=axis + 1)
-    return holds
+        stencils = np.take(found, first[:, None] + np.arange(size), axis=axis)
+        found = joined.reduce(stencils, axis=axis + 1)
+    return found

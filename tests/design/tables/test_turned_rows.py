@@ -7,7 +7,7 @@ import pytest
 
 from design.model.actuators.rate_limited import RateLimited
 from design.tables.interpolation import interpolant
-from design.tables.turned_rows import cells_across_kinks, turned_ramps
+from design.tables.turned_rows import cells_across_kinks, cells_of_far_rows, turned_ramps
 from tests.designed_tables import designed_table
 
 W = 3.5
@@ -59,3 +59,12 @@ def test_cells_reach_across_where_the_four_rows_around_differ() -> None:
     # At an end the stencil is that of the cell beside it.
     assert cells_across_kinks(turned[3:]).tolist() == [True, True, True, False, False]
     assert not cells_across_kinks(np.ones((1, 4, 2), dtype=bool)).any()
+
+
+def test_rows_of_two_branches_are_far_from_each_other() -> None:
+    phases = np.linspace(0, 0.1, 9)[:, None] + np.array([0.0, 1.0])
+    assert not cells_of_far_rows(phases).any()
+    phases[5:, 1] += 0.4
+    np.testing.assert_array_equal(np.flatnonzero(cells_of_far_rows(phases)), [3, 4, 5])
+    phases[0] = np.nan  # a row without a design says nothing
+    np.testing.assert_array_equal(np.flatnonzero(cells_of_far_rows(phases)), [3, 4, 5])
