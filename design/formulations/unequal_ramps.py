@@ -5,7 +5,7 @@ falling, by the other, and a switched drive passes its state on. The course is o
 switches as the problem says; without that, ever shorter dips would mix the sets at will.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,6 +30,9 @@ class UnequalRampsProblem:
         [rad^2].
     switched
         Whether one state passes from set to set, or each ramp is answered by its own.
+    ceiling
+        Full speed. The other takes as 1 the highest that a short move reaches behind one lag; behind
+        two it may be higher [-].
     designed_for
         The actuator of the claims.
     claims
@@ -40,6 +43,7 @@ class UnequalRampsProblem:
     first_rad: FloatArray
     second_rad2: FloatArray
     switched: bool
+    ceiling: float
     designed_for: Actuator
     claims: tuple[Promise, ...] = ()
 
@@ -85,5 +89,18 @@ def unequal_ramps(alike: RampedProblem, actuator: RateLimited) -> UnequalRampsPr
         first_rad=np.array([w * lag.first_s for lag in lags]),
         second_rad2=np.array([w * w * lag.second_s2 for lag in lags]),
         switched=actuator.model == "switched",
+        ceiling=w * actuator.unit_ramps_s[0] / alike.ramps_rad[0],
         designed_for=actuator,
     )
+
+
+def without_travel(problem: UnequalRampsProblem) -> UnequalRampsProblem:
+    """Return a move whose distance is open."""
+    alike, swings = problem.alike, problem.alike.unit_poles != 0
+    reduced = replace(
+        alike,
+        unit_poles=alike.unit_poles[swings],
+        orders=alike.orders[swings],
+        targets=alike.targets[swings],
+    )
+    return replace(problem, alike=reduced)

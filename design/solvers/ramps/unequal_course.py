@@ -30,7 +30,7 @@ class UnequalCourse:
     switches
         Phases of the switches, ascending from 0, shape (n,) [rad].
     arrived
-        Whether the reference arrives at 0 or 1 before the next switch, shape (n,).
+        Whether the reference arrives at 0 or full speed before the next switch, shape (n,).
     ends, end_changes
         When each ramp ends, shape (n,), and its derivatives, shape (n, n) [rad], [-].
     levels, level_changes
@@ -60,6 +60,7 @@ class TwoLags:
     def __init__(self, problem: UnequalRampsProblem) -> None:
         alike = problem.alike
         self.poles, self.targets = alike.unit_poles, alike.targets
+        self.ceiling = problem.ceiling
         self._first = alike.orders == 1
         self._steep = np.array([1 / alike.ramps_rad[0], -1 / alike.ramps_rad[1]])
         lags = zip(problem.first_rad.tolist(), problem.second_rad2.tolist(), strict=True)
@@ -102,7 +103,7 @@ class TwoLags:
         happens, lasting, ends, end_changes, levels, level_changes = [], [], [], [], [], []
         following = [*switches[1:].tolist(), np.inf]
         for k, (now, slope) in enumerate(zip(switches.tolist(), steep.tolist(), strict=True)):
-            goal = 1.0 - k % 2
+            goal = self.ceiling * (1 - k % 2)
             length = (goal - level) / slope
             end = now + length
             over = bool(end <= following[k] if arrived is None else arrived[k])

@@ -98,7 +98,8 @@ class _Program:
         """Return how far gaps are from 0, then rests and levels from their bounds."""
         course = self.course(at)
         rests = course.switches[1:] - course.ends[:-1]
-        below = np.where(self._high, 1 - course.levels[:-1], course.levels[:-1])
+        below = self._lags.ceiling - course.levels[:-1]
+        below = np.where(self._high, below, course.levels[:-1])
         kinks = np.where(self._arrived[:-1], rests, below)
         return np.concatenate((np.diff(course.switches), kinks))
 
@@ -190,6 +191,43 @@ def solve_near(lags: TwoLags, switches: FloatArray) -> UnequalCourse | None:
         arrived = lags.of(np.append(0.0, np.maximum.accumulate(at))).arrived
     end = solve_program(lags, switches, arrived)
     return end.course if end.is_solved and not end.at_kinks.any() else None
+
+
+def solve_last(lags: TwoLags, switches: FloatArray, given: int) -> FloatArray | None:
+    """Return the command near some switches of which the first are given.
+
+    Parameters
+    ----------
+    lags
+        What is to be met.
+    switches
+        Near those that meet it, ascending from 0, shape (n,) [rad].
+    given
+        How many of them stay.
+
+    Returns
+    -------
+    FloatArray or None
+        Shape (n,) [rad]; None where Newton's method finds none in order.
+    """
+    at = switches
+    swinging = lags.poles != 0
+    for _ in range(POLISHING_STEPS):
+        course = lags.of(at)
+        scales = np.exp(lags.poles.real * course.end)
+        missed = (course.values - lags.targets) * scales
+        if np.abs(missed).max() < MET / 100:
+            break
+        changes = course.changes[:, given:] * scales[:, None]
+        step = np.linalg.lstsq(
+            np.concatenate((changes.real, changes.imag[swinging])),
+            np.concatenate((missed.real, missed.imag[swinging])),
+            rcond=1e-13,
+        )[0]
+        at = at - np.append(np.zeros(given), step)
+        if not (np.diff(at) > 0).all():  # not a number is not
+            return None
+    return at if np.abs(missed).max() < MET else None
 
 
 def _polished(program: _Program, at: FloatArray, held: BoolArray) -> FloatArray:
