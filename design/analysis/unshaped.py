@@ -41,11 +41,11 @@ def unshaped_ramp_residual(mode: Mode, actuator: RateLimited) -> float:
     Returns
     -------
     float
-        ``|(1 - exp(-s T)) / (s T)|`` for a ramp of duration T [-]; 0 where it lasts whole periods
-        of an undamped mode.
+        At the ramp's end, ``|(exp(s T) - 1) / (s T)|`` for a duration T [-]; 0 where it lasts whole
+        periods of an undamped mode.
     """
     rise_s, _ = actuator.unit_ramps_s
-    return float(abs(ramp_factors(np.array([mode.pole_rad_s]), np.array([rise_s]))[0]))
+    return float(abs(ramp_factors(np.array([-mode.pole_rad_s]), np.array([rise_s]))[0]))
 
 
 def unshaped_deflection_s(mode: Mode, actuator: Actuator) -> float:
