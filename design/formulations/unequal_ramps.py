@@ -31,8 +31,8 @@ class UnequalRampsProblem:
     switched
         Whether one state passes from set to set, or each ramp is answered by its own.
     ceiling
-        Full speed. The other takes as 1 the highest that a short move reaches behind one lag; behind
-        two it may be higher [-].
+        Full speed. The other takes as 1 the highest that a short move reaches behind one lag, and
+        behind two it may be higher [-].
     designed_for
         The actuator of the claims.
     claims

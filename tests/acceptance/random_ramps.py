@@ -32,7 +32,7 @@ NODES = np.exp(2j * np.pi * np.arange(8) / 8)
 """Where an analytic function is taken for its derivative, by Cauchy's formula [-]."""
 
 TURN_RAD = 0.3
-"""Turn of the last step's phase on the way to them: the error is its eighth power over 8! [rad]."""
+"""Turn of the phase at the end on the way to them: the error is its eighth power over 8! [rad]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,15 +92,15 @@ def _limits(limited: RateLimited) -> tuple[float, float]:
 
 
 def misses(times_s: FloatArray, drive: Drive) -> FloatArray:
-    """Return what is left and, of ``numzvd``, its slope, seen at the last step [-]."""
+    """Return what is left and, of ``numzvd``, its slope, seen at the end [-]."""
     steps = np.where(np.arange(times_s.size) % 2 == 0, 1.0, -1.0)
     command = Impulses(times_s=times_s, amplitudes=steps)
-    pole, last = drive.mode.pole_rad_s, float(times_s[-1])
-    radius = TURN_RAD / (abs(pole) * max(last, drive.mode.period_s))
+    pole, end = drive.mode.pole_rad_s, end_s(times_s, drive.limited)
+    radius = TURN_RAD / (abs(pole) * max(end, drive.mode.period_s))
     poles = pole * (1 + radius * NODES)
     lag = drive.limited.accel_lag
     over_accel = residual_vectors(command, poles, drive.limited)
-    at_first = over_accel * np.exp(-(poles - pole) * last) / lag.denominator(poles)
+    at_first = over_accel * np.exp(-(poles - pole) * end) / lag.denominator(poles)
     unit = lag.denominator(pole)
     left = [unit * at_first.mean()]
     if drive.kind == "numzvd":
