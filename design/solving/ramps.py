@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import NoReturn
 
 import numpy as np
 
@@ -96,12 +97,32 @@ def _solutions(
         )
         yield replace(solution, solver=report)
     if none_found:
-        _require_ramps_that_turn(problem)
-        raise InfeasibleDesignError(
-            "no course of the reference that keeps what is asked was found within the limits"
-            + _how_far(problem, budget),
-            code="no_ramped_command_found",
-        )
+        refuse_without_course(problem, budget)
+
+
+def refuse_without_course(problem: RampedProblem | RampedBandProblem, budget: Budget) -> NoReturn:
+    """Refuse a problem for which no course was found.
+
+    Parameters
+    ----------
+    problem
+        Targets and limits.
+    budget
+        What the search might do.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        Says how far was searched.
+    InvalidInputError
+        If a limit makes a ramp too short to be turned.
+    """
+    _require_ramps_that_turn(problem)
+    raise InfeasibleDesignError(
+        "no course of the reference that keeps what is asked was found within the limits"
+        + _how_far(problem, budget),
+        code="no_ramped_command_found",
+    )
 
 
 def proven(

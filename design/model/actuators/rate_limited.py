@@ -1,7 +1,7 @@
 """Limits to the rate of a command, and what follows the limited command."""
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, TypeGuard
 
 from design.checks import MAX_VALUE, require_between, require_scale
 from design.errors import InvalidInputError
@@ -80,3 +80,8 @@ class RateLimited:
     def corner_frequencies_rad_s(self) -> dict[str, float]:
         """Corner frequency of each set that has one [rad/s]."""
         return self.then.corner_frequencies_rad_s
+
+
+def follows_one_lag(actuator: Unlimited | RateLimited) -> TypeGuard[RateLimited]:
+    """Return whether an actuator has limits, and one lag for both directions."""
+    return isinstance(actuator, RateLimited) and actuator.accel_lag == actuator.decel_lag
