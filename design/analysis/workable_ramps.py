@@ -31,8 +31,10 @@ def require_workable_ramps(mode: Mode, actuator: RateLimited) -> None:
     for name, ramp_s in zip(LIMIT_FIELDS, actuator.unit_ramps_s, strict=True):
         turn = mode.natural_frequency_rad_s * ramp_s
         if turn > MAX_RAMP_RAD:
+            straight_s = actuator.speed_m_s / getattr(actuator, name)
+            alone = mode.natural_frequency_rad_s * straight_s > MAX_RAMP_RAD
             raise InvalidInputError(
-                f"actuator.{name}",
+                f"actuator.{name if alone else 'jerk_limit_m_s3'}",
                 f"a ramp of {turn:.3g} rad of the plant's swing",
                 f"such that a ramp to or from full speed takes at most {MAX_RAMP_RAD:.5g} rad",
                 code="ramp_too_long",

@@ -102,7 +102,7 @@ def ramped_problem(
         In phases of the slowest mode.
     """
     w = min(mode.natural_frequency_rad_s for mode in modes)
-    rise, fall = (w * ramp_s for ramp_s in actuator.unit_ramps_s)
+    rise, fall = (w * ramp_s for ramp_s in actuator.straight_ramps_s)
     poles = [mode.pole_rad_s / w for mode in modes for _ in range(derivatives + 1)]
     return RampedProblem(
         unit_poles=np.array(poles, dtype=np.complex128),

@@ -50,7 +50,7 @@ def ramped_move(
         In phases of the mode.
     """
     w = mode.natural_frequency_rad_s
-    rise, fall = (w * ramp_s for ramp_s in actuator.unit_ramps_s)
+    rise, fall = (w * ramp_s for ramp_s in actuator.straight_ramps_s)
     travel = w * travel_s
     highest = min(1.0, math.sqrt(2 * travel / (rise + fall)))
     rise, fall, travel = highest * rise, highest * fall, travel / highest
