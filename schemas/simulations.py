@@ -179,13 +179,16 @@ class SimulationResponse(Wire):
     residual: Annotated[
         float | None,
         Field(
-            description="Residual vibration after the last step, a share of one unshaped step; "
-            "null where the actuator resonates with the plant [-]."
+            description="Residual vibration after the last step or ramp, a share of one unshaped "
+            "step; null where the actuator resonates with the plant [-]."
         ),
     ]
     remaining: Annotated[
         SwingOut | None,
-        Field(description="Amplitude of that vibration, extrapolated back to the last step."),
+        Field(
+            description="Amplitude of that vibration, extrapolated back to the end of the last "
+            "step or ramp."
+        ),
     ]
     impulses: Annotated[ImpulsesWire, Field(description="The command as it was played.")]
     warnings: Warnings

@@ -210,16 +210,16 @@ def outcome(
         moving.time_s = float(played.times_s[0])
         for event in events_of(played, behind):
             moving.take(event)
-        end = max(moving.time_s, float(played.times_s[-1]))
-        moving.move_to(end)
-        # Back to the last step; from there to the first.
-        return moving.ringing * np.exp(-pole * (end - float(played.times_s[-1]))), moving
+        moving.move_to(end_s(played, behind))
+        return moving.ringing, moving
 
     left, moved = ringing(command, actuator, initial)
     step = Impulses(times_s=np.zeros(1), amplitudes=np.ones(1))
     unit, _ = ringing(step, without_limits(actuator), (0.0, 0.0))
     return Outcome(
-        vector=complex(left * np.exp(-pole * command.duration_s)),
+        vector=complex(
+            left * np.exp(-pole * (end_s(command, actuator) - float(command.times_s[0])))
+        ),
         unit=unit,
         residual=abs(left) / abs(unit),
         travel=float(moved.state[2]) + moved.way_to_rest,
@@ -235,7 +235,7 @@ def slope(
     initial_power: int = 0,
     step: float = 3e-6,
 ) -> float:
-    """Return |dV/d ln w| over the unshaped step, as it has decayed by the last step.
+    """Return |dV/d ln w| over the unshaped step, as it has decayed by the end.
 
     The initial swing goes with the frequency to the power ``initial_power``: -2 where it is known
     by the angle of a pendulum, whose length is ``g / w^2``.
@@ -249,7 +249,8 @@ def slope(
         begun = (initial[0] * scale, initial[1] * scale)
         vectors.append(outcome(command, shifted, actuator, begun).vector)
     unit = abs(outcome(command, mode, actuator).unit)
-    decayed = math.exp(mode.pole_rad_s.real * command.duration_s)
+    lasting = end_s(command, actuator) - float(command.times_s[0])
+    decayed = math.exp(mode.pole_rad_s.real * lasting)
     return float(abs(vectors[1] - vectors[0]) / (2 * step) * decayed / unit)
 
 

@@ -14,6 +14,7 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.types import FloatArray
+from tests.expm_route import end_s
 from tests.second_route import denominator, increases, without_limits
 
 
@@ -207,7 +208,7 @@ def residual_by_integration(impulses: Impulses, mode: Mode, actuator: Actuator) 
     conjugate = w * complex(-z, -math.sqrt(1 - z * z))
 
     def free_swing(command: Impulses, behind: Actuator) -> float:
-        end = float(command.times_s[-1]) + wait
+        end = end_s(command, behind) + wait
         deflection, rate, _ = integrate(command, mode, behind, end)
         return float(abs(rate - conjugate * deflection))
 

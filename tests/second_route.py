@@ -76,6 +76,16 @@ def gain_and_slope(
     return gain, -(first + 2 * second * s) * gain * gain
 
 
+def rested_s(impulses: Impulses, actuator: Actuator) -> float:
+    """When the last step is over, or the last ramp behind limits, if none is cut [s]."""
+    last = float(impulses.times_s[-1])
+    if not isinstance(actuator, RateLimited):
+        return last
+    up = increases(impulses)[-1]
+    limit = actuator.accel_limit_m_s2 if up else actuator.decel_limit_m_s2
+    return last + abs(float(impulses.amplitudes[-1])) * actuator.speed_m_s / limit
+
+
 def claims_by_formula(
     impulses: Impulses, mode: Mode, actuator: Actuator, ratio: float = 1.0
 ) -> dict[str, float]:
@@ -96,7 +106,7 @@ def claims_by_formula(
         vector += turn * gain
         slope += turn * s * (gain_slope - (time - start) * gain)
     unit = abs(gain_and_slope(without_limits(actuator), s, accel=True)[0])
-    shrink = math.exp(-z * w * impulses.duration_s) / unit
+    shrink = math.exp(-z * w * (rested_s(impulses, actuator) - start)) / unit
     return {"residual": abs(vector) * shrink, "slope": abs(slope) * shrink}
 
 
@@ -190,7 +200,7 @@ def curve_by_formula(
     """Return the residual at each ratio, shape (k,), by the same sum with one product a set."""
     z = mode.damping_ratio
     poles = mode.natural_frequency_rad_s * ratios * complex(-z, math.sqrt(1 - z * z))
-    lags = impulses.duration_s - (impulses.times_s - impulses.times_s[0])
+    lags = rested_s(impulses, actuator) - impulses.times_s
     swings = np.exp(np.multiply.outer(poles, lags)) * impulses.amplitudes
     limited = isinstance(actuator, RateLimited)
     steps = [

@@ -81,13 +81,15 @@ def _largest_between(
         block = max(1, BLOCK // impulses.times_s.size)
         for begin in range(0, frequencies.size, block):
             part = slice(begin, begin + block)
-            ringing, unit = ringing_after(impulses, actuator, frequencies[part], damping[part])
+            ringing, unit, _ = ringing_after(impulses, actuator, frequencies[part], damping[part])
             found[part] = np.abs(ringing) / np.abs(unit)
         return found.reshape(shares.shape)
 
     # Damping moves the pole by as much as frequency does, up to its ratio of frequency.
     reach = abs(along[0]) + max(start[0], end[0]) * abs(along[1])
-    turns = mode.natural_frequency_rad_s * impulses.duration_s * reach
+    nominal = np.array([mode.natural_frequency_rad_s])
+    _, _, moving_s = ringing_after(impulses, actuator, nominal, mode.damping_ratio)
+    turns = mode.natural_frequency_rad_s * moving_s * reach
     return largest_between(
         residuals, 0.0, 1.0, max(MIN_BAND_POINTS, int(turns / BAND_STEP_RAD) + 2)
     )

@@ -110,12 +110,12 @@ def certify(
     ratios = np.exp(logarithms)
     denominators = _Denominators.of(impulses, mode, actuator)
     initial = None if swing is None else swinging_state(swing, mode, ratios)
-    ringing, unit = ringing_after(
+    ringing, unit, moving_s = ringing_after(
         impulses, actuator, mode.natural_frequency_rad_s * ratios, mode.damping_ratio, initial
     )
     unshaped = abs(unit[0])
-    # From the modal coordinate at the last step back to V(w), whose origin is the first step.
-    vectors = ringing * np.exp(-(mode.pole_rad_s * np.expm1(logarithms)) * impulses.duration_s)
+    # From the modal coordinate at the end back to V(w), whose origin is the first step.
+    vectors = ringing * np.exp(-(mode.pole_rad_s * np.expm1(logarithms)) * moving_s)
     entire = vectors * denominators.at(ratios)
     derivatives = [entire[0]]
     if highest >= POLYNOMIAL_FROM:

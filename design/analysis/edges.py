@@ -63,7 +63,8 @@ class Excess:
         self._accel, self._decel = actuator.accel_lag, actuator.decel_lag
         steps = step_contributions(impulses, actuator)
         padded = np.pad(steps.columns, ((0, 0), (0, 4 - steps.columns.shape[1])))
-        self._steps = list(zip(steps.until_last_s.tolist(), padded.tolist(), strict=True))
+        self.turn_rad = mode.natural_frequency_rad_s * float(steps.until_end_s[0])
+        self._steps = list(zip(steps.until_end_s.tolist(), padded.tolist(), strict=True))
 
     def over(self, ratios: FloatArray) -> FloatArray:
         """Return the excess at many ratios, shape (m,) [-]."""

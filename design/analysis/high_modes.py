@@ -2,6 +2,7 @@
 
 from design.analysis.peaks import largest_between
 from design.analysis.residuals_of_many import residual_curve
+from design.analysis.step_contributions import step_contributions
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
@@ -41,7 +42,8 @@ def high_mode_gain(impulses: Impulses, mode: Mode, actuator: Actuator) -> float:
         Share of an unshaped step [-].
     """
     low, high = HIGH_MODES
-    turn = mode.natural_frequency_rad_s * impulses.duration_s
+    moving_s = float(step_contributions(impulses, actuator).until_end_s[0])
+    turn = mode.natural_frequency_rad_s * moving_s
     points = int((high - low) * max(turn / STEP_RAD, 1 / MAX_STEP)) + 2
     return largest_between(
         lambda ratios: residual_curve(impulses, mode, actuator, ratios), low, high, points

@@ -90,7 +90,7 @@ def insensitivity(
     excess = Excess(impulses, mode, actuator, tolerance * (1 + EDGE_MARGIN))
     if excess.at(1.0) > 0:
         return None
-    step = SCAN_STEP_PHASE / turn if turn > 0 else math.inf
+    step = SCAN_STEP_PHASE / excess.turn_rad if excess.turn_rad > 0 else math.inf
     # The first stretch on both sides at once: it nearly always holds both edges.
     below, above = (step_outward(1.0, end, step) for end in RATIO_LIMITS)
     near = np.concatenate((below[::-1], [1.0], above))

@@ -33,10 +33,11 @@ def residual_vectors(
     Returns
     -------
     ComplexArray
-        ``V exp(s t_n) / G_accel(s)``, shape (m,) [-]; its magnitude is the residual vibration.
+        ``V exp(s t_e) / G_accel(s)``, t_e the end of the reference, shape (m,) [-]; the residual
+        vibration is its magnitude.
     """
     steps = step_contributions(impulses, actuator)
-    swings = np.exp(np.multiply.outer(poles_rad_s, steps.until_last_s))
+    swings = np.exp(np.multiply.outer(poles_rad_s, steps.until_end_s))
     sums = swings @ steps.columns.astype(np.complex128)
     if steps.ramps is not None and steps.heights is not None:
         ramped = swings * steps.ramps.factors(poles_rad_s[:, None])
@@ -70,8 +71,8 @@ def evenly_spaced_vectors(
         return residual_vectors(impulses, poles, actuator)
     steps = step_contributions(impulses, actuator)
     block = math.isqrt(points - 1) + 1
-    coarse = np.exp(np.multiply.outer(steps.until_last_s, poles[::block]))
-    fine = np.exp(np.multiply.outer(np.arange(block) * step, steps.until_last_s))
+    coarse = np.exp(np.multiply.outer(steps.until_end_s, poles[::block]))
+    fine = np.exp(np.multiply.outer(np.arange(block) * step, steps.until_end_s))
     summed = fine @ (steps.columns.T[:, :, None] * coarse)  # (columns, block, blocks)
     vectors: ComplexArray = summed.transpose(2, 1, 0).reshape(-1, len(summed))[:points]
     return join_sets(vectors, poles, actuator)
@@ -128,10 +129,10 @@ def residual_vibration(
 ) -> float:
     """Return the residual vibration over that of an unshaped step [-].
 
-    The amplitude of free vibration, extrapolated back to the last step, over the amplitude that
-    an unshaped unit step has through the acceleration set. The actuator's own transient is
-    not part of it. A whole move (amplitudes sum to 0) is measured by the same unit, and so is what
-    is left of a swing that the payload made at the first step already.
+    The amplitude of free vibration, extrapolated back to the last step (the end of the last ramp
+    behind limits), over the amplitude after an unshaped unit step through the acceleration set. The
+    actuator's own transient is not part of it. A whole move (amplitudes sum to 0) is measured by
+    the same unit, and so is what is left of a swing that the payload made at the first step.
 
     Parameters
     ----------
@@ -147,6 +148,7 @@ def residual_vibration(
     """
     vector = residual_vectors(impulses, np.array([mode.pole_rad_s]), actuator)[0]
     if swing is not None:
-        turn = cmath.exp(mode.pole_rad_s * impulses.duration_s)
+        steps = step_contributions(impulses, actuator)
+        turn = cmath.exp(mode.pole_rad_s * steps.until_end_s[0])
         vector += turn * swing_over_step(swing, mode, actuator)
     return float(abs(vector))

@@ -99,7 +99,8 @@ def _vectors_of_whole(
 ) -> ComplexArray:
     """Return `vectors_of_many` where no ramp is cut; times of shape (m, n)."""
     heights = heights_by_set(changes).astype(np.complex128)
-    swings = np.exp(poles_rad_s[:, None] * (changes.times_s[:, -1:] - changes.times_s))
+    ends = changes.times_s[:, -1:] + changes.ramps_s[-1]
+    swings = np.exp(poles_rad_s[:, None] * (ends - changes.times_s))
     limited = changes.ramps_s.any()
     ramped = swings * ramp_factors(poles_rad_s[:, None], changes.ramps_s) if limited else swings
     sums = ramped @ heights

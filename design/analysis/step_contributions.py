@@ -18,11 +18,11 @@ from design.types import FloatArray
 class StepContributions:
     """What each change of the reference adds to the vibration, apart from the plant.
 
-    ``V exp(s t_n) = sum (gain_i + s rate_i) G(s) exp(s (t_n - t_i))``, over both sets; the height
-    of a ramp counts `ramp_factors` times.
+    ``V exp(s t_e) = sum (gain_i + s rate_i) G(s) exp(s (t_e - t_i))``, over both sets, t_e the
+    last step or the end of the last ramp; a ramp's height counts `ramp_factors` times.
     """
 
-    until_last_s: FloatArray  # Time from each change to the command's last step, shape (n,) [s]
+    until_end_s: FloatArray  # Time from the start of each change to the end of all, shape (n,) [s]
     # Gains by the sets, accel before decel, then, if any, their rates, shape (n, 2) or (n, 4)
     columns: FloatArray
     ramps: Reference | None = None  # The changes, where they are ramps; None for steps
@@ -47,7 +47,7 @@ def step_contributions(impulses: Impulses, actuator: Actuator) -> StepContributi
         Of n changes, in closed form and for any plant.
     """
     changes = reference(impulses, actuator)
-    until_last = impulses.times_s[-1] - changes.times_s
+    until_end = changes.times_s[-1] + changes.ramps_s[-1] - changes.times_s
     heights = heights_by_set(changes)
     limited = isinstance(actuator, RateLimited)
     if actuator.model == "superposed":
@@ -58,8 +58,8 @@ def step_contributions(impulses: Impulses, actuator: Actuator) -> StepContributi
         if not limited:
             columns[:, :2] += heights
     if not limited:
-        return StepContributions(until_last, columns)
-    return StepContributions(until_last, columns, changes, heights)
+        return StepContributions(until_end, columns)
+    return StepContributions(until_end, columns, changes, heights)
 
 
 def heights_by_set(changes: Reference) -> FloatArray:

@@ -34,6 +34,6 @@ def terms_of_residual(impulses: Impulses, pole_rad_s: complex, actuator: Actuato
     if steps.ramps is not None and steps.heights is not None:
         factors = steps.ramps.factors(np.array([pole_rad_s]))
         columns[:, :2] += factors[:, None] * steps.heights
-    turns = pole_rad_s * steps.until_last_s - 1j * pole_rad_s.imag * impulses.duration_s
+    turns = pole_rad_s * steps.until_end_s - 1j * pole_rad_s.imag * steps.until_end_s[0]
     terms = np.exp(turns)[:, None] * columns
     return join_sets(terms, np.array([pole_rad_s]), actuator)

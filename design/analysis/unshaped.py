@@ -44,13 +44,13 @@ def unshaped_ramp_residual(mode: Mode, actuator: RateLimited) -> float:
     Returns
     -------
     float
-        ``|(1 - exp(-s T)) / (s T)|`` for a ramp of duration T [-]; 0 where it lasts whole periods
-        of an undamped mode.
+        At the ramp's end, ``|(exp(s T) - 1) / (s T)|`` for a duration T [-]; 0 where it lasts whole
+        periods of an undamped mode.
     """
     pole = np.array([mode.pole_rad_s])
     ramp = ramped(step(), actuator)
-    factors = ramp.factors(pole) * np.exp(-pole * ramp.times_s)
-    return float(abs(factors @ ramp.changes))
+    until_end_s = ramp.times_s[-1] + ramp.ramps_s[-1] - ramp.times_s
+    return float(abs((ramp.factors(pole) * np.exp(pole * until_end_s)) @ ramp.changes))
 
 
 def unshaped_deflection_s(mode: Mode, actuator: Actuator) -> float:

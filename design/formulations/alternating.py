@@ -38,6 +38,9 @@ class AlternatingBand:
         lags = ca.SX.sym("lags", LAG_PARAMETERS[self.ramped])
         steps = alternating_steps(ca.vertsplit(gaps), lags, self.switched_order)
         left = steps.vibration
+        if self.ramped:  # the last step is up: its ramp comes before the end
+            damping_ratio, accel_ramp = lags[0], lags[5]
+            left = left.scaled(ca.exp(-damping_ratio * steps.w * accel_ramp))
         return BandExpressions(
             unknowns=gaps,
             parameters=lags,

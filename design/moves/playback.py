@@ -53,11 +53,11 @@ class Motion:
     peak_velocity_m_s
         Largest magnitude of the actuator's velocity at these times [m/s].
     residual
-        Residual vibration after the last step, a share of one unshaped step; None where a set of
-        the actuator has its own pole at the plant's and rings with it [-].
+        Residual vibration after the last step or ramp, a share of one unshaped step; None where a
+        set of the actuator has its own pole at the plant's and rings with it [-].
     remaining
-        Amplitude of that free vibration, extrapolated back to the last step (and the dead time
-        after it); None if that is.
+        Amplitude of that free vibration, extrapolated back to the last step or the end of the last
+        ramp (and the dead time after it); None if that is.
     """
 
     times_s: FloatArray

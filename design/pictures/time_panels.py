@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from design.analysis.ramp_figures import end_of_reference
 from design.analysis.unshaped import unshaped_deflection_s
 from design.claims import ZERO_LIMITS
 from design.model.actuators.registry import Actuator
@@ -180,9 +181,10 @@ def draw_payload(
     unshaped = unit * history(step, mode, actuator, times_s).deflection
     shaped = unit * history(impulses, mode, actuator, times_s).deflection
     if residual > ZERO_LIMITS["residual"]:
-        ringing_s = times_s[times_s >= last]
+        end = end_of_reference(impulses, actuator)
+        ringing_s = times_s[times_s >= end]
         decay = mode.damping_ratio * mode.natural_frequency_rad_s
-        envelope = residual * np.exp(-decay * (ringing_s - last))
+        envelope = residual * np.exp(-decay * (ringing_s - end))
         axes.fill_between(
             ringing_s, -envelope, envelope, color=BRIGHT, alpha=0.3, linewidth=0, label="residual"
         )

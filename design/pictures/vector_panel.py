@@ -30,9 +30,9 @@ def vibration_vectors(impulses: Impulses, mode: Mode, actuator: Actuator) -> Com
     Returns
     -------
     ComplexArray
-        ``A_i G_i(s)/G_accel(s) exp(-s t_i) exp(-z w t_n)``, shape (n,) [-]; with what a switched
+        ``A_i G_i(s)/G_accel(s) exp(-s t_i) exp(-z w t_e)``, shape (n,) [-]; with what a switched
         actuator's state passes on from set to set, or a ramp's share of a step. The real factor at
-        the end measures them at the last impulse, so that the magnitude of their sum is the
+        the end measures them at the end of the reference, so that the magnitude of their sum is the
         residual vibration of a damped mode too; times count from the first impulse, so that its
         vector is real.
 

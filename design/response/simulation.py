@@ -150,7 +150,7 @@ def ringing_after(
     frequencies_rad_s: FloatArray,
     damping_ratio: float | FloatArray,
     initial: FloatArray | None = None,
-) -> tuple[ComplexArray, ComplexArray]:
+) -> tuple[ComplexArray, ComplexArray, float]:
     """Return the vibration that a command and an unshaped step leave.
 
     Parameters
@@ -164,30 +164,25 @@ def ringing_after(
 
     Returns
     -------
-    tuple of ComplexArray
-        Modal coordinates, shape (f,) each: of the command at its last step, and of a unit step that
-        increases it there without limits, 1 through an ideal actuator. The actuator's own
-        transient is projected out by the left eigenvector of the mode in the coupled system.
+    tuple of ComplexArray, ComplexArray and float
+        Modal coordinates, shape (f,) each, of the command when its last step or ramp is over, and
+        of a unit step then without limits, 1 through an ideal actuator; from the first step until
+        then [s]. The actuator's own transient is projected out by the left eigenvector of the mode
+        in the coupled system.
     """
     dynamics = dynamics_of(actuator, frequencies_rad_s, damping_ratio)
     unit_poles = np.broadcast_to(
         -damping_ratio + 1j * np.sqrt(1 - np.square(damping_ratio)), frequencies_rad_s.shape
     )
     rising = _left_eigenvectors(dynamics, 1, frequencies_rad_s, unit_poles)
-    poles = unit_poles * frequencies_rad_s
-
-    def ringing(command: Impulses, begun: FloatArray | None) -> ComplexArray:
-        changes = reference(command, actuator)
-        final = states_at_changes(changes, dynamics, begun)[1][-1]
-        last = rising
-        if not changes.accelerates[-1]:
-            last = _left_eigenvectors(dynamics, 0, frequencies_rad_s, unit_poles)
-        # Back from the end of the last ramp.
-        late = changes.times_s[-1] + changes.ramps_s[-1] - command.times_s[-1]
-        left: ComplexArray = (last * final).sum(axis=1) * np.exp(-poles * late)
-        return left
-
-    return ringing(impulses, initial), rising @ (-dynamics.jumps[1] * dynamics.kept[1])
+    last = rising
+    changes = reference(impulses, actuator)
+    if not changes.accelerates[-1]:
+        last = _left_eigenvectors(dynamics, 0, frequencies_rad_s, unit_poles)
+    final = states_at_changes(changes, dynamics, initial)[1][-1]
+    moving_s = float(changes.times_s[-1] + changes.ramps_s[-1] - changes.times_s[0])
+    unit = rising @ (-dynamics.jumps[1] * dynamics.kept[1])
+    return (last * final).sum(axis=1), unit, moving_s
 
 
 def _left_eigenvectors(

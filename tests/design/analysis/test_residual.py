@@ -112,7 +112,7 @@ def test_the_formula_agrees_with_the_simulated_ringing(
 ) -> None:
     actuator = lags(1.0)[which]
     frequencies = np.array([mode.natural_frequency_rad_s])
-    ringing, unit = ringing_after(impulses, actuator, frequencies, mode.damping_ratio)
+    ringing, unit, _ = ringing_after(impulses, actuator, frequencies, mode.damping_ratio)
     result = residual_vibration(impulses, mode, actuator)
     # Exponentials of matrices of norm up to 3 s * 150 / s.
     assert result == pytest.approx(abs(ringing[0] / unit[0]), rel=1e-10, abs=1e-11)

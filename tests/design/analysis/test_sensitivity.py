@@ -13,6 +13,7 @@ from design.analysis.worst_mode import common_interval
 from design.errors import InvalidInputError
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
@@ -313,3 +314,25 @@ def test_a_long_quiet_command_ends_its_search() -> None:
 def test_a_command_beyond_the_digits_of_its_phase_is_refused() -> None:
     with refused("phases_lose_digits", "impulses.times_s", says=r"at most 1e\+06 rad"):
         found(impulses([0.0, 1e9], [0.5, 0.5]), UNIT, Ideal(), 0.05)
+
+
+@pytest.mark.parametrize("periods", [0.4, 1.0, 1.9, 3.0])
+def test_a_step_behind_a_long_ramp_has_the_edges_of_the_ramp(periods: float) -> None:
+    # |sin x| / x with x = pi periods ratio: its lobes are the ramp's, however short the command.
+    limit = 1 / (2 * math.pi * periods)
+    drive = RateLimited(accel_limit_m_s2=limit, decel_limit_m_s2=limit, speed_m_s=1.0)
+    step = impulses([0.0], [1.0])
+    ratios = np.linspace(0.05, 4.0, 400_001)
+    shares = np.abs(np.sinc(periods * ratios))
+    for tolerance in (0.02, 0.1, 0.22):
+        if shares[np.searchsorted(ratios, 1.0)] > tolerance:
+            assert insensitivity(step, UNIT, drive, tolerance) is None
+            continue
+        within = found(step, UNIT, drive, tolerance)
+        above = ratios[shares > tolerance]
+        lower, upper = above[above < 1].max(), above[above > 1].min(initial=math.inf)
+        assert within.lower_ratio == pytest.approx(lower, abs=2e-5)
+        if upper < math.inf:
+            assert within.upper_ratio == pytest.approx(upper, abs=2e-5)
+        else:
+            assert within.upper_ratio is None

@@ -21,6 +21,7 @@ from design.model.plants.mode import Mode
 from design.moves.playback import motion
 from design.response.simulated_history import simulated_history
 from tests.design.test_switched import random_case
+from tests.expm_route import end_s
 from tests.integration_route import integrate
 from tests.shaper_table import CRANE, THESIS
 
@@ -78,9 +79,10 @@ def test_what_remains_is_the_amplitude_of_the_free_swing_by_integration(
 ) -> None:
     mode = Mode(natural_frequency_rad_s=2.0, damping_ratio=damping_ratio)
     command = Impulses(times_s=np.array([0.0, 0.9, 2.0]), amplitudes=np.array([1.0, -0.6, 0.3]))
+    ended = end_s(command, drive)
     later = 3.5  # the slowest set, 12 /s, has e^-42 left then, the payload e^-3.5 at least
-    deflection, rate, _ = integrate(command, mode, drive, 2.0 + later)
-    # d = a exp(-z w t) cos(wd t + phase): amplitude from the state, then back to the last step.
+    deflection, rate, _ = integrate(command, mode, drive, ended + later)
+    # d = a exp(-z w t) cos(wd t + phase): amplitude from the state, then back to the end.
     decay, turn = -mode.pole_rad_s.real, mode.pole_rad_s.imag
     amplitude = math.hypot(deflection, (rate + decay * deflection) / turn) * math.exp(decay * later)
     played = motion(mode, drive, command, 0.3, np.array([0.0]))

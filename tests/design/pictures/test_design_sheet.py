@@ -36,6 +36,7 @@ from design.pipeline import Design, design
 from design.shapers.registry import SHAPERS
 from design.types import FloatArray
 from tests.design.model.actuators.test_rate_limited import random_case
+from tests.expm_route import end_s
 
 CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81).mode
 CRANE_DRIVE = SecondOrder(
@@ -309,7 +310,8 @@ def test_a_payload_rings_within_its_envelope_and_touches_it(
     draw_payload(axes, halves, mode, actuator, left, times)
     (shaped,) = [line for line in axes.lines if line.get_gid() == "shaped"]
     late = times > 2.4  # transients have e^-20 left
-    envelope = left * np.exp(-3.0 * damping_ratio * (times[late] - 0.4))
+    ended = end_s(halves, actuator)
+    envelope = left * np.exp(-3.0 * damping_ratio * (times[late] - ended))
     shares = np.abs(np.asarray(shaped.get_ydata()))[late] / envelope
     assert shares.max() == pytest.approx(1.0, abs=1e-6)  # a maximum between two of the times
 

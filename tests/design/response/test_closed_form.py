@@ -142,7 +142,7 @@ def test_time_scales_with_all_lags_and_the_period() -> None:
 @pytest.mark.parametrize("z", [0.0, 0.07, 0.5])
 def test_an_unshaped_step_rings_with_the_gain_of_the_acceleration_set(name: str, z: float) -> None:
     frequencies = np.array([1.0, 3.5, 40.0])
-    ringing, unit = ringing_after(STEP, ACTUATORS[name], frequencies, z)
+    ringing, unit, _ = ringing_after(STEP, ACTUATORS[name], frequencies, z)
     poles = frequencies * complex(-z, math.sqrt(1 - z * z))
     gains = [gain_and_slope(ACTUATORS[name], complex(s), accel=True)[0] for s in poles]
     # A 2 x 2 solve with condition number of a few hundred at most.
@@ -155,7 +155,7 @@ def test_an_unshaped_step_rings_with_the_gain_of_the_acceleration_set(name: str,
 def test_ringing_over_that_of_a_step_is_the_residual_of_the_formula(name: str, z: float) -> None:
     mode = Mode(natural_frequency_rad_s=3.5, damping_ratio=z)
     ratios = np.array([0.4, 1.0, 1.7])
-    ringing, unit = ringing_after(COMMAND, ACTUATORS[name], 3.5 * ratios, z)
+    ringing, unit, _ = ringing_after(COMMAND, ACTUATORS[name], 3.5 * ratios, z)
     expected = [
         claims_by_formula(COMMAND, mode, ACTUATORS[name], ratio)["residual"]
         for ratio in ratios.tolist()
@@ -170,8 +170,8 @@ def test_ringing_goes_on_as_a_free_swing() -> None:
         times_s=np.append(COMMAND.times_s, 2.22), amplitudes=np.append(COMMAND.amplitudes, 1e-300)
     )
     w = np.array([3.5])
-    now, _ = ringing_after(COMMAND, THESIS, w, 0.07)
-    then, _ = ringing_after(longer, THESIS, w, 0.07)
+    now, _, _ = ringing_after(COMMAND, THESIS, w, 0.07)
+    then, _, _ = ringing_after(longer, THESIS, w, 0.07)
     turn = cmath.exp(DAMPED.pole_rad_s * 0.9)
     assert then[0] == pytest.approx(now[0] * turn, abs=1e-12)  # roundings of a norm of 130
 
@@ -179,7 +179,7 @@ def test_ringing_goes_on_as_a_free_swing() -> None:
 def test_a_stiff_actuator_leaves_what_an_ideal_one_leaves() -> None:
     fast = FirstOrder(accel_time_constant_s=1e-9, decel_time_constant_s=1e-9)
     w = np.array([CRANE.mode.natural_frequency_rad_s])
-    stiff, _ = ringing_after(COMMAND, fast, w, 0.0)
-    ideal, _ = ringing_after(COMMAND, Ideal(), w, 0.0)
+    stiff, _, _ = ringing_after(COMMAND, fast, w, 0.0)
+    ideal, _, _ = ringing_after(COMMAND, Ideal(), w, 0.0)
     # G = 1 - 3.5e-9 j on five steps.
     assert stiff[0] == pytest.approx(ideal[0], abs=2e-8)

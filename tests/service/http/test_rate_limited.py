@@ -48,7 +48,7 @@ def test_an_answer_says_when_the_last_ramp_ends_and_that_none_ends_earlier(
     assert shaper["duration_s"] == pytest.approx(1.3302373, abs=1e-7)
     assert 0.999 * shaper["ramp_end_s"] < solver["lower_bound_s"] <= shaper["ramp_end_s"]
     turn = 3.5 * 0.25 * complex(-0.01, (1 - 1e-4) ** 0.5)
-    alone = abs((1 - cmath.exp(-turn)) / turn)
+    alone = abs((cmath.exp(turn) - 1) / turn)  # at the end of the ramp
     assert answer["unshaped_ramp_residual"] == pytest.approx(alone, rel=1e-12)
     without = client.post("/v1/designs", json=CRANE).json()
     assert "ramp_end_s" not in without["shaper"]

@@ -117,7 +117,7 @@ def test_a_ramp_alone_swings_by_its_textbook_factor() -> None:
 @pytest.mark.parametrize("seed", range(200))
 def test_the_formula_agrees_with_the_simulation(seed: int) -> None:
     impulses, mode, actuator = random_case(seed)
-    ringing, unit = ringing_after(
+    ringing, unit, _ = ringing_after(
         impulses, actuator, np.array([mode.natural_frequency_rad_s]), mode.damping_ratio
     )
     vectors = residual_vectors(impulses, np.array([mode.pole_rad_s]), actuator)
