@@ -14,6 +14,7 @@ from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
 from design.formulations.ramped import RampedProblem
+from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.pipeline import design
@@ -52,6 +53,8 @@ class ExactCurve:
         kind: ShaperKind,
         options: ShaperOptions | None,
     ) -> None:
+        if isinstance(actuator, RateLimited):
+            actuator.require_straight_ramps()
         self.axis = axis
         self.actuator = actuator
         self.kind = kind

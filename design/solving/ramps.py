@@ -1,13 +1,10 @@
 """The fastest shapers behind limits to acceleration, each with its bound."""
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
 
 from design.analysis.shortest_ramps import RampedProof, excluded_end_rad
-from design.errors import InfeasibleDesignError
-from design.formulations.gaps import PERIOD_RAD
 from design.formulations.ramped import RampedProblem
 from design.model.impulses import Impulses
 from design.solvers.budget import Budget
@@ -16,6 +13,8 @@ from design.solvers.ramps.search import candidates
 from design.solvers.solution import Solution, SolverReport
 from design.solving.bounded import SMALL_GAP
 from design.solving.distinct_steps import distinct_steps
+from design.solving.jerk_ramps import solve_behind_jerk_limit
+from design.solving.ramp_refusals import none_found, require_in_time
 from design.trace import TraceStep
 
 
@@ -39,6 +38,9 @@ def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solu
     InfeasibleDesignError
         If the fastest ends after the horizon, or none is found: says how far was searched.
     """
+    if problem.jerk is not None:
+        yield from solve_behind_jerk_limit(problem, problem.jerk, budget)
+        return
     best: tuple[RampedOptimum, float] | None = None
     for found in candidates(problem, budget):
         bound = excluded_end_rad(_proof(problem, found))
@@ -55,37 +57,14 @@ def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solu
         if best is None or found.course.end < best[0].course.end:
             best = found, bound
         if bound >= (1 - SMALL_GAP) * found.course.end:
-            _require_in_time(problem, found, bound)
+            require_in_time(problem, found.course.end, bound)
             yield _solution(problem, found, bound)
             best = None
     if best is None:
-        raise InfeasibleDesignError(
-            "no course of the reference without residual was found within the limits"
-            + _how_far(problem, budget),
-            code="no_ramped_command_found",
-        )
-    _require_in_time(problem, *best)
+        refusal = none_found(problem, budget)
+        raise refusal
+    require_in_time(problem, best[0].course.end, best[1])
     yield _solution(problem, *best)
-
-
-def _how_far(problem: RampedProblem, budget: Budget) -> str:
-    if budget.spent:
-        return f": {budget.in_words}"
-    if problem.farthest_rad < math.inf:
-        return f" up to {problem.farthest_rad / PERIOD_RAD:.4g} periods"
-    return ""
-
-
-def _require_in_time(problem: RampedProblem, found: RampedOptimum, bound_rad: float) -> None:
-    if found.course.end <= problem.horizon_rad:
-        return
-    raise InfeasibleDesignError(
-        f"the fastest course of the reference within the limits ends after "
-        f"{found.course.end / PERIOD_RAD:.6g} periods, and none ends before "
-        f"{bound_rad / PERIOD_RAD:.6g}: later than max_duration_periods and both ramps, "
-        f"{problem.horizon_rad / PERIOD_RAD:.6g} periods in all",
-        code="ramps_exceed_duration",
-    )
 
 
 def _proof(problem: RampedProblem, found: RampedOptimum) -> RampedProof:

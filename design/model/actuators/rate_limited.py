@@ -89,23 +89,35 @@ class RateLimited:
 
     @property
     def straight_ramps_s(self) -> tuple[float, float]:
-        """The same of ramps of constant slope, for what knows no others.
+        """The same of ramps of constant slope.
 
         Raises
         ------
         InvalidInputError
             If the jerk is limited.
         """
+        self.require_straight_ramps()
+        return self.unit_ramps_s
+
+    def require_straight_ramps(self) -> None:
+        """Check that the jerk is not limited.
+
+        For what knows constant slopes alone.
+
+        Raises
+        ------
+        InvalidInputError
+            If it is limited.
+        """
         if self.jerk_limit_m_s3 is not None:
             raise InvalidInputError(
                 "actuator.jerk_limit_m_s3",
                 self.jerk_limit_m_s3,
-                "left out: behind a limit to the jerk, steps up and down are designed as umzv, "
-                "umzvd, numzv or numzvd where one lag follows it, without settling, and positive "
-                "shapers for an ideal drive",
+                "left out here: behind a limit to the jerk umzv, umzvd, numzv, numzvd and "
+                "multi_umzv are designed, as shapers alone, where one lag follows it and nothing "
+                "has to settle",
                 code="jerk_not_served",
             )
-        return self.unit_ramps_s
 
     def _ramp_s(self, limit_m_s2: float) -> float:
         if self.jerk_limit_m_s3 is None:

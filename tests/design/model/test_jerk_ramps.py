@@ -129,7 +129,7 @@ def test_the_histories_agree_with_an_integrator(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(100))
 def test_the_formula_agrees_with_the_simulation(seed: int) -> None:
     impulses, mode, actuator = jerky_case(seed)
-    ringing, unit = ringing_after(
+    ringing, unit, _ = ringing_after(
         impulses, actuator, np.array([mode.natural_frequency_rad_s]), mode.damping_ratio
     )
     vector = residual_vectors(impulses, np.array([mode.pole_rad_s]), actuator)[0]
