@@ -54,10 +54,8 @@ def next_structures(found: Stationary, functionals: Functionals) -> Iterator[Eve
     yield from _without_short_intervals(course)
     if course.widths.min() < shortest_rad(course):
         return
-    beyond = [*_limits_passed(course)]
-    yield from beyond
-    if not beyond:
-        yield from _signs_broken(found, functionals)
+    yield from _limits_passed(course)
+    yield from _signs_broken(found, functionals)
 
 
 def shortest_rad(course: EventCourse) -> float:
@@ -235,16 +233,44 @@ def _signs_broken(found: Stationary, functionals: Functionals) -> Iterator[Event
         touching = _weighted(found, functionals.integrals(np.array([times[after]])))
         wrong_jerk = -group.signs[-1] * float(touching[0] - prices[-2]) / scale_once
         if wrong_jump > NEGLIGIBLE:
-            following = course.groups[number + 1]
-            signs = (*group.signs, *following.signs[1:])
-            joined = Group(signs=signs, goal=following.goal, rests=following.rests)
-            groups = (*course.groups[:number], joined, *course.groups[number + 2 :])
-            made.append((wrong_jump, groups, [*times[:after], *times[after + 1 :]]))
+            made.append((wrong_jump, *_joined(course, number)))
         elif wrong_jerk > NEGLIGIBLE:
             groups = _with(course.groups, number, replace(group, rests=True))
             made.append((wrong_jerk, groups, [*times[: after + 1], *times[after:]]))
     for _, groups, events in sorted(made, key=lambda one: -one[0]):
         yield _ordered(course, groups, events)
+
+
+def without_touches(course: EventCourse) -> Iterator[EventCourse]:
+    """Yield a course without each of its touches of 0 or 1.
+
+    A structure that touches may have fewer events than conditions: the optimum has more switches,
+    and the course without the touch shows where.
+
+    Parameters
+    ----------
+    course
+        The course.
+
+    Yields
+    ------
+    EventCourse
+        The pieces on both sides of a touch as one.
+    """
+    for number, group in enumerate(course.groups[:-1]):
+        if not group.rests:
+            yield _ordered(course, *_joined(course, number))
+
+
+def _joined(course: EventCourse, number: int) -> tuple[tuple[Group, ...], list[float]]:
+    """Return groups and events without the touch at the end of a group."""
+    group, following = course.groups[number : number + 2]
+    signs = (*group.signs, *following.signs[1:])
+    joined = Group(signs=signs, goal=following.goal, rests=following.rests)
+    groups = (*course.groups[:number], joined, *course.groups[number + 2 :])
+    times = course.times.tolist()
+    after = course.firsts[number] + len(group.signs)
+    return groups, [*times[:after], *times[after + 1 :]]
 
 
 def _level_of(course: EventCourse, number: int) -> int:

@@ -14,7 +14,7 @@ from itertools import islice
 from design.formulations.ramped import RampedProblem
 from design.solvers.budget import Budget
 from design.solvers.jerk_ramps.events import EventCourse, Group, Limits
-from design.solvers.jerk_ramps.exchange import next_structures, shortest_rad
+from design.solvers.jerk_ramps.exchange import next_structures, shortest_rad, without_touches
 from design.solvers.jerk_ramps.following import course_following
 from design.solvers.jerk_ramps.grid import GridCourse, nearest_course, switches_of, work_of
 from design.solvers.jerk_ramps.optimality import NEWTON_STEPS, Stationary, solve_structure
@@ -179,6 +179,7 @@ class _Search:
             found = self._solve(course, start)
             iterations += NEWTON_STEPS if found is None else found.iterations
             if found is None:
+                waiting += without_touches(course)
                 continue
             better = [*next_structures(found, self._functionals)]
             if not better and found.course.widths.min() >= shortest_rad(found.course):
