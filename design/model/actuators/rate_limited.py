@@ -113,9 +113,9 @@ class RateLimited:
             raise InvalidInputError(
                 "actuator.jerk_limit_m_s3",
                 self.jerk_limit_m_s3,
-                "left out here: behind a limit to the jerk umzv, umzvd, numzv, numzvd and "
-                "multi_umzv are designed, as shapers alone, where one lag follows it and nothing "
-                "has to settle",
+                "left out here: behind a limit to the jerk umzv, umzvd, numzv, numzvd, multi_umzv "
+                "and their moves are designed, where one lag follows it and nothing has to settle; "
+                "they are not fitted or interpolated",
                 code="jerk_not_served",
             )
 

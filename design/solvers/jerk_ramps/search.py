@@ -98,6 +98,8 @@ def candidates(problem: RampedProblem, limits: Limits, budget: Budget) -> Iterat
         As reported by Newton's method; the caller stops at one that is proven.
     """
     search = _Search(problem, limits, budget)
+    for seed in () if budget.spent else problem.seeds:
+        yield from search.optima(seed, problem.seed_name)
     if max(limits.up, limits.down) / limits.jerk < SHORT_RAD:
         for straight in islice(straight_candidates(replace(problem, jerk=None), budget), 1):
             yield from search.optima(straight.course.switches, "without_jerk_limit")
