@@ -24,9 +24,8 @@ AT_LEVEL = 1e-7
 POSSIBLE = 1e-9
 """Violation that counts as none, over the unshaped step [-]."""
 
-PROGRAM_WORK = 6000.0
-CELL_WORK = 8.0
-"""Work of a linear program, and of each of its cells and equations [units]."""
+PROGRAM_WORK, CELL_WORK, PAIR_WORK = 5000.0, 100.0, 0.25
+"""Work of a linear program, of each of its cells, and of each pair of these [units]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -89,10 +88,10 @@ def work_of(functionals: Functionals, duration: float, fineness: float) -> float
     Returns
     -------
     float
-        Work by the number of cells and functionals [units].
+        Work by the number of cells [units].
     """
     cells = count_cells(functionals, duration, fineness)
-    return PROGRAM_WORK + CELL_WORK * 2 * functionals.poles.size * cells
+    return PROGRAM_WORK + CELL_WORK * cells + PAIR_WORK * cells**2
 
 
 def nearest_course(

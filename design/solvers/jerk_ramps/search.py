@@ -39,9 +39,6 @@ CLOSED = 1e-2
 FINER, FINEST = 3.0, 27.0
 """How many times finer each grid is than the one before, and the last than the first [-]."""
 
-BACK = 0.99
-"""Share of the longest duration known to be too short at which a finer grid begins [-]."""
-
 SHORT_RAD = 0.03
 """Time to the steepest slope within which the course is nearly that without a limit to the jerk
 [rad]."""
@@ -49,7 +46,7 @@ SHORT_RAD = 0.03
 MAX_EXCHANGES = 24
 """Structures that are tried from one start."""
 
-NEWTON_WORK = 600.0
+NEWTON_WORK = 1500.0
 """Work of a step of Newton's method [units]."""
 
 
@@ -104,10 +101,10 @@ def candidates(problem: RampedProblem, limits: Limits, budget: Budget) -> Iterat
         for straight in islice(straight_candidates(replace(problem, jerk=None), budget), 1):
             yield from search.optima(straight.course.switches, "without_jerk_limit")
     fineness = 1.0
-    first = MIN_STEP * problem.earliest_rad
+    low, high = problem.earliest_rad, math.inf
+    duration = MIN_STEP * low
     while fineness <= FINEST:
-        low, high, before = first, math.inf, None
-        duration = first
+        before: tuple[float, float] | None = None
         while high > low * (1 + CLOSED / fineness):
             late = duration > problem.farthest_rad
             if late or budget.spent or search.programs >= MAX_PROGRAMS:
@@ -115,6 +112,7 @@ def candidates(problem: RampedProblem, limits: Limits, budget: Budget) -> Iterat
             course = search.nearest_course(duration, fineness)
             if course is not None and course.is_possible:
                 high = duration
+                duration = (low + high) / 2
             else:
                 low = duration
                 violation = math.inf
@@ -125,7 +123,10 @@ def candidates(problem: RampedProblem, limits: Limits, budget: Budget) -> Iterat
                 before = (low, violation)
             if duration >= high:
                 duration = (low + high) / 2
-        first, fineness = BACK * low, FINER * fineness
+        # What is too short on a grid may not be on a finer one.
+        low = max(problem.earliest_rad, (1 - CLOSED / fineness) * low)
+        duration = (low + high) / 2
+        fineness *= FINER
 
 
 def _next_duration(duration: float, violation: float, before: tuple[float, float] | None) -> float:
