@@ -13,11 +13,9 @@ import numpy as np
 
 from design.solvers.jerk_ramps.events import EventCourse, Group
 from design.solvers.jerk_ramps.optimality import Stationary
+from design.solvers.jerk_ramps.rules import POINTS, piece_rules, with_pieces
 from design.solvers.ramps.functionals import Functionals
 from design.types import FloatArray
-
-POINTS = 41
-"""Points of an interval between two events at which its rule is looked at."""
 
 NEGLIGIBLE = 1e-8
 """Share of the largest y or P that breaks no rule: rounding, or a gain of nothing [-]."""
@@ -170,45 +168,18 @@ def _signs_broken(found: Stationary, functionals: Functionals) -> Iterator[Event
     scale_once = float(np.abs(_weighted(found, functionals.integrals(course.times))).max())
     scale = float(np.abs(_weighted(found, functionals.kernels(course.times))).max())
     made: list[tuple[float, tuple[Group, ...], list[float]]] = []
-    # Sums of the prices of slopes, and the level's, of each group.
-    start = 0
-    for number, group in enumerate(course.groups):
-        at_limit = [piece for piece, sign in enumerate(group.signs) if sign == 0]
-        prices = found.prices[start : start + len(at_limit) + 2]
-        start += len(at_limit) + 2
-        first = course.firsts[number]
-        end = times[first + len(group.signs)]
-        slopes = course.slopes_of(number)
-        for piece, sign in enumerate(group.signs):
-            inner = np.linspace(times[first + piece], times[first + piece + 1], POINTS)
-            if sign:
-                later = sum(
-                    float(price)
-                    for price, limit in zip(prices, at_limit, strict=False)
-                    if limit > piece
-                )
-                y = _weighted(found, functionals.integrals(inner))
-                y = y - later - prices[-2] - prices[-1] * (end - inner)
-                broken, size = -sign * y, scale_once
-                new: tuple[int, ...] = (sign, -sign, sign)
-            else:
-                way = 1 if slopes[piece] > 0 else -1
-                broken = way * (_weighted(found, functionals.kernels(inner)) + prices[-1])
-                size, new = scale, (0, -way, way, 0)
-            stretch = _worst_stretch(broken, NEGLIGIBLE * size)
-            if stretch is None:
-                continue
+    rules = piece_rules(course, found.multipliers, found.prices, functionals)
+    for number, piece, inner, broken in rules:
+        size = scale_once if course.groups[number].signs[piece] else scale
+        stretch = _worst_stretch(broken, NEGLIGIBLE * size)
+        if stretch is not None:
             low, high = float(inner[stretch[0]]), float(inner[stretch[1]])
-            cuts = [low, high] if sign else [low, (low + high) / 2, high]
-            signs = (*group.signs[:piece], *new, *group.signs[piece + 1 :])
             made.append((
                 float(broken.max()) / size,
-                _with(course.groups, number, replace(group, signs=signs)),
-                [*times[: first + piece + 1], *cuts, *times[first + piece + 1 :]],
+                *with_pieces(course, number, piece, low, high),
             ))
-        if number == len(course.groups) - 1:
-            break
-        after = first + len(group.signs)
+    for number, group in enumerate(course.groups[:-1]):
+        after = course.firsts[number] + len(group.signs)
         into = 1.0 if group.goal == 1 else -1.0
         if group.rests:
             inner = np.linspace(times[after], times[after + 1], POINTS)
@@ -228,10 +199,11 @@ def _signs_broken(found: Stationary, functionals: Functionals) -> Iterator[Event
                 ))
             continue
         # Where it touches, N jumps the way that the level drives it, and y has the jerk's sign.
-        own, next_price = float(prices[-1]), float(found.prices[_level_of(course, number + 1)])
-        wrong_jump = into * (next_price - own) / scale
+        level = course.level_conditions[number]
+        jump = found.prices[course.level_conditions[number + 1]] - found.prices[level]
+        wrong_jump = into * float(jump) / scale
         touching = _weighted(found, functionals.integrals(np.array([times[after]])))
-        wrong_jerk = -group.signs[-1] * float(touching[0] - prices[-2]) / scale_once
+        wrong_jerk = -group.signs[-1] * float(touching[0] - found.prices[level - 1]) / scale_once
         if wrong_jump > NEGLIGIBLE:
             made.append((wrong_jump, *_joined(course, number)))
         elif wrong_jerk > NEGLIGIBLE:
@@ -271,10 +243,6 @@ def _joined(course: EventCourse, number: int) -> tuple[tuple[Group, ...], list[f
     times = course.times.tolist()
     after = course.firsts[number] + len(group.signs)
     return groups, [*times[:after], *times[after + 1 :]]
-
-
-def _level_of(course: EventCourse, number: int) -> int:
-    return int(course.level_conditions[number])
 
 
 def _weighted(found: Stationary, kernels: np.ndarray) -> FloatArray:

@@ -15,7 +15,7 @@ from design.solvers.jerk_ramps.events import EventCourse
 from design.solvers.ramps.functionals import Functionals
 from design.types import ComplexArray, FloatArray
 
-NEWTON_STEPS = 40
+NEWTON_STEPS = 25
 
 CONVERGED = 1e-12
 """Step of the events after which the next is rounding [rad]."""

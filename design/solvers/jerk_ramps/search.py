@@ -9,7 +9,6 @@ structure to try next. Durations go up until one is possible on the grid; then t
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import islice
 
 from design.formulations.ramped import RampedProblem
 from design.solvers.budget import Budget
@@ -18,6 +17,7 @@ from design.solvers.jerk_ramps.exchange import next_structures, shortest_rad, wi
 from design.solvers.jerk_ramps.following import course_following
 from design.solvers.jerk_ramps.grid import GridCourse, nearest_course, switches_of, work_of
 from design.solvers.jerk_ramps.optimality import NEWTON_STEPS, Stationary, solve_structure
+from design.solvers.jerk_ramps.rules import entering_pieces
 from design.solvers.ramps.functionals import Functionals
 from design.solvers.ramps.search import candidates as straight_candidates
 from design.trace import TraceStep
@@ -43,10 +43,13 @@ SHORT_RAD = 0.03
 """Time to the steepest slope within which the course is nearly that without a limit to the jerk
 [rad]."""
 
-MAX_EXCHANGES = 24
+STRAIGHT_WORK = 400_000.0
+"""What the search without that limit may do [units]."""
+
+MAX_EXCHANGES = 20
 """Structures that are tried from one start."""
 
-NEWTON_WORK = 1500.0
+NEWTON_WORK = 600.0
 """Work of a step of Newton's method [units]."""
 
 
@@ -98,12 +101,17 @@ def candidates(problem: RampedProblem, limits: Limits, budget: Budget) -> Iterat
     for seed in () if budget.spent else problem.seeds:
         yield from search.optima(seed, problem.seed_name)
     if max(limits.up, limits.down) / limits.jerk < SHORT_RAD:
-        for straight in islice(straight_candidates(replace(problem, jerk=None), budget), 1):
+        part = budget.part(STRAIGHT_WORK)
+        straight = next(straight_candidates(replace(problem, jerk=None), part), None)
+        budget.spend(part.done)
+        if straight is not None:
             yield from search.optima(straight.course.switches, "without_jerk_limit")
     fineness = 1.0
-    low, high = problem.earliest_rad, math.inf
-    duration = MIN_STEP * low
+    high = math.inf
+    duration = MIN_STEP * problem.earliest_rad
     while fineness <= FINEST:
+        # What is too short on a grid may not be on a finer one.
+        low, back = problem.earliest_rad, CLOSED / fineness
         before: tuple[float, float] | None = None
         while high > low * (1 + CLOSED / fineness):
             late = duration > problem.farthest_rad
@@ -112,7 +120,11 @@ def candidates(problem: RampedProblem, limits: Limits, budget: Budget) -> Iterat
             course = search.nearest_course(duration, fineness)
             if course is not None and course.is_possible:
                 high = duration
-                duration = (low + high) / 2
+                if low > problem.earliest_rad:
+                    duration = (low + high) / 2
+                else:
+                    duration = max((1 - back) * high, low)
+                    back *= 2
             else:
                 low = duration
                 violation = math.inf
@@ -123,10 +135,8 @@ def candidates(problem: RampedProblem, limits: Limits, budget: Budget) -> Iterat
                 before = (low, violation)
             if duration >= high:
                 duration = (low + high) / 2
-        # What is too short on a grid may not be on a finer one.
-        low = max(problem.earliest_rad, (1 - CLOSED / fineness) * low)
-        duration = (low + high) / 2
         fineness *= FINER
+        duration = max((1 - CLOSED / fineness) * low, problem.earliest_rad)
 
 
 def _next_duration(duration: float, violation: float, before: tuple[float, float] | None) -> float:
@@ -182,6 +192,7 @@ class _Search:
             found = self._solve(course, start)
             iterations += NEWTON_STEPS if found is None else found.iterations
             if found is None:
+                waiting += entering_pieces(course, self._functionals)
                 waiting += without_touches(course)
                 continue
             better = [*next_structures(found, self._functionals)]

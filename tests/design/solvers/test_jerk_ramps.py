@@ -141,3 +141,34 @@ def test_the_first_candidate_meets_every_condition(jerk: float, derivatives: int
 def test_a_search_ends_with_its_budget() -> None:
     problem, limits = problem_of(100.0, 1)
     assert not list(candidates(problem, limits, Budget(most=0)))
+
+
+@pytest.mark.parametrize(
+    ("plant", "limits", "derivatives", "end_periods"),
+    [
+        # At 1 it neither turns below nor can turn there: it rests.
+        ((4.24226945, 0.28542058), (1.8876383, 272.85237, 43685.068), 0, 0.786273),
+        # The first grids say that what is possible is too short.
+        ((6.65211895, 0.09176949), (288.1032, 1.1327607, 52602.262), 1, 0.877364),
+    ],
+)
+def test_courses_that_nearly_turn_at_full_speed_are_found(
+    plant: tuple[float, float],
+    limits: tuple[float, float, float],
+    derivatives: int,
+    end_periods: float,
+) -> None:
+    mode = Mode(natural_frequency_rad_s=plant[0], damping_ratio=plant[1])
+    up, down, jerk = limits  # by the period
+    drive = RateLimited(
+        accel_limit_m_s2=up / mode.period_s,
+        decel_limit_m_s2=down / mode.period_s,
+        speed_m_s=1.0,
+        jerk_limit_m_s3=jerk / mode.period_s**2,
+    )
+    problem = ramped_problem((mode,), drive, derivatives=derivatives, max_duration_periods=3.0)
+    assert problem.jerk is not None
+    rise, fall = problem.ramps_rad
+    bounds = Limits(up=1 / rise, down=1 / fall, jerk=problem.jerk)
+    found = next(candidates(problem, bounds, Budget()))
+    assert found.end / (2 * np.pi) == pytest.approx(end_periods, abs=1e-6)
