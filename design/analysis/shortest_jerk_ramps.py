@@ -33,6 +33,9 @@ ROUNDS = 4
 FIRST_SHARE = 1e-10
 """Share of the duration by which the first bound that is tried is below it [-]."""
 
+NEARLY_ZERO = 1e-10
+"""Share of the largest y, or P, beyond 0 within a cell that counts as one-sided [-]."""
+
 TRIES = 24
 """Bounds that are tried, each twice as far below."""
 
@@ -140,8 +143,9 @@ class JerkProof:
 
     def _stages(self, edges: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return what the optimum does in each cell, and N."""
-        middles = (edges[:-1] + edges[1:]) / 2
-        which = np.clip(np.searchsorted(self.events, middles) - 1, 0, len(self.stages) - 1)
+        # Events are edges themselves: by where a cell starts none is taken for its neighbour.
+        which = np.searchsorted(self.events, edges[:-1], side="right") - 1
+        which = np.clip(which, 0, len(self.stages) - 1)
         return np.array(self.stages)[which], self.prices[which]
 
     def _heights(
@@ -183,17 +187,22 @@ class JerkProof:
         rises = np.where(monotone, np.maximum(np.diff(pull), 0.0), whole)
         # At a limit of the slope R is P + N.
         first, second = pull[:-1] + prices, pull[1:] + prices
-        one_sided = _agree(first, second, np.where(monotone, 0.0, pull_sag))
+        nearly = NEARLY_ZERO * float(np.abs(pull).max())
+        one_sided = _agree(first, second, np.where(monotone, -nearly, pull_sag))
         exact = self._cost(np.diff(once) + prices * widths)
+        exact = exact + 2 * max(self.up, self.down) * widths * _beyond(first, second)
         chord = widths * (self._cost(first) + self._cost(second)) / 2
         sliding = np.where(one_sided, exact, chord + max(self.up, self.down) * widths * pull_sag)
         # At a limit of the jerk y' is P + N.
         before, after, jumps = self._heights(edges, stages, prices)
         turning = widths**2 / 8 * self._steepest(ends, 1)
-        steady = _agree(before, after, np.where(one_sided, 0.0, turning))
+        strictly = _agree(first, second, np.where(monotone, 0.0, pull_sag))
+        nearly = NEARLY_ZERO * float(np.abs(before).max())
+        steady = _agree(before, after, np.where(strictly, -nearly, turning))
         area = before * widths + np.diff(twice) - once[:-1] * widths + prices * widths**2 / 2
         between = widths * ((np.abs(before) + np.abs(after)) / 2 + turning)
-        jerking = self.jerk * np.where(steady, np.abs(area), between)
+        monotonic = np.abs(area) + 2 * widths * _beyond(before, after)
+        jerking = self.jerk * np.where(steady, monotonic, between)
         costs = np.choose(stages.astype(int), (jerking, sliding, rises))
         sure = np.choose(stages.astype(int), (steady, one_sided, monotone))
         return costs, ~sure, jumps
@@ -213,6 +222,12 @@ class JerkProof:
         last = int(np.flatnonzero(begun)[-1])
         level = -self._weighted(np.array([duration]), 0)[0] if resting[last] else begins[last]
         return float(level), float(np.maximum(-steps, 0.0).sum())
+
+
+def _beyond(before: FloatArray, after: FloatArray) -> FloatArray:
+    """Return how far what does not change direction is beyond 0 at most: rounding."""
+    beyond: FloatArray = np.minimum(np.abs(before), np.abs(after))
+    return np.where(before * after < 0, beyond, 0.0)
 
 
 def _agree(before: FloatArray, after: FloatArray, margin: FloatArray) -> BoolArray:
