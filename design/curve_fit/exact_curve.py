@@ -14,6 +14,7 @@ from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
 from design.formulations.ramped import RampedProblem
+from design.formulations.ramped_band import RampedBandProblem
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
@@ -38,6 +39,9 @@ STARTING_DEGREE = 8
 
 RAMPED_WORK = 1_000.0
 """Work of Newton's method behind limits, from a start nearby [units]."""
+
+UNSERVED = BandProblem | BandSearch | RampedBandProblem | JointProblem | Convolution
+"""Formulations whose amplitudes and their number may change along a range."""
 
 DESIGN_WORK = 3_000.0
 """Work of a design without a search: of its certificate [units]."""
@@ -67,7 +71,7 @@ class ExactCurve:
         self.formulations: list[GapProblem | RampedProblem | ClosedForm] = []
         for mode in modes:
             form = kind.formulate(kind.case((mode,), actuator, self.options))
-            if isinstance(form, BandProblem | BandSearch | JointProblem | Convolution):
+            if isinstance(form, UNSERVED):
                 raise InvalidInputError(
                     "over",
                     axis.variable.meaning,

@@ -7,6 +7,7 @@ from design.claims import Promise, Quantity
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import GapProblem
 from design.formulations.ramped import RampedProblem
+from design.formulations.ramped_band import RampedBandProblem
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.types import ComplexArray
@@ -88,5 +89,12 @@ class Convolution:
 
 
 Formulation = (
-    ClosedForm | GapProblem | BandProblem | BandSearch | JointProblem | RampedProblem | Convolution
+    ClosedForm
+    | GapProblem
+    | BandProblem
+    | BandSearch
+    | JointProblem
+    | RampedProblem
+    | RampedBandProblem
+    | Convolution
 )

@@ -47,9 +47,10 @@ def solve_behind_jerk_limit(
     """
     rise, fall = problem.ramps_rad
     limits = Limits(up=1 / rise, down=1 / fall, jerk=jerk)
-    best: tuple[JerkOptimum, float] | None = None
+    best: JerkOptimum | None = None
+    bound = 0.0  # each proof is about the problem, whatever the course that led to it
     for found in candidates(problem, limits, budget):
-        bound = excluded_jerky_end_rad(_proof(problem, limits, found))
+        bound = max(bound, excluded_jerky_end_rad(_proof(problem, limits, found)))
         budget.note(
             TraceStep(
                 stage="bound",
@@ -60,17 +61,17 @@ def solve_behind_jerk_limit(
                 detail="no reference within the limits ends as early",
             )
         )
-        if best is None or found.end < best[0].end:
-            best = found, bound
-        if bound >= (1 - SMALL_GAP) * found.end:
-            require_in_time(problem, found.end, bound)
-            yield _solution(problem, found, bound)
+        if best is None or found.end < best.end:
+            best = found
+        if bound >= (1 - SMALL_GAP) * best.end:
+            require_in_time(problem, best.end, bound)
+            yield _solution(problem, best, bound)
             best = None
     if best is None:
         refusal = none_found(problem, budget)
         raise refusal
-    require_in_time(problem, best[0].end, best[1])
-    yield _solution(problem, *best)
+    require_in_time(problem, best.end, bound)
+    yield _solution(problem, best, bound)
 
 
 def _proof(problem: RampedProblem, limits: Limits, optimum: JerkOptimum) -> JerkProof:

@@ -5,10 +5,11 @@ import math
 from design.errors import InfeasibleDesignError
 from design.formulations.gaps import PERIOD_RAD
 from design.formulations.ramped import RampedProblem
+from design.formulations.ramped_band import RampedBandProblem
 from design.solvers.budget import Budget
 
 
-def none_found(problem: RampedProblem, budget: Budget) -> InfeasibleDesignError:
+def none_found(problem: RampedProblem | RampedBandProblem, budget: Budget) -> InfeasibleDesignError:
     """Return the refusal where no course was found.
 
     It says how far was searched.
@@ -29,12 +30,14 @@ def none_found(problem: RampedProblem, budget: Budget) -> InfeasibleDesignError:
     elif problem.farthest_rad == math.inf:
         how_far = ""
     return InfeasibleDesignError(
-        f"no course of the reference without residual was found within the limits{how_far}",
+        f"no course of the reference that keeps what is asked was found within the limits{how_far}",
         code="no_ramped_command_found",
     )
 
 
-def require_in_time(problem: RampedProblem, end_rad: float, bound_rad: float) -> None:
+def require_in_time(
+    problem: RampedProblem | RampedBandProblem, end_rad: float, bound_rad: float
+) -> None:
     """Check that the fastest course ends within the horizon.
 
     Parameters

@@ -6,10 +6,11 @@ import numpy as np
 
 from design.analysis.shortest_ramps import RampedProof, excluded_end_rad
 from design.formulations.ramped import RampedProblem
+from design.formulations.ramped_band import RampedBandProblem
 from design.model.impulses import Impulses
 from design.solvers.budget import Budget
+from design.solvers.ramps import band_search, search
 from design.solvers.ramps.optimality import RampedOptimum
-from design.solvers.ramps.search import candidates
 from design.solvers.solution import Solution, SolverReport
 from design.solving.bounded import SMALL_GAP
 from design.solving.distinct_steps import distinct_steps
@@ -41,9 +42,43 @@ def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solu
     if problem.jerk is not None:
         yield from solve_behind_jerk_limit(problem, problem.jerk, budget)
         return
-    best: tuple[RampedOptimum, float] | None = None
-    for found in candidates(problem, budget):
-        bound = excluded_end_rad(_proof(problem, found))
+    yield from _proven(problem, search.candidates(problem, budget), "highs", budget)
+
+
+def solve_band_behind_limits(problem: RampedBandProblem, budget: Budget) -> Iterator[Solution]:
+    """Yield the fastest shaper over a band behind limits.
+
+    Parameters
+    ----------
+    problem
+        The band, and the limits.
+    budget
+        What the search may do.
+
+    Yields
+    ------
+    Solution
+        With a lower bound of the end of its last ramp; the next if one is not certified.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If the fastest ends after the horizon, or none is found: says how far was searched.
+    """
+    yield from _proven(problem, band_search.candidates(problem, budget), "clarabel", budget)
+
+
+def _proven(
+    problem: RampedProblem | RampedBandProblem,
+    candidates: Iterator[RampedOptimum],
+    name: str,
+    budget: Budget,
+) -> Iterator[Solution]:
+    """Yield optima that their bound proves, else the best, each in time."""
+    best: RampedOptimum | None = None
+    bound = 0.0  # each proof is about the problem, whatever the course that led to it
+    for found in candidates:
+        bound = max(bound, excluded_end_rad(_proof(problem, found)))
         budget.note(
             TraceStep(
                 stage="bound",
@@ -54,28 +89,29 @@ def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solu
                 detail="no reference within the limits ends as early",
             )
         )
-        if best is None or found.course.end < best[0].course.end:
-            best = found, bound
-        if bound >= (1 - SMALL_GAP) * found.course.end:
-            require_in_time(problem, found.course.end, bound)
-            yield _solution(problem, found, bound)
+        if best is None or found.course.end < best.course.end:
+            best = found
+        if bound >= (1 - SMALL_GAP) * best.course.end:
+            require_in_time(problem, best.course.end, bound)
+            yield _solution(problem, best, bound, name)
             best = None
     if best is None:
         refusal = none_found(problem, budget)
         raise refusal
-    require_in_time(problem, best[0].course.end, best[1])
-    yield _solution(problem, *best)
+    require_in_time(problem, best.course.end, bound)
+    yield _solution(problem, best, bound, name)
 
 
-def _proof(problem: RampedProblem, found: RampedOptimum) -> RampedProof:
+def _proof(problem: RampedProblem | RampedBandProblem, found: RampedOptimum) -> RampedProof:
     course = found.course
     first = np.flatnonzero(np.diff(course.groups) > 0) + 1
     rise, fall = problem.ramps_rad
     return RampedProof(
-        poles=problem.unit_poles,
-        orders=problem.orders,
+        poles=found.functionals.poles,
+        orders=found.functionals.orders,
         multipliers=found.multipliers,
-        targets=problem.targets,
+        targets=found.targets,
+        tolerance=found.tolerance,
         up=1 / rise,
         down=1 / fall,
         last=problem.last,
@@ -85,13 +121,15 @@ def _proof(problem: RampedProblem, found: RampedOptimum) -> RampedProof:
     )
 
 
-def _solution(problem: RampedProblem, found: RampedOptimum, bound_rad: float) -> Solution:
+def _solution(
+    problem: RampedProblem | RampedBandProblem, found: RampedOptimum, bound_rad: float, name: str
+) -> Solution:
     w, course = problem.natural_frequency_rad_s, found.course
     steps = np.where(np.arange(course.switches.size) % 2 == 0, 1.0, -1.0)
     return Solution(
         impulses=distinct_steps(Impulses(times_s=course.switches / w, amplitudes=steps)),
         solver=SolverReport(
-            name="highs",
+            name=name,
             status="solve_succeeded",
             iterations=found.iterations,
             seed=found.seed,

@@ -6,6 +6,7 @@ from design.errors import InvalidInputError
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
 from design.formulations.ramped import RampedProblem
+from design.formulations.ramped_band import RampedBandProblem
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
@@ -60,7 +61,7 @@ def amplitudes_of(
             "with the plant",
             code="impulses_vary_with_plant",
         )
-    if isinstance(formulation, BandProblem | BandSearch):
+    if isinstance(formulation, BandProblem | BandSearch | RampedBandProblem):
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,
