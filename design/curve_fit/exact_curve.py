@@ -17,6 +17,7 @@ from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
+from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.pipeline import design
@@ -65,6 +66,8 @@ class ExactCurve:
         kind: ShaperKind,
         options: ShaperOptions | None,
     ) -> None:
+        if isinstance(actuator, RateLimited):
+            actuator.require_straight_ramps()
         self.axis = axis
         self.actuator = actuator
         self.kind = kind

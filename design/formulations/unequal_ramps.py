@@ -89,7 +89,7 @@ def unequal_ramps(alike: RampedProblem, actuator: RateLimited) -> UnequalRampsPr
         first_rad=np.array([w * lag.first_s for lag in lags]),
         second_rad2=np.array([w * w * lag.second_s2 for lag in lags]),
         switched=actuator.model == "switched",
-        ceiling=w * actuator.unit_ramps_s[0] / alike.ramps_rad[0],
+        ceiling=w * actuator.straight_ramps_s[0] / alike.ramps_rad[0],
         designed_for=actuator,
     )
 

@@ -15,7 +15,7 @@ from design.formulations.ramped_move import ramped_move
 from design.formulations.seeds import Seed
 from design.formulations.unequal_ramps import unequal_ramps, without_travel
 from design.formulations.whole_move import WholeMove, swing_parameters, whole_move_problem
-from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.rate_limited import RateLimited, follows_one_lag
 from design.model.impulses import Impulses
 from design.moves.parts import Parts
 from design.response.closed_form import travel

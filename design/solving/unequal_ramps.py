@@ -13,7 +13,8 @@ from design.solvers.ramps import search
 from design.solvers.ramps.unequal_search import UnequalOptimum, fastest_from
 from design.solvers.solution import Solution, SolverReport
 from design.solving.distinct_steps import distinct_steps
-from design.solving.ramps import proven, refuse_without_course
+from design.solving.ramp_refusals import refuse_without_course
+from design.solving.ramps import proven
 
 
 def solve_behind_two_lags(problem: UnequalRampsProblem, budget: Budget) -> Iterator[Solution]:

@@ -18,6 +18,7 @@ import numpy as np
 from design.analysis.residuals_of_many import residuals_of_many
 from design.errors import InvalidInputError
 from design.fields import vary
+from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
@@ -148,6 +149,8 @@ def interpolant(head: TableHead, rows: Rows) -> Interpolant:
             "fields of plant or actuator, to interpolate",
             code="fields_not_interpolated",
         )
+    if isinstance(subject.actuator, RateLimited):
+        subject.actuator.require_straight_ramps()
     if not names:
         raise InvalidInputError("fields", [], "one or more, to interpolate", code="no_fields")
     if not isinstance(subject.plant, Mode | Pendulum | SpringMass):
