@@ -45,5 +45,5 @@ def require_workable_ramps(mode: Mode, actuator: RateLimited) -> None:
             actuator.jerk_limit_m_s3,
             f"so large that a ramp to or from full speed, {actuator.speed_m_s:g} m/s, takes at "
             f"most three periods, {longest_s:.4g} s: it takes {ramp_s:.4g} s",
-            code="ramp_too_long",
+            code="jerk_limit_too_small",
         )

@@ -201,14 +201,16 @@ def test_a_bad_limit_is_named(jerk: float, code: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "field"),
+    ("changes", "code", "field"),
     [
-        ({"jerk_limit_m_s3": 1e-4}, "actuator.jerk_limit_m_s3"),
-        ({"accel_limit_m_s2": 1e-3}, "actuator.accel_limit_m_s2"),
+        ({"jerk_limit_m_s3": 1e-4}, "jerk_limit_too_small", "actuator.jerk_limit_m_s3"),
+        ({"accel_limit_m_s2": 1e-3}, "ramp_too_long", "actuator.accel_limit_m_s2"),
     ],
 )
-def test_the_limit_that_makes_a_ramp_too_long_is_named(changes: dict[str, Any], field: str) -> None:
-    with refused("ramp_too_long", field):
+def test_the_limit_that_makes_a_ramp_too_long_is_named(
+    changes: dict[str, Any], code: str, field: str
+) -> None:
+    with refused(code, field):
         design(CRANE, replace(ALONE, **changes), SHAPERS["numzvd"])
 
 

@@ -83,7 +83,12 @@ def test_what_knows_straight_ramps_alone_names_the_jerk(
 
 @pytest.mark.parametrize(
     ("jerk", "code"),
-    [(0, "out_of_range"), (-3, "out_of_range"), ("1", "wrong_type"), (1e-4, "ramp_too_long")],
+    [
+        (0, "out_of_range"),
+        (-3, "out_of_range"),
+        ("1", "wrong_type"),
+        (1e-4, "jerk_limit_too_small"),
+    ],
 )
 def test_a_faulty_limit_is_named(client: httpx.Client, jerk: Any, code: str) -> None:
     answer = client.post(
