@@ -1,10 +1,12 @@
 """How early no limited reference meets its targets: a bound, proven between points too.
 
 A reference r starts at 0, has slopes from ``-down`` to ``up`` and levels from 0 to 1. If it meets
-``integral of r' kernel_k = g_k`` at T then, whatever the c and the function N of time::
+``|integral of r' kernel_k - g_k| <= V exp(-Re(s_k) T)`` at T then, whatever the c and the function
+N of time::
 
     P(t) = Re sum conj(c_k) kernel_k(t),    kernel_k(t) = (-t)^o_k exp(-s_k t)
-    Re sum conj(c_k) g_k = integral of r' P = integral of r' (P + N) - integral of r' N
+    Re sum conj(c_k) g_k + V sum |c_k| exp(-Re(s_k) T)
+      >= integral of r' P = integral of r' (P + N) - integral of r' N
       >= - integral of h(P + N) - N(T) r(T) - fall of N,    h(q) = max(-up q, down q)
 
 since ``integral of r' N = N(T) r(T) - integral of r dN`` and r is between 0 and 1. A duration at
@@ -49,6 +51,8 @@ class RampedProof:
         c, shape (m,).
     targets
         g, shape (m,).
+    tolerance
+        V of each: 0 where targets are met exactly [-].
     up, down
         Steepest slopes of the reference [1/rad].
     last
@@ -65,6 +69,7 @@ class RampedProof:
     orders: FloatArray
     multipliers: ComplexArray
     targets: ComplexArray
+    tolerance: float
     up: float
     down: float
     last: float
@@ -136,6 +141,8 @@ class RampedProof:
         costs, _ = self._costs(edges)
         final, _ = self._constants(np.array([duration]))
         wanted = float((self.multipliers.conj() @ self.targets).real)
+        allowed = np.abs(self.multipliers) @ np.exp(-self.poles.real * duration)
+        wanted += self.tolerance * float(allowed)
         falls = self._falls_of_levels(duration)
         return -float(costs.sum()) - float(final[0]) * self.last - falls - wanted
 

@@ -14,6 +14,8 @@ from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
 from design.formulations.ramped import RampedProblem
+from design.formulations.ramped_band import RampedBandProblem
+from design.formulations.ramped_humps import RampedHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
@@ -44,6 +46,11 @@ RAMPED_WORK = 1_000.0
 Ramps = RampedProblem | UnequalRampsProblem
 """What is formulated behind limits."""
 
+UNSERVED = (
+    BandProblem | BandSearch | RampedBandProblem | RampedHumpsProblem | JointProblem | Convolution
+)
+"""Formulations whose amplitudes and their number may change along a range."""
+
 DESIGN_WORK = 3_000.0
 """Work of a design without a search: of its certificate [units]."""
 
@@ -70,7 +77,7 @@ class ExactCurve:
         self.formulations: list[GapProblem | Ramps | ClosedForm] = []
         for mode in modes:
             form = kind.formulate(kind.case((mode,), actuator, self.options))
-            if isinstance(form, BandProblem | BandSearch | JointProblem | Convolution):
+            if isinstance(form, UNSERVED):
                 raise InvalidInputError(
                     "over",
                     axis.variable.meaning,

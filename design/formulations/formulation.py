@@ -7,6 +7,8 @@ from design.claims import Promise, Quantity
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import GapProblem
 from design.formulations.ramped import RampedProblem
+from design.formulations.ramped_band import RampedBandProblem
+from design.formulations.ramped_humps import RampedHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
@@ -96,5 +98,7 @@ Formulation = (
     | JointProblem
     | RampedProblem
     | UnequalRampsProblem
+    | RampedBandProblem
+    | RampedHumpsProblem
     | Convolution
 )

@@ -34,6 +34,23 @@ MAX_RUN_S = 10.0
 """Where Clarabel ends a run [s]."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CourseSteps:
+    """How far a course goes from one point to the next, and where it ends.
+
+    Attributes
+    ----------
+    rise, fall
+        At most, up and down, > 0.
+    last
+        Its last value, after the unknown ones; the first is 0.
+    """
+
+    rise: float
+    fall: float
+    last: float
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ConeProgram:
     """``min v`` so that ``|offset_k + rows_k x| <= v``, ``lowest <= x <= highest``, ``sum x = 1``.
@@ -50,6 +67,8 @@ class ConeProgram:
         Upper bound of the unknowns; infinite for none.
     unit_sum
         Whether the unknowns' sum is 1.
+    steps
+        Limits of the course ``0, x_1 .. x_n, last``, if it has any.
     """
 
     offset: ComplexArray
@@ -57,6 +76,7 @@ class ConeProgram:
     lowest: float
     highest: float
     unit_sum: bool
+    steps: CourseSteps | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -168,6 +188,13 @@ def solve(program: ConeProgram) -> ConeOutcome:
             blocks.append(np.hstack((sign * np.eye(count), np.zeros((count, rank + 1)))))
             right.append(np.full(count, sign * bound))
             cones.append(clarabel.NonnegativeConeT(count))
+    if program.steps is not None:
+        changes = np.eye(count + 1, count) - np.eye(count + 1, count, -1)
+        ends = np.append(np.zeros(count), program.steps.last)
+        for sign, most in ((1.0, program.steps.rise), (-1.0, program.steps.fall)):
+            blocks.append(np.hstack((sign * changes, np.zeros((count + 1, rank + 1)))))
+            right.append(most - sign * ends)
+            cones.append(clarabel.NonnegativeConeT(count + 1))
     below = np.zeros((bands, CONE_SIZE, unknowns))
     below[:, 0, -1] = -1.0
     below[:, 1, count:-1], below[:, 2, count:-1] = -combined[:bands], -combined[bands:]

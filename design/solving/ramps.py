@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NoReturn
 
 import numpy as np
@@ -10,10 +11,12 @@ from design.analysis.shortest_ramps import RampedProof, excluded_end_rad
 from design.errors import InfeasibleDesignError
 from design.formulations.gaps import PERIOD_RAD
 from design.formulations.ramped import RampedProblem
+from design.formulations.ramped_band import RampedBandProblem
+from design.formulations.ramped_humps import RampedHumpsProblem
 from design.model.impulses import Impulses
 from design.solvers.budget import Budget
+from design.solvers.ramps import band_search, search
 from design.solvers.ramps.optimality import RampedOptimum
-from design.solvers.ramps.search import candidates
 from design.solvers.solution import Solution, SolverReport
 from design.solving.bounded import SMALL_GAP
 from design.solving.distinct_steps import distinct_steps
@@ -40,58 +43,55 @@ def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solu
     InfeasibleDesignError
         If the fastest ends after the horizon, or none is found: says how far was searched.
     """
-    for found, bound in proven_courses(problem, budget):
-        _require_in_time(problem, found, bound)
-        yield _solution(problem, found, bound)
-        if not _is_proven(found, bound):
-            return
-    refuse_without_course(problem, budget)
+    yield from _solutions(problem, search.candidates(problem, budget), "highs", budget)
 
 
-def proven_courses(problem: RampedProblem, budget: Budget) -> Iterator[tuple[RampedOptimum, float]]:
-    """Yield courses that are proven to end first.
-
-    Where none is, the one that ends first comes last.
+def solve_band_behind_limits(problem: RampedBandProblem, budget: Budget) -> Iterator[Solution]:
+    """Yield the fastest shaper over a band behind limits.
 
     Parameters
     ----------
     problem
-        Targets and limits.
+        The band, and the limits.
     budget
         What the search may do.
 
     Yields
     ------
-    tuple of RampedOptimum and float
-        A course, and a time before which none ends [rad].
+    Solution
+        With a lower bound of the end of its last ramp; the next if one is not certified.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If the fastest ends after the horizon, or none is found: says how far was searched.
     """
-    best: tuple[RampedOptimum, float] | None = None
-    for found in candidates(problem, budget):
-        bound = excluded_end_rad(_proof(problem, found))
-        budget.note(
-            TraceStep(
-                stage="bound",
-                method="proof",
-                start=found.seed,
-                outcome="proved",
-                duration_s=bound / problem.natural_frequency_rad_s,
-                detail="no reference within the limits ends as early",
-            )
+    yield from _solutions(problem, band_search.candidates(problem, budget), "clarabel", budget)
+
+
+def _solutions(
+    problem: RampedProblem | RampedBandProblem,
+    candidates: Iterator[RampedOptimum],
+    name: str,
+    budget: Budget,
+) -> Iterator[Solution]:
+    """Yield optima that their bound proves, else the best, each in time."""
+    none_found = True
+    for found, bound in proven(problem, candidates, budget):
+        none_found = False
+        _require_in_time(problem, found, bound)
+        solution = solution_of(problem, found, name)
+        report = replace(
+            solution.solver,
+            lower_bound_s=bound / problem.natural_frequency_rad_s,
+            gap=1 - bound / found.course.end,
         )
-        if best is None or found.course.end < best[0].course.end:
-            best = found, bound
-        if _is_proven(found, bound):
-            yield found, bound
-            best = None
-    if best is not None:
-        yield best
+        yield replace(solution, solver=report)
+    if none_found:
+        refuse_without_course(problem, budget)
 
 
-def _is_proven(found: RampedOptimum, bound_rad: float) -> bool:
-    return bound_rad >= (1 - SMALL_GAP) * found.course.end
-
-
-def refuse_without_course(problem: RampedProblem, budget: Budget) -> NoReturn:
+def refuse_without_course(problem: RampedProblem | RampedBandProblem, budget: Budget) -> NoReturn:
     """Refuse a problem for which no course was found.
 
     Parameters
@@ -107,13 +107,55 @@ def refuse_without_course(problem: RampedProblem, budget: Budget) -> NoReturn:
         Always; says how far was searched.
     """
     raise InfeasibleDesignError(
-        "no course of the reference without residual was found within the limits"
+        "no course of the reference that keeps what is asked was found within the limits"
         + _how_far(problem, budget),
         code="no_ramped_command_found",
     )
 
 
-def _how_far(problem: RampedProblem, budget: Budget) -> str:
+def proven(
+    problem: RampedProblem | RampedBandProblem,
+    candidates: Iterator[RampedOptimum],
+    budget: Budget,
+) -> Iterator[tuple[RampedOptimum, float]]:
+    """Yield optima that their bound proves; the best at last, if none is.
+
+    Parameters
+    ----------
+    problem, candidates
+        Targets and limits, and courses that may be optimal.
+    budget
+        That of the search, which notes the proofs.
+
+    Yields
+    ------
+    tuple of RampedOptimum and float
+        An optimum, and an end before which there is none [rad].
+    """
+    best: RampedOptimum | None = None
+    bound = 0.0  # each proof is about the problem, whatever the course that led to it
+    for found in candidates:
+        bound = max(bound, excluded_end_rad(_proof(problem, found)))
+        budget.note(
+            TraceStep(
+                stage="bound",
+                method="proof",
+                start=found.seed,
+                outcome="proved",
+                duration_s=bound / problem.natural_frequency_rad_s,
+                detail="no reference within the limits ends as early",
+            )
+        )
+        if best is None or found.course.end < best.course.end:
+            best = found
+        if bound >= (1 - SMALL_GAP) * best.course.end:
+            yield best, bound
+            best = None
+    if best is not None:
+        yield best, bound
+
+
+def _how_far(problem: RampedProblem | RampedBandProblem, budget: Budget) -> str:
     if budget.spent:
         return f": {budget.in_words}"
     if problem.farthest_rad < math.inf:
@@ -121,7 +163,9 @@ def _how_far(problem: RampedProblem, budget: Budget) -> str:
     return ""
 
 
-def _require_in_time(problem: RampedProblem, found: RampedOptimum, bound_rad: float) -> None:
+def _require_in_time(
+    problem: RampedProblem | RampedBandProblem, found: RampedOptimum, bound_rad: float
+) -> None:
     if found.course.end <= problem.horizon_rad:
         return
     raise InfeasibleDesignError(
@@ -133,15 +177,16 @@ def _require_in_time(problem: RampedProblem, found: RampedOptimum, bound_rad: fl
     )
 
 
-def _proof(problem: RampedProblem, found: RampedOptimum) -> RampedProof:
+def _proof(problem: RampedProblem | RampedBandProblem, found: RampedOptimum) -> RampedProof:
     course = found.course
     first = np.flatnonzero(np.diff(course.groups) > 0) + 1
     rise, fall = problem.ramps_rad
     return RampedProof(
-        poles=problem.unit_poles,
-        orders=problem.orders,
+        poles=found.functionals.poles,
+        orders=found.functionals.orders,
         multipliers=found.multipliers,
-        targets=problem.targets,
+        targets=found.targets,
+        tolerance=found.tolerance,
         up=1 / rise,
         down=1 / fall,
         last=problem.last,
@@ -151,18 +196,34 @@ def _proof(problem: RampedProblem, found: RampedOptimum) -> RampedProof:
     )
 
 
-def _solution(problem: RampedProblem, found: RampedOptimum, bound_rad: float) -> Solution:
+def solution_of(
+    problem: RampedProblem | RampedBandProblem | RampedHumpsProblem,
+    found: RampedOptimum,
+    name: str,
+) -> Solution:
+    """Return a course as the command that it follows, without a bound.
+
+    Parameters
+    ----------
+    problem, found
+        What was solved, and the course.
+    name
+        What solved its programs.
+
+    Returns
+    -------
+    Solution
+        Steps up and down in turn.
+    """
     w, course = problem.natural_frequency_rad_s, found.course
     steps = np.where(np.arange(course.switches.size) % 2 == 0, 1.0, -1.0)
     return Solution(
         impulses=distinct_steps(Impulses(times_s=course.switches / w, amplitudes=steps)),
         solver=SolverReport(
-            name="highs",
+            name=name,
             status="solve_succeeded",
             iterations=found.iterations,
             seed=found.seed,
             starts=found.programs,
-            lower_bound_s=bound_rad / w,
-            gap=1 - bound_rad / course.end,
         ),
     )

@@ -9,10 +9,11 @@ from design.formulations.gaps import PERIOD_RAD
 from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.impulses import Impulses
 from design.solvers.budget import Budget
+from design.solvers.ramps.search import candidates
 from design.solvers.ramps.unequal_search import UnequalOptimum, fastest_from
 from design.solvers.solution import Solution, SolverReport
 from design.solving.distinct_steps import distinct_steps
-from design.solving.ramps import proven_courses, refuse_without_course
+from design.solving.ramps import proven, refuse_without_course
 
 
 def solve_behind_two_lags(problem: UnequalRampsProblem, budget: Budget) -> Iterator[Solution]:
@@ -35,12 +36,13 @@ def solve_behind_two_lags(problem: UnequalRampsProblem, budget: Budget) -> Itera
     InfeasibleDesignError
         If the fastest found ends after the horizon, or none is found: says how far was searched.
     """
-    for behind_one, _ in proven_courses(problem.alike, budget):
+    alike = problem.alike
+    for behind_one, _ in proven(alike, candidates(alike, budget), budget):
         found = fastest_from(problem, behind_one.course.switches, budget)
         if found is not None:
             _require_in_time(problem, found)
             yield _solution(problem, found)
-    refuse_without_course(problem.alike, budget)
+    refuse_without_course(alike, budget)
 
 
 def _require_in_time(problem: UnequalRampsProblem, found: UnequalOptimum) -> None:

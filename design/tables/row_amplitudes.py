@@ -6,6 +6,8 @@ from design.errors import InvalidInputError
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
 from design.formulations.ramped import RampedProblem
+from design.formulations.ramped_band import RampedBandProblem
+from design.formulations.ramped_humps import RampedHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
@@ -53,7 +55,8 @@ def amplitudes_of(
         actuator = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1)
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=damping_ratio)
     formulation = kind.formulate(kind.case((mode,), actuator, options))
-    if isinstance(formulation, JointProblem | Convolution | RampedProblem | UnequalRampsProblem):
+    ramped = RampedProblem | RampedHumpsProblem | UnequalRampsProblem
+    if isinstance(formulation, JointProblem | Convolution | ramped):
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,
@@ -61,7 +64,7 @@ def amplitudes_of(
             "with the plant",
             code="impulses_vary_with_plant",
         )
-    if isinstance(formulation, BandProblem | BandSearch):
+    if isinstance(formulation, BandProblem | BandSearch | RampedBandProblem):
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,

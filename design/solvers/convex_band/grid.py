@@ -174,13 +174,13 @@ def structure(problem: BandProblem, grid: Grid, found: ConeOutcome) -> Point | N
         A start for Newton's method; None where there is but one impulse, or two impulses coincide.
     """
     if problem.levels is None:
-        lags, amplitudes = _clusters(grid.lags, found.unknowns, PRESENT)
+        lags, amplitudes = clusters(grid.lags, found.unknowns, PRESENT)
     else:
         lags, amplitudes = _switches(grid.lags, found.unknowns, problem.levels)
     if lags.size < 2 or np.diff(lags).min() <= 0:  # noqa: PLR2004
         return None
     lags[0], lags[-1] = 0.0, grid.lags[-1]
-    ratios, weights = _clusters(grid.ratios, found.weights, PRESENT_WEIGHT)
+    ratios, weights = clusters(grid.ratios, found.weights, PRESENT_WEIGHT)
     # A peak so near the edge that the grid cannot tell the two apart sits on the edge.
     low_edge = ratios < grid.ratios[:2].mean()
     high_edge = ratios > grid.ratios[-2:].mean()
@@ -194,10 +194,23 @@ def structure(problem: BandProblem, grid: Grid, found: ConeOutcome) -> Point | N
     )
 
 
-def _clusters(
+def clusters(
     places: FloatArray, weights: FloatArray, present: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Join neighbours that have weight: centres and sums, at least two of them."""
+    """Join neighbours that have weight.
+
+    Parameters
+    ----------
+    places, weights
+        Where they are, ascending, and their weights, shape (n,).
+    present
+        Share of the largest weight below which one is none [-].
+
+    Returns
+    -------
+    tuple of FloatArray
+        Centres and sums of the groups, at least two of them in all.
+    """
     weights = np.where(weights > present * weights.max(), weights, 0.0)
     group = np.cumsum(np.diff(weights > 0, prepend=False) & (weights > 0)) - 1
     kept = weights > 0

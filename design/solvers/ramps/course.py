@@ -66,7 +66,7 @@ class Course:
     def values(self, functionals: Functionals) -> ComplexArray:
         """Return the functionals of the course, shape (m,)."""
         lengths = self.ends - self.starts
-        short = lengths * float(np.abs(functionals.poles).max()) < SHORT_RAD
+        short = lengths * float(np.abs(functionals.poles).max(initial=0.0)) < SHORT_RAD
         long = ~short
         integrals = functionals.integrals(np.concatenate((self.starts[long], self.ends[long])))
         before, after = np.split(integrals, 2, axis=1)

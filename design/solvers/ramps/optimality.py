@@ -37,10 +37,14 @@ MIN_GAP_RAD = 1e-6
 class RampedOptimum:
     """A course that meets its targets, and the multipliers that exclude shorter ones.
 
+    ``|F_k - g_k| exp(Re(s_k) T)`` is at most the tolerance, 0 where targets are met exactly.
+
     Attributes
     ----------
     course
         The course.
+    functionals, targets, tolerance
+        F, g, shape (m,), and the tolerance [-].
     multipliers
         c, shape (m,): ``-Re conj(c) dF`` is by how much the end moves with the targets.
     iterations
@@ -52,6 +56,9 @@ class RampedOptimum:
     """
 
     course: Course
+    functionals: Functionals
+    targets: ComplexArray
+    tolerance: float
     multipliers: ComplexArray
     iterations: int
     programs: int = 0
@@ -124,6 +131,9 @@ def solve_conditions(
         return None
     return RampedOptimum(
         course=course,
+        functionals=functionals,
+        targets=targets,
+        tolerance=0.0,
         multipliers=find_multipliers(course, functionals),
         iterations=iteration,
     )

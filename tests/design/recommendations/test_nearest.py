@@ -46,7 +46,7 @@ def test_what_is_offered_instead_is_of_shapers_that_miss_nothing_else() -> None:
             recommend(Mode(natural_frequency_rad_s=2 * math.pi), IDEAL, asked)
 
 
-@pytest.mark.parametrize("ramp_s", [5.5, 6.2])
+@pytest.mark.parametrize("ramp_s", [5.5, 6.2, 12.0])
 def test_a_band_in_which_the_unshaped_ramp_leaves_nothing_is_served(ramp_s: float) -> None:
     drive = RateLimited(accel_limit_m_s2=1 / ramp_s, decel_limit_m_s2=1.0, speed_m_s=1.0)
     mode = Mode(natural_frequency_rad_s=1.0)

@@ -184,6 +184,7 @@ def test_a_bound_is_below_what_any_multipliers_exclude() -> None:
     for _ in range(20):
         ends = np.sort(rng.uniform(1, 9, 3))
         proof = RampedProof(
+            tolerance=0.0,
             poles=np.array([-0.05 + 1j, -0.05 + 1j]),
             orders=np.array([0.0, 1.0]),
             multipliers=rng.normal(size=2) + 1j * rng.normal(size=2),
