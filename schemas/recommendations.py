@@ -75,7 +75,10 @@ class RecommendationRequest(Wire):
         ),
     ] = None
     max_duration_s: Annotated[
-        Positive | None, Field(description="Longest duration of a shaper [s].")
+        Positive | None,
+        Field(
+            description="Longest duration of a shaper, behind limits until its last ramp ends [s]."
+        ),
     ] = None
     sign: Annotated[
         Sign, Field(description="positive: all impulses above 0; unity: +1, -1, +1, ...")
@@ -169,6 +172,13 @@ class CandidateOut(Wire):
     ]
     impulses: ImpulsesWire
     duration_s: Annotated[float, Field(description="Time that it adds to a move [s].")]
+    ramp_end_s: Annotated[
+        float | None,
+        leave_out_none(
+            "Behind limits, when the last ramp ends, after the first step: what shapers are ranked "
+            "by there; otherwise left out [s]."
+        ),
+    ]
     meets_all: bool
     requirements: Annotated[
         list[VerdictOut], Field(description="Verdict on each requirement, with its reason.")
@@ -239,6 +249,7 @@ class CandidateOut(Wire):
             shaper=_shaper(made.choice, sample_time_s),
             impulses=ImpulsesWire.from_design(candidate.impulses),
             duration_s=candidate.duration_s,
+            ramp_end_s=None if candidate.end_s == candidate.duration_s else candidate.end_s,
             meets_all=not candidate.missed,
             requirements=[VerdictOut.from_design(one) for one in candidate.verdicts],
             worst_residual=_finite_or_none(made.worst_residual),
@@ -308,10 +319,10 @@ class RecommendationResponse(Wire):
     ]
     why: Annotated[list[str], Field(description="Reasons for that shaper, in sentences.")]
     runners_up: Annotated[
-        list[CandidateOut], Field(description="All others that meet it, by duration.")
+        list[CandidateOut], Field(description="All others that meet it, the fastest first.")
     ]
     others: Annotated[
-        list[CandidateOut], Field(description="Shapers that do not meet it, by duration.")
+        list[CandidateOut], Field(description="Shapers that do not meet it, the fastest first.")
     ]
     refused: Annotated[list[RefusedOut], Field(description="Kinds that could not be designed.")]
     band: BandOut

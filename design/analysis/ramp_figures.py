@@ -43,7 +43,7 @@ def ramp_figures(impulses: Impulses, modes: tuple[Mode, ...], actuator: RateLimi
         End of the last ramp, and the residual of an unshaped one.
     """
     return RampFigures(
-        end_s=end_of_reference(impulses, actuator) - float(impulses.times_s[0]),
+        end_s=moving_time_s(impulses, actuator),
         unshaped_residual=max(unshaped_ramp_residual(mode, actuator) for mode in modes),
     )
 
@@ -63,3 +63,19 @@ def end_of_reference(command: Impulses, actuator: Actuator) -> float:
     """
     changes = reference(command, actuator)
     return float(changes.times_s[-1] + changes.ramps_s[-1])
+
+
+def moving_time_s(command: Impulses, actuator: Actuator) -> float:
+    """Return how long a command moves the reference.
+
+    Parameters
+    ----------
+    command, actuator
+        The command, and what follows it.
+
+    Returns
+    -------
+    float
+        From the first step to the last, or to the end of the last ramp [s].
+    """
+    return end_of_reference(command, actuator) - float(command.times_s[0])

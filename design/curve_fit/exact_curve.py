@@ -15,6 +15,7 @@ from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
+from design.formulations.ramped_humps import RampedHumpsProblem
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
@@ -40,7 +41,9 @@ STARTING_DEGREE = 8
 RAMPED_WORK = 1_000.0
 """Work of Newton's method behind limits, from a start nearby [units]."""
 
-UNSERVED = BandProblem | BandSearch | RampedBandProblem | JointProblem | Convolution
+UNSERVED = (
+    BandProblem | BandSearch | RampedBandProblem | RampedHumpsProblem | JointProblem | Convolution
+)
 """Formulations whose amplitudes and their number may change along a range."""
 
 DESIGN_WORK = 3_000.0

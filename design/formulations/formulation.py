@@ -8,6 +8,7 @@ from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import GapProblem
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
+from design.formulations.ramped_humps import RampedHumpsProblem
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.types import ComplexArray
@@ -96,5 +97,6 @@ Formulation = (
     | JointProblem
     | RampedProblem
     | RampedBandProblem
+    | RampedHumpsProblem
     | Convolution
 )

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
+from design.analysis.ramp_figures import moving_time_s
 from design.errors import DesignError, InfeasibleDesignError
 from design.recommendations.candidates import Designed, Refused, design_choice, with_tolerance
 from design.recommendations.choices import Choice
@@ -78,7 +79,7 @@ def unmet(
     ]
     told = [detail for _, detail in faults]
     if not faults:
-        nearest = min(ranked, key=lambda one: (len(one.missed), one.duration_s))
+        nearest = min(ranked, key=lambda one: (len(one.missed), one.end_s))
         missed = [verdict.reason for verdict in nearest.verdicts if not verdict.met]
         told = [
             f"dropping any single limit does not help; {nearest.name} comes closest: "
@@ -119,7 +120,7 @@ def _nearest(limit: _Limit, candidates: Sequence[Candidate]) -> Iterator[Candida
     """Yield the candidate nearest to one limit of those that meet all others, if there is one."""
     others = [one for one in candidates if set(one.missed) <= set(limit.fields)]
     if others:
-        yield min(others, key=lambda one: (limit.size(one), one.duration_s))
+        yield min(others, key=lambda one: (limit.size(one), one.end_s))
 
 
 def _limits(question: Question) -> Iterator[_Limit]:
@@ -129,24 +130,24 @@ def _limits(question: Question) -> Iterator[_Limit]:
         size=lambda one: one.designed.worst_residual,
         describe=lambda one: (
             "within the other limits the smallest residual found is "
-            f"{percent(one.designed.worst_residual)}, by {one.name}, {one.duration_s:.4g} s"
+            f"{percent(one.designed.worst_residual)}, by {one.name}, {one.end_s:.4g} s"
         ),
     )
     if asked.max_duration_s is not None:
         yield _Limit(
             fields=("max_duration_s",),
-            size=lambda one: one.duration_s,
+            size=lambda one: one.end_s,
             describe=lambda one: (
-                f"the shortest found that meets the other limits takes {one.duration_s:.4g} s, "
+                f"the shortest found that meets the other limits takes {one.end_s:.4g} s, "
                 f"{one.name}"
             ),
         )
     if asked.sign != "any":
         yield _Limit(
             fields=("sign",),
-            size=lambda one: one.duration_s,
+            size=lambda one: one.end_s,
             describe=lambda one: (
-                f"with another sign than {asked.sign}, {one.name} serves, {one.duration_s:.4g} s"
+                f"with another sign than {asked.sign}, {one.name} serves, {one.end_s:.4g} s"
             ),
         )
     yield _Limit(
@@ -156,7 +157,7 @@ def _limits(question: Question) -> Iterator[_Limit]:
         ),
         describe=lambda one: (
             f"with a command from {one.lowest_command:.4g} to {one.highest_command:.4g}, "
-            f"{one.name} serves, {one.duration_s:.4g} s"
+            f"{one.name} serves, {one.end_s:.4g} s"
         ),
     )
     if asked.max_high_mode_gain is not None:
@@ -165,7 +166,7 @@ def _limits(question: Question) -> Iterator[_Limit]:
             size=lambda one: one.high_mode_gain,
             describe=lambda one: (
                 f"the least high-mode gain found is {one.high_mode_gain:.3g}, of {one.name}, "
-                f"{one.duration_s:.4g} s"
+                f"{one.end_s:.4g} s"
             ),
         )
 
@@ -216,11 +217,11 @@ def _eased_candidates(
     short = [
         one.designed.worst_residual
         for one in ranked
-        if one.duration_s <= longest and set(one.missed) <= {"tolerance"}
+        if one.end_s <= longest and set(one.missed) <= {"tolerance"}
     ]
     for candidate in ranked:
         choice = candidate.designed.choice
-        if candidate.duration_s <= longest or "half_width" not in choice.options:
+        if candidate.end_s <= longest or "half_width" not in choice.options:
             continue
         low, high = question.requirements.tolerance, min([*short, MAX_TOLERANCE])
         if high <= low:
@@ -230,7 +231,7 @@ def _eased_candidates(
                 return
             middle = math.sqrt(low * high)
             found = _ease_to(choice, middle, question, budget)
-            if found is None or found.found.impulses.duration_s > longest:
+            if found is None or moving_time_s(found.found.impulses, question.actuator) > longest:
                 low = middle
                 continue
             yield judge_choice(found, question)

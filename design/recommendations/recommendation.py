@@ -146,7 +146,7 @@ def _same(one: Impulses, other: Impulses) -> bool:
 
 def _rank(candidate: Candidate) -> tuple[float, float, float]:
     return (
-        _round(candidate.duration_s),
+        _round(candidate.end_s),
         -_round(candidate.width),
         _round(candidate.high_mode_gain),
     )
@@ -163,7 +163,7 @@ def _reasons(
     many = f"the fastest of {len(meeting)} shapers" if len(meeting) > 1 else "the only shaper"
     yield (
         f"{best.name} is {many} designed here that {'meet' if len(meeting) > 1 else 'meets'} all "
-        f"that is asked: it takes {best.duration_s:.4g} s, and its residual is at most "
+        f"that is asked: it takes {best.end_s:.4g} s, and its residual is at most "
         f"{percent(best.designed.worst_residual)} {ranges(question)}"
     )
     if len(meeting) > 1:
@@ -174,15 +174,15 @@ def _reasons(
             f"in a mode at {HIGH_MODES[0]:g} to {HIGH_MODES[1]:g} times the frequency the "
             f"residual of {best.name} is up to {best.high_mode_gain:.3g} times that of an "
             f"unshaped step; where such modes matter, that of {calm[0].name}, "
-            f"{calm[0].duration_s:.4g} s, is at most that of the step"
+            f"{calm[0].end_s:.4g} s, is at most that of the step"
         )
-    faster = [one for one in ranked if one.missed and one.duration_s < best.duration_s]
+    faster = [one for one in ranked if one.missed and one.end_s < best.end_s]
     if faster:
         nearest = min(faster, key=lambda one: (len(one.missed), one.designed.worst_residual))
         missed = [verdict.reason for verdict in nearest.verdicts if not verdict.met]
         yield (
             f"none of the {len(faster)} faster ones serves; {nearest.name}, "
-            f"{nearest.duration_s:.4g} s, comes closest, but {' and '.join(missed)}"
+            f"{nearest.end_s:.4g} s, comes closest, but {' and '.join(missed)}"
         )
     yield from shortest_possible(question, ranked)
 
@@ -193,8 +193,8 @@ def _over_the_next(best: Candidate, second: Candidate) -> str:
         return f"{second.name} is the same shaper here"
     first, next_one = _rank(best), _rank(second)
     if first[0] < next_one[0]:
-        share = second.duration_s / best.duration_s - 1
-        return f"the next, {second.name}, takes {second.duration_s:.4g} s, {percent(share)} more"
+        share = second.end_s / best.end_s - 1
+        return f"the next, {second.name}, takes {second.end_s:.4g} s, {percent(share)} more"
     if first[1] < next_one[1]:
         return f"{second.name} takes as long, but is insensitive over a narrower band"
     if first[2] < next_one[2]:

@@ -25,10 +25,11 @@ from design.formulations.humps import (
     follow_from_undamped,
 )
 from design.formulations.lag_parameters import decel_over_accel, lag_parameters, switched_order
+from design.formulations.ramped_humps import ramped_humps_problem
 from design.formulations.seeds import Ratios, Seed
 from design.formulations.unity_magnitude_problem import alternating
 from design.model.actuators.rate_limited import RateLimited
-from design.model.actuators.registry import Actuator
+from design.model.actuators.registry import Actuator, follows_one_lag
 from design.model.plants.mode import Mode
 from design.shapers.actuators import EVERY_ACTUATOR
 from design.shapers.kind import DesignCase, KindOf, ShaperKind
@@ -156,6 +157,16 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
         If settling before each switch takes longer than the longest shaper asked for.
     """
     mode, actuator, options = case.mode, case.actuator, case.options
+    name, near, (damping_ratio, tolerance) = _ideal(mode, options.tolerance, humps)
+    if follows_one_lag(actuator) and not options.settle:
+        return ramped_humps_problem(
+            mode,
+            actuator,
+            zeros=(float(near.zeros[0]), float(near.zeros[-1])),
+            humps=humps,
+            tolerance=options.tolerance,
+            max_duration_periods=options.max_duration_periods,
+        )
     model = AlternatingHumps(
         humps=humps,
         switched_order=switched_order(actuator),
@@ -170,7 +181,6 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
             code="settling_exceeds_duration",
         )
     parameters = np.append(lag_parameters(mode, actuator), options.tolerance)
-    name, near, (damping_ratio, tolerance) = _ideal(mode, options.tolerance, humps)
     equal = with_equal_sets(parameters)
     equal[0], equal[-1] = damping_ratio, tolerance
     lowest, highest = RATIO_BOUNDS

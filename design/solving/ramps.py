@@ -1,12 +1,14 @@
 """The fastest shapers behind limits to acceleration, each with its bound."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from design.analysis.shortest_ramps import RampedProof, excluded_end_rad
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
+from design.formulations.ramped_humps import RampedHumpsProblem
 from design.model.impulses import Impulses
 from design.solvers.budget import Budget
 from design.solvers.ramps import band_search, search
@@ -42,7 +44,7 @@ def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solu
     if problem.jerk is not None:
         yield from solve_behind_jerk_limit(problem, problem.jerk, budget)
         return
-    yield from _proven(problem, search.candidates(problem, budget), "highs", budget)
+    yield from _solutions(problem, search.candidates(problem, budget), "highs", budget)
 
 
 def solve_band_behind_limits(problem: RampedBandProblem, budget: Budget) -> Iterator[Solution]:
@@ -65,16 +67,51 @@ def solve_band_behind_limits(problem: RampedBandProblem, budget: Budget) -> Iter
     InfeasibleDesignError
         If the fastest ends after the horizon, or none is found: says how far was searched.
     """
-    yield from _proven(problem, band_search.candidates(problem, budget), "clarabel", budget)
+    yield from _solutions(problem, band_search.candidates(problem, budget), "clarabel", budget)
 
 
-def _proven(
+def _solutions(
     problem: RampedProblem | RampedBandProblem,
     candidates: Iterator[RampedOptimum],
     name: str,
     budget: Budget,
 ) -> Iterator[Solution]:
     """Yield optima that their bound proves, else the best, each in time."""
+    some = False
+    for found, bound in proven(problem, candidates, budget):
+        some = True
+        require_in_time(problem, found.course.end, bound)
+        solution = solution_of(problem, found, name)
+        report = replace(
+            solution.solver,
+            lower_bound_s=bound / problem.natural_frequency_rad_s,
+            gap=1 - bound / found.course.end,
+        )
+        yield replace(solution, solver=report)
+    if not some:
+        refusal = none_found(problem, budget)
+        raise refusal
+
+
+def proven(
+    problem: RampedProblem | RampedBandProblem,
+    candidates: Iterator[RampedOptimum],
+    budget: Budget,
+) -> Iterator[tuple[RampedOptimum, float]]:
+    """Yield optima that their bound proves; the best at last, if none is.
+
+    Parameters
+    ----------
+    problem, candidates
+        Targets and limits, and courses that may be optimal.
+    budget
+        That of the search, which notes the proofs.
+
+    Yields
+    ------
+    tuple of RampedOptimum and float
+        An optimum, and an end before which there is none [rad].
+    """
     best: RampedOptimum | None = None
     bound = 0.0  # each proof is about the problem, whatever the course that led to it
     for found in candidates:
@@ -92,14 +129,10 @@ def _proven(
         if best is None or found.course.end < best.course.end:
             best = found
         if bound >= (1 - SMALL_GAP) * best.course.end:
-            require_in_time(problem, best.course.end, bound)
-            yield _solution(problem, best, bound, name)
+            yield best, bound
             best = None
-    if best is None:
-        refusal = none_found(problem, budget)
-        raise refusal
-    require_in_time(problem, best.course.end, bound)
-    yield _solution(problem, best, bound, name)
+    if best is not None:
+        yield best, bound
 
 
 def _proof(problem: RampedProblem | RampedBandProblem, found: RampedOptimum) -> RampedProof:
@@ -121,9 +154,25 @@ def _proof(problem: RampedProblem | RampedBandProblem, found: RampedOptimum) -> 
     )
 
 
-def _solution(
-    problem: RampedProblem | RampedBandProblem, found: RampedOptimum, bound_rad: float, name: str
+def solution_of(
+    problem: RampedProblem | RampedBandProblem | RampedHumpsProblem,
+    found: RampedOptimum,
+    name: str,
 ) -> Solution:
+    """Return a course as the command that it follows, without a bound.
+
+    Parameters
+    ----------
+    problem, found
+        What was solved, and the course.
+    name
+        What solved its programs.
+
+    Returns
+    -------
+    Solution
+        Steps up and down in turn.
+    """
     w, course = problem.natural_frequency_rad_s, found.course
     steps = np.where(np.arange(course.switches.size) % 2 == 0, 1.0, -1.0)
     return Solution(
@@ -134,7 +183,5 @@ def _solution(
             iterations=found.iterations,
             seed=found.seed,
             starts=found.programs,
-            lower_bound_s=bound_rad / w,
-            gap=1 - bound_rad / course.end,
         ),
     )

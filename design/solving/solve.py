@@ -6,16 +6,14 @@ from typing import Any
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, Formulation, JointProblem
-from design.formulations.ramped import RampedProblem
-from design.formulations.ramped_band import RampedBandProblem
 from design.solvers import search
 from design.solvers.budget import Budget
 from design.solvers.solution import Solution
 from design.solvers.unity_band import search as unity_band
 from design.solving import optima
+from design.solving.behind_limits import SOLVERS_BEHIND_LIMITS
 from design.solving.closed_form import solve_closed_form
 from design.solving.convolution import convolve_solutions
-from design.solving.ramps import solve_band_behind_limits, solve_behind_limits
 
 
 def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[Solution]:
@@ -52,8 +50,7 @@ SOLVERS: dict[type[Formulation], Callable[[Any, Budget], Iterator[Solution]]] = 
     BandSearch: unity_band.solve,
     BandProblem: optima.solve_over_band,
     JointProblem: optima.solve_jointly,
-    RampedProblem: solve_behind_limits,
-    RampedBandProblem: solve_band_behind_limits,
+    **SOLVERS_BEHIND_LIMITS,
     Convolution: _convolution,
 }
 """What solves each class of formulation: one more solver is one more row."""

@@ -7,6 +7,7 @@ from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
+from design.formulations.ramped_humps import RampedHumpsProblem
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
@@ -53,7 +54,7 @@ def amplitudes_of(
         actuator = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1)
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=damping_ratio)
     formulation = kind.formulate(kind.case((mode,), actuator, options))
-    if isinstance(formulation, JointProblem | Convolution | RampedProblem):
+    if isinstance(formulation, JointProblem | Convolution | RampedProblem | RampedHumpsProblem):
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,

@@ -134,10 +134,12 @@ def _map_rows(response: MapResponse) -> Iterable[Sequence[object]]:
 
 def _candidate_rows(response: RecommendationResponse) -> Iterable[Sequence[object]]:
     """Yield a row for each shaper, numbered if it meets all that is asked, else with what fails."""
+    limited = response.recommended.ramp_end_s is not None
     yield (
         "rank",
         "shaper",
         "duration_s",
+        *(["ramp_end_s"] if limited else []),
         "worst_residual",
         "lower_ratio",
         "upper_ratio",
@@ -158,6 +160,7 @@ def _candidate_row(candidate: CandidateOut) -> Sequence[object]:
     return (
         candidate.name,
         candidate.duration_s,
+        *([] if candidate.ramp_end_s is None else [candidate.ramp_end_s]),
         "" if candidate.worst_residual is None else candidate.worst_residual,
         *_edges(band),
         candidate.high_mode_gain,
