@@ -13,8 +13,8 @@ from design.types import ComplexArray, FloatArray
 LITTLE = 0.3
 """Swing of the ramp from which on a notch is no small change [-]."""
 
-POINTS_PER_RAD = 40
-"""Points at which a notch is tried [1/rad]."""
+POINTS_PER_RAD, MAX_POINTS = 40, 2_000
+"""Points at which a notch is tried [1/rad], and at most: longer ramps than that are refused."""
 
 
 def notched_ramps(pole: complex, rise: float, fall: float) -> tuple[FloatArray, ...]:
@@ -35,7 +35,7 @@ def notched_ramps(pole: complex, rise: float, fall: float) -> tuple[FloatArray, 
     alone = -np.expm1(-pole * rise) / (pole * rise)
     if abs(alone) > LITTLE or alone == 0:
         return ()
-    times = np.linspace(0, rise, max(64, int(POINTS_PER_RAD * rise)))[1:-1]
+    times = np.linspace(0, rise, max(64, int(min(POINTS_PER_RAD * rise, MAX_POINTS))))[1:-1]
     slopes = 1 / rise + 1 / fall
     lengths: ComplexArray = -alone / (slopes * (np.exp(-pole * rise) - np.exp(-pole * times)))
     crosses = np.flatnonzero(np.diff(np.sign(lengths.imag)) != 0)
