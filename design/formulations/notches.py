@@ -13,8 +13,11 @@ from design.types import ComplexArray, FloatArray
 LITTLE = 0.3
 """Swing of the ramp from which on a notch is no small change [-]."""
 
-POINTS_PER_RAD, MAX_POINTS = 40, 2_000
-"""Points at which a notch is tried [1/rad], and at most: longer ramps than that are refused."""
+POINTS_PER_RAD = 40
+"""Points at which a notch is tried [1/rad]."""
+
+LONGEST_RAD = 50.0
+"""Ramp beyond which none is looked for: a design refuses far shorter ones [rad]."""
 
 
 def notched_ramps(pole: complex, rise: float, fall: float) -> tuple[FloatArray, ...]:
@@ -32,10 +35,12 @@ def notched_ramps(pole: complex, rise: float, fall: float) -> tuple[FloatArray, 
     tuple of arrays of shape (3,)
         Up, down and up again, each nearly a solution; none where the ramp swings much [rad].
     """
+    if rise > LONGEST_RAD:
+        return ()
     alone = -np.expm1(-pole * rise) / (pole * rise)
     if abs(alone) > LITTLE or alone == 0:
         return ()
-    times = np.linspace(0, rise, max(64, int(min(POINTS_PER_RAD * rise, MAX_POINTS))))[1:-1]
+    times = np.linspace(0, rise, max(64, int(POINTS_PER_RAD * rise)))[1:-1]
     slopes = 1 / rise + 1 / fall
     lengths: ComplexArray = -alone / (slopes * (np.exp(-pole * rise) - np.exp(-pole * times)))
     crosses = np.flatnonzero(np.diff(np.sign(lengths.imag)) != 0)

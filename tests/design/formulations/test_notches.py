@@ -75,4 +75,4 @@ def test_a_ramp_that_swings_much_has_no_notch() -> None:
 @pytest.mark.parametrize("rise", [1e3, 1e9, 1e15])
 def test_a_ramp_too_long_for_any_design_costs_no_memory(rise: float) -> None:
     # Formulated before it is refused: with a point for every part of it gigabytes would go.
-    assert len(notched_ramps(complex(-0.01, 1.0), rise, 1.0)) < 2_000
+    assert notched_ramps(complex(-0.01, 1.0), rise, 1.0) == ()
