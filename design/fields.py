@@ -20,6 +20,7 @@ Spacing = Literal["linear", "geometric", "chebyshev"]
 UNITS = {
     "_rad_s": "rad/s",
     "_m_s2": "m/s^2",
+    "_m_s3": "m/s^3",
     "_n_m": "N/m",
     "_kg": "kg",
     "_m_s": "m/s",

@@ -108,7 +108,7 @@ class SecondOrderIn(WireOf[SecondOrder]):
 
 
 class RateLimitedIn(WireOf[RateLimited]):
-    """Limits to acceleration and deceleration, and what follows the limited command."""
+    """Limits to acceleration, deceleration and jerk, and what follows the limited command."""
 
     RECORD = RateLimited
 
@@ -132,6 +132,13 @@ class RateLimitedIn(WireOf[RateLimited]):
         IdealIn | FirstOrderIn | SecondOrderIn,
         Field(discriminator="kind", description="Actuator that follows the rate-limited command."),
     ] = IdealIn(kind="ideal")
+    jerk_limit_m_s3: Annotated[
+        Positive | None,
+        Field(
+            description="Limit to the rate of the reference's acceleration; null for none [m/s^3].",
+            examples=[3000.0],
+        ),
+    ] = None
     dead_time_s: DeadTime = 0.0
 
 

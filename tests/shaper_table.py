@@ -196,7 +196,7 @@ SHAPER_TABLE: dict[str, Row] = {
         actuators=ALL,
         options=(None, NoOptions()),
         impulses=3,
-        for_ideal=EVERY_KIND,
+        for_ideal=EVERY_KIND - LIMITED_KIND,
     ),
     "convolved": _positive(2, ConvolvedOptions(base="zv")),
     "si": Row(

@@ -12,7 +12,6 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
 from design.model.plants.mode import Mode
-from design.model.ramps import ramp_factors
 from design.types import ComplexArray
 
 MIN_DENOMINATOR = 1e-12
@@ -40,8 +39,8 @@ def residual_vectors(
     steps = step_contributions(impulses, actuator)
     swings = np.exp(np.multiply.outer(poles_rad_s, steps.until_end_s))
     sums = swings @ steps.columns.astype(np.complex128)
-    if steps.ramps_s is not None and steps.heights is not None:
-        ramped = swings * ramp_factors(poles_rad_s[:, None], steps.ramps_s)
+    if steps.ramps is not None and steps.heights is not None:
+        ramped = swings * steps.ramps.factors(poles_rad_s[:, None])
         sums[:, :2] += ramped @ steps.heights.astype(np.complex128)
     return join_sets(sums, poles_rad_s, actuator)
 

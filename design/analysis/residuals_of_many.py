@@ -75,7 +75,7 @@ def vectors_of_many(
         whole = disordered | ~np.any(meeting, axis=1)
     elif changes.changes.size == amplitudes.size:
         whole = disordered | np.all(gaps >= changes.ramps_s[:-1], axis=1)
-    else:  # a reversal makes two changes of a step
+    else:  # a reversal makes two changes of a step, a limit to the jerk two or three
         whole = np.full(len(times_s), fill_value=False)
     vectors = np.empty(len(times_s), dtype=np.complex128)
     if whole.any():

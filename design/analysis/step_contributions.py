@@ -19,13 +19,13 @@ class StepContributions:
     """What each change of the reference adds to the vibration, apart from the plant.
 
     ``V exp(s t_e) = sum (gain_i + s rate_i) G(s) exp(s (t_e - t_i))``, over both sets, t_e the
-    last step or the end of the last ramp; a ramp counts ``(1 - exp(-s T)) / (s T)`` times.
+    last step or the end of the last ramp; a ramp's height counts `ramp_factors` times.
     """
 
     until_end_s: FloatArray  # Time from the start of each change to the end of all, shape (n,) [s]
     # Gains by the sets, accel before decel, then, if any, their rates, shape (n, 2) or (n, 4)
     columns: FloatArray
-    ramps_s: FloatArray | None = None  # Durations of ramps, shape (n,); None for steps [s]
+    ramps: Reference | None = None  # The changes, where they are ramps; None for steps
     # Gains that are a ramp's height and not in ``columns``, shape (n, 2); None for steps
     heights: FloatArray | None = None
 
@@ -59,7 +59,7 @@ def step_contributions(impulses: Impulses, actuator: Actuator) -> StepContributi
             columns[:, :2] += heights
     if not limited:
         return StepContributions(until_end, columns)
-    return StepContributions(until_end, columns, changes.ramps_s, heights)
+    return StepContributions(until_end, columns, changes, heights)
 
 
 def heights_by_set(changes: Reference) -> FloatArray:

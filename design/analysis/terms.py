@@ -6,7 +6,6 @@ from design.analysis.residual import join_sets
 from design.analysis.step_contributions import step_contributions
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.ramps import ramp_factors
 from design.types import ComplexArray
 
 
@@ -32,8 +31,8 @@ def terms_of_residual(impulses: Impulses, pole_rad_s: complex, actuator: Actuato
     """
     steps = step_contributions(impulses, actuator)
     columns = steps.columns.astype(np.complex128)
-    if steps.ramps_s is not None and steps.heights is not None:
-        factors = ramp_factors(np.array([pole_rad_s]), steps.ramps_s)
+    if steps.ramps is not None and steps.heights is not None:
+        factors = steps.ramps.factors(np.array([pole_rad_s]))
         columns[:, :2] += factors[:, None] * steps.heights
     turns = pole_rad_s * steps.until_end_s - 1j * pole_rad_s.imag * steps.until_end_s[0]
     terms = np.exp(turns)[:, None] * columns

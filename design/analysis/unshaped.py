@@ -4,8 +4,9 @@ import numpy as np
 
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
+from design.model.commands import step
 from design.model.plants.mode import Mode
-from design.model.ramps import ramp_factors
+from design.model.ramps import ramped
 
 
 def unshaped_gain(mode: Mode, actuator: Actuator) -> float:
@@ -31,6 +32,8 @@ def unshaped_gain(mode: Mode, actuator: Actuator) -> float:
 def unshaped_ramp_residual(mode: Mode, actuator: RateLimited) -> float:
     """Return the residual of an unshaped ramp over that of the step itself.
 
+    By its pieces where the jerk is limited.
+
     Parameters
     ----------
     mode
@@ -44,8 +47,10 @@ def unshaped_ramp_residual(mode: Mode, actuator: RateLimited) -> float:
         At the ramp's end, ``|(exp(s T) - 1) / (s T)|`` for a duration T [-]; 0 where it lasts whole
         periods of an undamped mode.
     """
-    rise_s, _ = actuator.unit_ramps_s
-    return float(abs(ramp_factors(np.array([-mode.pole_rad_s]), np.array([rise_s]))[0]))
+    pole = np.array([mode.pole_rad_s])
+    ramp = ramped(step(), actuator)
+    until_end_s = ramp.times_s[-1] + ramp.ramps_s[-1] - ramp.times_s
+    return float(abs((ramp.factors(pole) * np.exp(pole * until_end_s)) @ ramp.changes))
 
 
 def unshaped_deflection_s(mode: Mode, actuator: Actuator) -> float:

@@ -30,7 +30,9 @@ def require_workable_ramps(mode: Mode, actuator: RateLimited) -> None:
     """
     for name, ramp_s in zip(LIMIT_FIELDS, actuator.unit_ramps_s, strict=True):
         longest_s = MAX_RAMP_RAD / mode.natural_frequency_rad_s
-        if ramp_s > longest_s:
+        if ramp_s <= longest_s:
+            continue
+        if actuator.speed_m_s / getattr(actuator, name) > longest_s:
             raise InvalidInputError(
                 f"actuator.{name}",
                 getattr(actuator, name),
@@ -38,3 +40,10 @@ def require_workable_ramps(mode: Mode, actuator: RateLimited) -> None:
                 f"speed, {actuator.speed_m_s:g} m/s, may take three periods, {longest_s:.4g} s",
                 code="ramp_too_long",
             )
+        raise InvalidInputError(
+            "actuator.jerk_limit_m_s3",
+            actuator.jerk_limit_m_s3,
+            f"so large that a ramp to or from full speed, {actuator.speed_m_s:g} m/s, takes at "
+            f"most three periods, {longest_s:.4g} s: it takes {ramp_s:.4g} s",
+            code="jerk_limit_too_small",
+        )

@@ -16,6 +16,8 @@ from design.formulations.formulation import ClosedForm, Convolution, JointProble
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
+from design.formulations.unequal_ramps import UnequalRampsProblem
+from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.pipeline import design
@@ -26,6 +28,8 @@ from design.solvers.newton import roots
 from design.solvers.ramps.course import Slopes
 from design.solvers.ramps.functionals import Functionals
 from design.solvers.ramps.optimality import solve_conditions
+from design.solvers.ramps.unequal_course import TwoLags
+from design.solvers.ramps.unequal_program import solve_near
 from design.types import FloatArray
 
 CHECKED_POINTS = 1001
@@ -45,6 +49,9 @@ UNSERVED = (
 )
 """Formulations whose amplitudes and their number may change along a range."""
 
+Ramps = RampedProblem | UnequalRampsProblem
+"""What is formulated behind limits."""
+
 DESIGN_WORK = 3_000.0
 """Work of a design without a search: of its certificate [units]."""
 
@@ -59,6 +66,8 @@ class ExactCurve:
         kind: ShaperKind,
         options: ShaperOptions | None,
     ) -> None:
+        if isinstance(actuator, RateLimited):
+            actuator.require_straight_ramps()
         self.axis = axis
         self.actuator = actuator
         self.kind = kind
@@ -68,7 +77,7 @@ class ExactCurve:
         self.poles_rad_s = np.array([mode.pole_rad_s for mode in modes])
         self.frequencies_rad_s = np.array([mode.natural_frequency_rad_s for mode in modes])
         self.budget = Budget()
-        self.formulations: list[GapProblem | RampedProblem | ClosedForm] = []
+        self.formulations: list[GapProblem | Ramps | ClosedForm] = []
         for mode in modes:
             form = kind.formulate(kind.case((mode,), actuator, self.options))
             if isinstance(form, UNSERVED):
@@ -225,7 +234,7 @@ class ExactCurve:
         for index, form in enumerate(self.formulations):
             if isinstance(form, ClosedForm):
                 times[index] = form.impulses.times_s
-            if isinstance(form, RampedProblem):
+            if isinstance(form, Ramps):
                 times[index] = self._ramped_times_s(index, form, starts[index])
         if not solved:
             return times
@@ -247,16 +256,22 @@ class ExactCurve:
                 times[index] = self.design_at(float(self.checked[index])).times_s
         return times
 
-    def _ramped_times_s(self, index: int, form: RampedProblem, gaps: FloatArray) -> FloatArray:
+    def _ramped_times_s(self, index: int, form: Ramps, gaps: FloatArray) -> FloatArray:
         """Return the times behind limits from gaps near them, shape (n,) [s]."""
         if (gaps > 0).all():
             self.budget.spend(RAMPED_WORK)
-            found = solve_conditions(
-                np.append(0.0, np.cumsum(gaps)),
-                Functionals(form.unit_poles, form.orders),
-                form.targets,
-                Slopes(up=1 / form.ramps_rad[0], down=1 / form.ramps_rad[1]),
-            )
-            if found is not None:
-                return found.course.switches / form.natural_frequency_rad_s
+            switches = _switches_near(form, np.append(0.0, np.cumsum(gaps)))
+            if switches is not None:
+                return switches / form.natural_frequency_rad_s
         return self.design_at(float(self.checked[index])).times_s
+
+
+def _switches_near(form: Ramps, switches: FloatArray) -> FloatArray | None:
+    """Return the switches of the fastest course near some; None where there is none so near."""
+    if isinstance(form, UnequalRampsProblem):
+        behind_two = solve_near(TwoLags(form), switches)
+        return None if behind_two is None else behind_two.switches
+    slopes = Slopes(up=1 / form.ramps_rad[0], down=1 / form.ramps_rad[1])
+    functionals = Functionals(form.unit_poles, form.orders)
+    found = solve_conditions(switches, functionals, form.targets, slopes)
+    return None if found is None else found.course.switches

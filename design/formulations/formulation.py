@@ -9,6 +9,7 @@ from design.formulations.equations import GapProblem
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
+from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.types import ComplexArray
@@ -98,5 +99,6 @@ Formulation = (
     | RampedProblem
     | RampedBandProblem
     | RampedHumpsProblem
+    | UnequalRampsProblem
     | Convolution
 )

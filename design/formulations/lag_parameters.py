@@ -41,7 +41,7 @@ def lag_parameters(mode: Mode, actuator: Actuator) -> FloatArray:
     lags = (actuator.accel_lag, actuator.decel_lag)
     scaled = [part for lag in lags for part in (lag.first_s * w, lag.second_s2 * w * w)]
     if isinstance(actuator, RateLimited):
-        ramps = [w * ramp for ramp in actuator.unit_ramps_s]
+        ramps = [w * ramp for ramp in actuator.straight_ramps_s]
         scaled += ramps
         first, second = np.array(scaled[0:4:2]), np.array(scaled[1:4:2])
         scaled += ramp_responses(first, second, np.array(ramps)).ravel().tolist()
@@ -67,5 +67,5 @@ def decel_over_accel(mode: Mode, actuator: Actuator) -> complex:
     lags = actuator.accel_lag.denominator(pole) / actuator.decel_lag.denominator(pole)
     if not isinstance(actuator, RateLimited):
         return lags
-    rise, fall = ramp_factors(np.array([pole]), np.array(actuator.unit_ramps_s)).tolist()
+    rise, fall = ramp_factors(np.array([pole]), np.array(actuator.straight_ramps_s)).tolist()
     return complex(lags * fall / rise)

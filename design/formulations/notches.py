@@ -13,11 +13,11 @@ from design.types import ComplexArray, FloatArray
 LITTLE = 0.3
 """Swing of the ramp from which on a notch is no small change [-]."""
 
-LONGEST_RAD = 20.0
-"""Ramp beyond which none is tried: designs refuse ramps of over three periods [rad]."""
-
 POINTS_PER_RAD = 40
 """Points at which a notch is tried [1/rad]."""
+
+LONGEST_RAD = 50.0
+"""Ramp beyond which none is looked for: a design refuses far shorter ones [rad]."""
 
 
 def notched_ramps(pole: complex, rise: float, fall: float) -> tuple[FloatArray, ...]:
@@ -33,8 +33,7 @@ def notched_ramps(pole: complex, rise: float, fall: float) -> tuple[FloatArray, 
     Returns
     -------
     tuple of arrays of shape (3,)
-        Up, down and up again, each nearly a solution; none where the ramp swings much
-        or is too long [rad].
+        Up, down and up again, each nearly a solution; none where the ramp swings much [rad].
     """
     if rise > LONGEST_RAD:
         return ()

@@ -40,7 +40,7 @@ class RampedProblem:
     targets
         g, shape (m,).
     ramps_rad
-        How long the reference takes from 0 to 1 and from 1 to 0 [rad].
+        How long the reference takes from 0 to 1 and from 1 to 0, as steep as it may be [rad].
     last
         Its level at the end, 0 or 1 [-].
     natural_frequency_rad_s
@@ -58,6 +58,8 @@ class RampedProblem:
         Name of these, as reported with the answer.
     farthest_rad
         Where the search for an end gives up: there may be none, however late [rad].
+    jerk
+        Largest rate of its slope; None is no limit [1/rad^2].
     seeds
         Switches to begin with, ahead of any search, shape (n,) each [rad].
     """
@@ -75,6 +77,7 @@ class RampedProblem:
     seeds: tuple[FloatArray, ...] = ()
     seed_name: str = "none"
     farthest_rad: float = math.inf
+    jerk: float | None = None
 
 
 def ramped_problem(
@@ -104,12 +107,13 @@ def ramped_problem(
     """
     w = min(mode.natural_frequency_rad_s for mode in modes)
     rise, fall = (w * ramp_s for ramp_s in actuator.unit_ramps_s)
+    limits, jerk = (actuator.accel_limit_m_s2, actuator.decel_limit_m_s2), actuator.jerk_limit_m_s3
     poles = [mode.pole_rad_s / w for mode in modes for _ in range(derivatives + 1)]
     return RampedProblem(
         unit_poles=np.array(poles, dtype=np.complex128),
         orders=np.array([float(order) for _ in modes for order in range(derivatives + 1)]),
         targets=np.zeros(len(poles), dtype=np.complex128),
-        ramps_rad=(rise, fall),
+        ramps_rad=(w * actuator.speed_m_s / limits[0], w * actuator.speed_m_s / limits[1]),
         last=1.0,
         natural_frequency_rad_s=w,
         horizon_rad=max_duration_periods * PERIOD_RAD + rise + fall,
@@ -117,6 +121,7 @@ def ramped_problem(
         designed_for=actuator,
         seeds=_seeds(modes[0], derivatives, rise, fall) if len(modes) == 1 else (),
         seed_name="umzvd_polynomials" if derivatives else "umzv_polynomials",
+        jerk=None if jerk is None else jerk / actuator.speed_m_s / w**2,
     )
 
 

@@ -91,7 +91,7 @@ def ramped_band_problem(
         In phases of the mode.
     """
     w = mode.natural_frequency_rad_s
-    rise, fall = (w * ramp_s for ramp_s in actuator.unit_ramps_s)
+    rise, fall = (w * ramp_s for ramp_s in actuator.straight_ramps_s)
     return RampedBandProblem(
         unit_pole=mode.pole_rad_s / w,
         band=(1 - half_width, 1 + half_width),

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from design.formulations.gaps import PERIOD_RAD
+from design.formulations.jerk_move import highest_level, smooth_pulses, whole_ramp_rad
 from design.formulations.ramped import RampedProblem
 from design.model.actuators.rate_limited import RateLimited
 from design.model.initial_state import FreeSwing
@@ -50,11 +51,17 @@ def ramped_move(
         In phases of the mode.
     """
     w = mode.natural_frequency_rad_s
-    rise, fall = (w * ramp_s for ramp_s in actuator.unit_ramps_s)
-    travel = w * travel_s
-    highest = min(1.0, math.sqrt(2 * travel / (rise + fall)))
+    rise = w * actuator.speed_m_s / actuator.accel_limit_m_s2
+    fall = w * actuator.speed_m_s / actuator.decel_limit_m_s2
+    travel, jerk = w * travel_s, None
+    if actuator.jerk_limit_m_s3 is None:
+        highest = min(1.0, math.sqrt(2 * travel / (rise + fall)))
+    else:
+        jerk = actuator.jerk_limit_m_s3 / actuator.speed_m_s / w**2
+        highest = highest_level(travel, (rise, fall), jerk)
+        jerk /= highest
     rise, fall, travel = highest * rise, highest * fall, travel / highest
-    earliest = travel + (rise + fall) / 2
+    earliest = travel + sum(whole_ramp_rad(one, jerk) for one in (rise, fall)) / 2
     targets: ComplexArray = np.zeros(derivatives + 1, dtype=np.complex128)
     if swing is not None:
         targets = -_swings(swing, mode, actuator)[: derivatives + 1] / highest
@@ -70,23 +77,30 @@ def ramped_move(
         farthest_rad=earliest + SWING_PERIODS * PERIOD_RAD,
         designed_for=actuator,
         seed_name="triangles",
-        seeds=() if swing is not None else _triangles(mode, derivatives, rise, fall, travel),
+        seeds=() if swing is not None else _pulses(mode, derivatives, (rise, fall), travel, jerk),
+        jerk=jerk,
     )
 
 
-def _triangles(
-    mode: Mode, derivatives: int, rise: float, fall: float, travel: float
+def _pulses(
+    mode: Mode, derivatives: int, ramps: tuple[float, float], travel: float, jerk: float | None
 ) -> tuple[FloatArray, ...]:
-    """Return the switches of one triangle for each impulse of `zv` or `zvd`.
+    """Return the switches of one pulse for each impulse of `zv` or `zvd`.
 
     That is what a very short move is: no grid over its duration would show its ramps. There is none
-    where the triangles overlap, or would be higher than full speed.
+    where the pulses overlap, or would be higher than full speed. Without a limit to the jerk they
+    are triangles.
     """
     stretch = math.sqrt(1 - mode.damping_ratio**2)
     decay = math.exp(-math.pi * mode.damping_ratio / stretch)
     weights = np.array([math.comb(derivatives + 1, k) * decay**k for k in range(derivatives + 2)])
-    heights = np.sqrt(2 * travel * weights / weights.sum() / (rise + fall))
     begins = math.pi / stretch * np.arange(weights.size)
+    if jerk is not None:
+        smooth = smooth_pulses(begins, travel * weights / weights.sum(), ramps, jerk)
+        over = smooth is not None and bool((np.array(smooth[1][:-1]) < begins[1:]).all())
+        return (np.array(smooth[0]),) if smooth is not None and over else ()
+    rise, fall = ramps
+    heights = np.sqrt(2 * travel * weights / weights.sum() / (rise + fall))
     switches = np.stack((begins, begins + heights * rise), axis=1).ravel()
     ends = begins + heights * (rise + fall)
     apart = (ends[:-1] < begins[1:]).all() and heights.max() <= 1

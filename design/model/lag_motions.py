@@ -13,8 +13,14 @@ GENTLE_RAMP = 0.1
 Their error is ``turn^8 / 2e9``; the closed form of longer ramps loses a digit to subtraction.
 """
 
+GENTLE_BEND = 3.0
+"""The same of a bent ramp, up to which twelve nodes are exact to rounding [rad]."""
+
 GAUSS = tuple((part + 1) / 2 if which == 0 else part / 2 for which, part in enumerate(leggauss(4)))
 """Nodes and weights of Gauss and Legendre on [0, 1] [-]."""
+
+BEND_GAUSS = (1 + leggauss(12)[0]) / 2, leggauss(12)[1] / 2
+"""The same of twelve nodes [-]."""
 
 
 def free_motions(first_s: FloatArray, second_s2: FloatArray, elapsed_s: FloatArray) -> FloatArray:
@@ -92,3 +98,48 @@ def ramp_responses(first_s: FloatArray, second_s2: FloatArray, ramps_s: FloatArr
     )
     closed[..., 1] *= second_s2 > 0
     return np.where(gentle[..., None], mean, closed)
+
+
+def bent_ramp_responses(
+    first_s: FloatArray, second_s2: FloatArray, ramps_s: FloatArray, bends: FloatArray
+) -> FloatArray:
+    """Return what `ramp_responses` does, for ramps that bend.
+
+    The mean of the free motion over the ramp of duration T, ``1 - b (2 t / T - 1)`` its weight: of
+    a slope that grows the late share is large, and has moved for the shortest time.
+
+    Parameters
+    ----------
+    first_s, second_s2, ramps_s
+        As of `ramp_responses`.
+    bends
+        Of each ramp, as of a `Reference`; its shape and the others' broadcast to (...) [-].
+
+    Returns
+    -------
+    FloatArray
+        State ``[error, rate]``, shape (..., 2) [-], [1/s].
+    """
+    straight = ramp_responses(first_s, second_s2, ramps_s)
+    if not bends.any():
+        return straight
+    corner = np.where(second_s2 > 0, np.where(second_s2 > 0, second_s2, 1.0) ** -0.5, 0.0)
+    slowness = np.where(second_s2 > 0, second_s2, first_s)
+    fastest = np.where(second_s2 > 0, first_s, 1.0) / np.where(slowness > 0, slowness, 1.0) + corner
+    gentle = fastest * ramps_s <= GENTLE_BEND
+    tilt = np.zeros((*gentle.shape, 2))
+    for node, weight in zip(*BEND_GAUSS, strict=True):
+        motion = free_motions(first_s, second_s2, node * ramps_s)
+        tilt[..., 0] += weight * (2 * node - 1) * motion[..., 0, 0]
+        tilt[..., 1] += weight * (2 * node - 1) * corner * motion[..., 1, 0]
+    # t (e + first e' + second e'') = 0, integrated over the ramp.
+    last = free_motions(first_s, second_s2, ramps_s)
+    error, rate = last[..., 0, 0], corner * last[..., 1, 0]
+    long = np.where(gentle, 1.0, ramps_s)
+    late = first_s * (straight[..., 0] - error) - second_s2 * (rate + (1 - error) / long)
+    closed = np.stack(
+        (2 * late / long - straight[..., 0], 2 * (error - straight[..., 0]) / long), axis=-1
+    )
+    closed[..., 1] -= straight[..., 1]
+    closed[..., 1] *= second_s2 > 0
+    return straight - bends[..., None] * np.where(gentle[..., None], tilt, closed)

@@ -29,5 +29,6 @@ def reference(command: Impulses, actuator: Actuator) -> Reference:
             ramps_s=np.zeros(command.times_s.size),
             changes=command.amplitudes,
             accelerates=command.accelerates,
+            bends=np.zeros(command.times_s.size),
         )
     return ramped(command, actuator)

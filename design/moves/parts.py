@@ -14,7 +14,7 @@ from design.formulations.lag_parameters import lag_parameters, switched_order
 from design.formulations.seeds import Seed
 from design.formulations.unity_magnitude import UnityMagnitude
 from design.formulations.whole_move import swing_parameters
-from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.rate_limited import RateLimited, follows_one_lag
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
@@ -149,6 +149,10 @@ def with_swing(parts: Parts, swing: FreeSwing) -> Parts:
     Parts
         For the swing; without such a start ``apart`` is False: start and stop are solved as one.
     """
+    drive = parts.designed_for
+    if follows_one_lag(drive) and drive.jerk_limit_m_s3 is not None:
+        # Whole moves are solved as one for any swing; starts alone are not.
+        return replace(parts, swing=swing, apart=False)
     mode, count = parts.mode, parts.start.times_s.size
     w = mode.natural_frequency_rad_s
     weights = parts.start.amplitudes if parts.peak != 1 else np.zeros(0)

@@ -7,14 +7,15 @@ import numpy as np
 from design.analysis.ramp_figures import end_of_reference
 from design.analysis.swing import swing_over_step
 from design.errors import InfeasibleDesignError, SolverFailedError
+from design.formulations.behind_limits import move_behind_limits
 from design.formulations.equations import GapProblem
 from design.formulations.gaps import of_gaps, settling_gaps_rad
 from design.formulations.lag_parameters import lag_parameters, switched_order
 from design.formulations.ramped_move import ramped_move
 from design.formulations.seeds import Seed
+from design.formulations.unequal_ramps import unequal_ramps, without_travel
 from design.formulations.whole_move import WholeMove, swing_parameters, whole_move_problem
-from design.model.actuators.rate_limited import RateLimited
-from design.model.actuators.registry import follows_one_lag
+from design.model.actuators.rate_limited import RateLimited, follows_one_lag
 from design.model.impulses import Impulses
 from design.moves.parts import Parts
 from design.response.closed_form import travel
@@ -23,6 +24,8 @@ from design.solvers.continuation import Path, follow
 from design.solvers.moves import MoveCandidate, move_candidates
 from design.solvers.near_root import root
 from design.solvers.outcome import Status
+from design.solvers.ramps.unequal_course import TwoLags
+from design.solvers.ramps.unequal_program import solve_last
 from design.solving.solve import solve
 from design.types import FloatArray
 
@@ -175,6 +178,8 @@ def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> I
     command = parts.whole(pulse_s)
     if parts.designed_for.model == "superposed" or follows_one_lag(parts.designed_for):
         return command if _travels(parts, command, wanted_s) else None
+    if isinstance(parts.designed_for, RateLimited):
+        return _with_ramped_stop(parts, parts.designed_for, command, wanted_s)
     # With a travel to meet, the gap between start and stop is unknown too.
     given = parts.start.times_s.size - (wanted_s is not None)
     w = parts.mode.natural_frequency_rad_s
@@ -185,7 +190,6 @@ def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> I
         switched_order=switched_order(parts.designed_for),
         given=given,
         travels=wanted_s is not None,
-        ramped=isinstance(parts.designed_for, RateLimited),
         weighted=parts.peak != 1,
         swings=parts.swing is not None,
     )
@@ -204,10 +208,38 @@ def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> I
     return solved if parts.verified(solved) and _travels(parts, solved, wanted_s) else None
 
 
+def _with_ramped_stop(
+    parts: Parts, drive: RateLimited, command: Impulses, wanted_s: float | None
+) -> Impulses | None:
+    """Return the command with its stop solved, as `_with_solved_stop`, whatever ramps turn."""
+    w, start = parts.mode.natural_frequency_rad_s, parts.start.times_s.size
+    travel_s = travel(command, drive)
+    problem = unequal_ramps(
+        ramped_move(
+            parts.mode,
+            drive,
+            derivatives=parts.derivatives,
+            travel_s=max(travel_s, sum(drive.unit_ramps_s)) if wanted_s is None else wanted_s,
+            swing=parts.swing,
+        ),
+        drive,
+    )
+    if problem.ceiling > 1:  # it does not reach full speed
+        return None
+    last = TwoLags(problem if wanted_s is not None else without_travel(problem))
+    given = start if wanted_s is not None else start + 1
+    switches = solve_last(last, w * command.times_s, given)
+    shortest = settling_gaps_rad(parts.mode, drive, parts.steps, settle=parts.settle)
+    if switches is None or (parts.settle and (np.diff(switches) < shortest)[given - 1 :].any()):
+        return None
+    solved = Impulses(times_s=switches / w, amplitudes=command.amplitudes)
+    return solved if parts.verified(solved) and _travels(parts, solved, wanted_s) else None
+
+
 def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> WholeCommand:
     """Return the fastest move found on levels 0 and the peak that travels ``wanted_s``."""
     drive = parts.designed_for
-    if follows_one_lag(drive) and parts.peak == 1 and not parts.settle:
+    if isinstance(drive, RateLimited) and parts.peak == 1 and not parts.settle:
         return _behind_limits(parts, drive, wanted_s)
     seeds = _overlapping_seeds(parts, pulse_s)
     try:
@@ -231,8 +263,8 @@ def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> WholeCommand:
 
 
 def _behind_limits(parts: Parts, drive: RateLimited, wanted_s: float) -> WholeCommand:
-    """Return the fastest of all courses of the reference that travel ``wanted_s``."""
-    problem = ramped_move(
+    """Return the fastest course of the reference found that travels ``wanted_s``."""
+    problem = move_behind_limits(
         parts.mode,
         drive,
         derivatives=parts.derivatives,

@@ -14,7 +14,7 @@ from design.errors import InvalidInputError
 from design.model.actuators.model import Model
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.lag_motions import free_motions, ramp_responses
+from design.model.lag_motions import bent_ramp_responses, free_motions
 from design.model.lags import Lag
 from design.model.plants.mode import Mode
 from design.model.ramps import Reference, ramp_factors
@@ -73,7 +73,7 @@ def lag_states(
     for chain in chains:
         driven = np.where(chain == forces, changes.changes[:-1], 0.0)
         of_chain = first_s[:, chain], second_s2[:, chain]
-        moved = _carry(*of_chain, gaps, ramps[:, :-1], driven)
+        moved = _carry(*of_chain, gaps, ramps[:, :-1], changes.bends[:-1], driven)
         after = np.arange(1, forces.size + 1)
         states.errors[:, after, chain], states.rates_s[:, after, chain] = moved
     return states
@@ -107,6 +107,7 @@ def _carry(
     second_s2: FloatArray,
     gaps_s: FloatArray,
     ramps_s: FloatArray,
+    bends: FloatArray,
     driven: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
     """Carry lags from rest over gaps, each begun by a change ``driven``: shape (m, gaps) each."""
@@ -114,7 +115,8 @@ def _carry(
     pulls = flows[..., 0]
     if ramps_s.any():
         held = _flows(first_s, second_s2, np.maximum(gaps_s - ramps_s, 0.0))
-        pulls = (held @ ramp_responses(first_s, second_s2, ramps_s)[..., None])[..., 0]
+        pulled = bent_ramp_responses(first_s, second_s2, ramps_s, bends)
+        pulls = (held @ pulled[..., None])[..., 0]
     moves = np.concatenate((flows.reshape(*flows.shape[:2], 4), pulls), axis=-1)
     # Plain numbers where there is one: five times as fast as arrays of one.
     each = moves[0].tolist() if len(moves) == 1 else moves.transpose(1, 2, 0)
@@ -194,7 +196,8 @@ def travel(impulses: Impulses, actuator: Actuator) -> float:
         rates = np.append(states.rates_s[0].sum(axis=1), 0.0)
         lagging = float(first[forces] @ np.diff(velocities) + second[forces] @ np.diff(rates))
     # Times from the first step on: a late clock would only cost digits.
-    middles = changes.times_s - changes.times_s[0] + changes.ramps_s / 2
+    middles = changes.times_s - changes.times_s[0]
+    middles += changes.ramps_s * (1 / 2 + changes.bends / 6)
     return -float(changes.changes @ middles) - lagging
 
 
@@ -284,11 +287,13 @@ def history(impulses: Impulses, mode: Mode, actuator: Actuator, times_s: FloatAr
     forces = np.where(changes.accelerates, 0, 1)
     ramps = np.minimum(elapsed, changes.ramps_s[started])
     whole = changes.ramps_s[started] == ramps
-    done = changes.changes[started] * np.where(
-        whole, 1.0, ramps / np.where(whole, 1.0, changes.ramps_s[started])
-    )
+    shares = np.where(whole, 1.0, ramps / np.where(whole, 1.0, changes.ramps_s[started]))
+    # Over a part of a ramp the mean slope, and by how much it bends about that, are others.
+    means = 1 + changes.bends[started] * (shares - 1)
+    done = changes.changes[started] * shares * means
+    bends = changes.bends[started] * shares / np.where(means > 0, means, 1.0)
     gains = 1 / np.array([lag.denominator(pole) for lag in lags])
-    forced = gains[forces[started]] * done * ramp_factors(np.array([pole]), ramps)
+    forced = gains[forces[started]] * done * ramp_factors(np.array([pole]), ramps, bends)
     before = _ringing_before_changes(changes, states, lags, pole, switched=switched)
     ringing = (before[started] + forced) * np.exp(pole * elapsed)
     error = np.zeros(times_s.size)
@@ -302,7 +307,7 @@ def history(impulses: Impulses, mode: Mode, actuator: Actuator, times_s: FloatAr
         coefficients = np.array(lag.first_s), np.array(lag.second_s2)
         flow = _flows(*coefficients, elapsed)
         if changes.ramps_s.any():
-            pull = push[:, None] * ramp_responses(*coefficients, ramps)
+            pull = push[:, None] * bent_ramp_responses(*coefficients, ramps, bends)
             left = _flows(*coefficients, elapsed - ramps) @ pull[..., None]
             now, now_rate = (-left[:, 0, 0], -left[:, 1, 0])
         else:
@@ -339,7 +344,7 @@ def _ringing_before_changes(
     A switched lag's state passes to the new set, and each would let it ring in its own way.
     """
     gains = [1 / lag.denominator(pole_rad_s) for lag in lags]
-    factors = ramp_factors(np.array([pole_rad_s]), changes.ramps_s).tolist()
+    factors = changes.factors(np.array([pole_rad_s])).tolist()
     turns = np.exp(pole_rad_s * np.diff(changes.times_s, prepend=changes.times_s[0])).tolist()
     passed = np.zeros(changes.changes.size, dtype=np.complex128)
     if switched:

@@ -51,10 +51,13 @@ def simulated_history(
     (during,) = np.nonzero(elapsed < ramps)
     if during.size:
         share = elapsed[during] / ramps[during]
-        whole = changes.changes[started[during]]
-        reached[during] -= (1 - share) * whole
-        jumps = (share * whole)[:, None] * (dynamics.jumps * dynamics.kept)[sets[during]]
-        flows, pulls = ramp_flows(matrices[during], elapsed[during], jumps)
+        whole, bends = (part[started[during]] for part in (changes.changes, changes.bends))
+        begun, grown = share * (1 - bends) * whole, 2 * bends * share**2 * whole
+        reached[during] += begun + grown / 2 - whole
+        units = (dynamics.jumps * dynamics.kept)[sets[during]]
+        flows, pulls = ramp_flows(
+            matrices[during], elapsed[during], begun[:, None] * units, grown[:, None] * units
+        )
         states[during] = (flows[:, 0] @ before[started[during]][..., None])[..., 0] + pulls[:, 0]
     states = np.where(moving[:, None], states, 0.0)
     command = np.concatenate(([0.0], np.cumsum(impulses.amplitudes)))

@@ -21,7 +21,7 @@ from design.model.ramps import Reference
 from design.model.reference_ramps import reference
 from design.response.matrix_exponential import exponentials
 from design.response.one_state import one_state
-from design.response.ramp_flows import ramp_flows
+from design.response.ramp_flows import whole_ramp_flows
 from design.types import ComplexArray, FloatArray
 
 UNIT_STEP = Impulses(times_s=np.zeros(1), amplitudes=np.ones(1))
@@ -127,7 +127,7 @@ def states_at_changes(
     kept = dynamics.kept[sets]
     jumps = changes.changes[:, None] * dynamics.jumps[sets] * kept
     ramps = (
-        ramp_flows(dynamics.matrices[sets], changes.ramps_s, jumps) if changes.ramps_s.any() else ()
+        whole_ramp_flows(dynamics.matrices[sets], changes, jumps) if changes.ramps_s.any() else ()
     )
     before = np.zeros((sets.size, *dynamics.matrices.shape[1:3]))
     if initial is not None:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from design.analysis.residuals_of_many import vectors_of_many
+from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
@@ -32,7 +33,7 @@ def cuts_ramps(impulses: Impulses, actuator: Actuator, sample_time_s: float) -> 
     """Return whether steps moved by a sample may cut a ramp.
 
     A step then begins before the ramp of the one before is over, or reverses the command, whose two
-    ramps a formula of many commands does not know.
+    ramps a formula of many commands does not know. Nor does it know ramps of limited jerk.
 
     Parameters
     ----------
@@ -48,6 +49,8 @@ def cuts_ramps(impulses: Impulses, actuator: Actuator, sample_time_s: float) -> 
     bool
         Whether such commands must be computed one by one.
     """
+    if isinstance(actuator, RateLimited) and actuator.jerk_limit_m_s3 is not None:
+        return True
     accelerating, braking = unit_ramps_s(actuator)
     if max(accelerating, braking) == 0:
         return False

@@ -17,8 +17,8 @@ from design.formulations.lag_parameters import decel_over_accel, lag_parameters,
 from design.formulations.ramped_band import ramped_band_problem
 from design.formulations.seeds import Seed
 from design.formulations.unity_magnitude_problem import alternating
-from design.model.actuators.rate_limited import RateLimited
-from design.model.actuators.registry import Actuator, follows_one_lag
+from design.model.actuators.rate_limited import RateLimited, follows_one_lag
+from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.shapers.actuators import EVERY_ACTUATOR
 from design.shapers.kind import DesignCase, KindOf

@@ -3,15 +3,14 @@
 import numpy as np
 
 from design.errors import InvalidInputError
+from design.formulations.behind_limits import behind_limits
 from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
 from design.formulations.lag_parameters import decel_over_accel
-from design.formulations.ramped import ramped_problem
 from design.formulations.unity_magnitude import ZERO_VIBRATION
 from design.formulations.unity_magnitude_problem import alternating, unity_magnitude_problem
 from design.formulations.vector_diagram import undamped_times_rad
 from design.model.actuators.rate_limited import RateLimited
-from design.model.actuators.registry import follows_one_lag
 from design.model.impulses import Impulses
 from design.shapers.actuators import EVERY_ACTUATOR
 from design.shapers.compiled_rows import CompiledRows
@@ -51,8 +50,8 @@ def numzv(case: DesignCase[PeakOptions]) -> Formulation:
             "1 behind a rate-limited actuator, whose ramps are taken to be those of one speed",
             code="velocity_ratio_of_ramps",
         )
-    if follows_one_lag(actuator) and not options.settle:
-        return ramped_problem(
+    if isinstance(actuator, RateLimited) and not options.settle:
+        return behind_limits(
             case.modes,
             actuator,
             derivatives=0,

@@ -1,10 +1,10 @@
 """NUMZVD: five impulses of unity magnitude, whose residual is flat over the frequency."""
 
+from design.formulations.behind_limits import behind_limits
 from design.formulations.formulation import Formulation
-from design.formulations.ramped import ramped_problem
 from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import unity_magnitude_problem
-from design.model.actuators.registry import follows_one_lag
+from design.model.actuators.rate_limited import RateLimited
 from design.shapers.actuators import EVERY_ACTUATOR
 from design.shapers.compiled_rows import CompiledRows
 from design.shapers.kind import DesignCase, KindOf
@@ -18,8 +18,8 @@ def numzvd(case: DesignCase[SettleOptions]) -> Formulation:
     V = 0 and dV/dw = 0, the actuator's own slope included, which the thesis omits. Behind
     limits it has as many impulses as the fastest course of the reference takes.
     """
-    if follows_one_lag(case.actuator) and not case.options.settle:
-        return ramped_problem(
+    if isinstance(case.actuator, RateLimited) and not case.options.settle:
+        return behind_limits(
             case.modes,
             case.actuator,
             derivatives=1,

@@ -7,11 +7,14 @@ from typing import Literal
 import numpy as np
 
 from design.errors import InvalidInputError
+from design.formulations.behind_limits import behind_limits
 from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, Formulation, JointProblem
-from design.formulations.ramped import RampedProblem, ramped_problem
+from design.formulations.ramped import RampedProblem
+from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.actuators.ideal import Ideal
-from design.model.actuators.registry import Actuator, follows_one_lag
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.model.plants.modes import MAX_MODES
 from design.shapers.actuators import EVERY_ACTUATOR_BY_ITS_LAG
@@ -51,7 +54,7 @@ MAX_BAND_WORK = 4e6
 
 def joint(
     modes: tuple[Mode, ...], actuator: Actuator, *, positive: bool
-) -> JointProblem | RampedProblem:
+) -> JointProblem | RampedProblem | UnequalRampsProblem:
     """Formulate the fastest command without vibration in all modes.
 
     Positive steps share the acceleration set's G in each mode, so they are exact for every actuator
@@ -69,8 +72,8 @@ def joint(
 
     Returns
     -------
-    JointProblem or RampedProblem
-        In phases of the slowest mode; the second of steps up and down behind limits.
+    JointProblem, RampedProblem or UnequalRampsProblem
+        In phases of the slowest mode; the others of steps up and down behind limits.
 
     Raises
     ------
@@ -90,8 +93,8 @@ def joint(
                 "convolved serves such modes",
                 code="mode_decays_too_fast",
             )
-    if not positive and follows_one_lag(actuator):
-        return ramped_problem(
+    if not positive and isinstance(actuator, RateLimited):
+        return behind_limits(
             modes,
             actuator,
             derivatives=0,

@@ -7,8 +7,7 @@ from design.formulations.ramped import RampedProblem, ramped_problem
 from design.formulations.unity_magnitude import ZERO_VIBRATION, ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import alternating, unity_magnitude_problem
 from design.model.actuators.ideal import Ideal
-from design.model.actuators.rate_limited import RateLimited
-from design.model.actuators.registry import follows_one_lag
+from design.model.actuators.rate_limited import RateLimited, follows_one_lag
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.shapers.actuators import EVERY_ACTUATOR

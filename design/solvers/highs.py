@@ -137,3 +137,74 @@ def least_violation_of_course(
         unknowns=found.x[:size],
         multipliers=found.eqlin.marginals[:count],
     )
+
+
+def least_violation_of_slopes(
+    violable: FloatArray,
+    right: FloatArray,
+    *,
+    cell: float,
+    slopes: tuple[float, float],
+    jerk: float,
+    last: float,
+) -> LeastViolation | None:
+    """Violate ``violable @ x = right`` as little as possible by slopes.
+
+    The slopes x are those of a course from rest at 0 to rest at ``last`` that stays between 0 and
+    1; between two points they change evenly.
+
+    Parameters
+    ----------
+    violable
+        Coefficients of the points between the first and the last, shape (m, n).
+    right
+        Right side, shape (m,).
+    cell
+        Distance of two points.
+    slopes
+        The steepest, up and down, > 0.
+    jerk
+        The most that a slope changes, over the distance, > 0.
+    last
+        Level at the end.
+
+    Returns
+    -------
+    LeastViolation or None
+        None where HiGHS says anything but that it is optimal: no such course is as short.
+    """
+    from scipy.optimize import linprog  # noqa: PLC0415 - takes longer to import than a design
+    from scipy.sparse import eye_array, hstack, vstack  # noqa: PLC0415
+
+    count, size = violable.shape
+    # Unknown: slopes, levels over the cell at all points but the first, what is violated.
+    changes = eye_array(size + 1, size) - eye_array(size + 1, size, k=-1)
+    sums = (eye_array(size + 1, size) + eye_array(size + 1, size, k=-1)) / 2
+    rises = eye_array(size + 1) - eye_array(size + 1, k=-1)
+    slack = eye_array(count)
+    equal = vstack([
+        hstack([violable, 0 * eye_array(count, size + 1), slack, -slack]),
+        hstack([-sums, rises, 0 * eye_array(size + 1, 2 * count)]),
+    ])
+    bounded = hstack([changes, 0 * eye_array(size + 1, size + 1 + 2 * count)])
+    lower = np.zeros(equal.shape[1])
+    upper = np.full(lower.size, np.inf)
+    lower[:size], upper[:size] = -slopes[1], slopes[0]
+    upper[size : 2 * size + 1] = 1 / cell
+    lower[2 * size] = upper[2 * size] = last / cell
+    found = linprog(
+        np.concatenate((np.zeros(2 * size + 1), np.ones(2 * count))),
+        A_ub=vstack([bounded, -bounded]).tocsr(),
+        b_ub=np.full(2 * size + 2, jerk * cell),
+        A_eq=equal.tocsr(),
+        b_eq=np.concatenate((right, np.zeros(size + 1))),
+        bounds=np.column_stack((lower, upper)),
+        method="highs-ds",
+    )
+    if found.status != SOLVED:
+        return None
+    return LeastViolation(
+        violation=float(found.fun),
+        unknowns=found.x[:size],
+        multipliers=found.eqlin.marginals[:count],
+    )

@@ -15,8 +15,8 @@ class SolverReport:
     Attributes
     ----------
     name
-        ``ipopt``, ``clarabel``, ``highs``, ``closed_form``, or ``newton``: followed from a closed
-        form.
+        ``ipopt``, ``clarabel``, ``highs``, ``slsqp``, ``closed_form``, or ``newton``: followed from
+        a closed form.
     status
         How the run ended.
     iterations

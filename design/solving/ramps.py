@@ -1,15 +1,11 @@
 """The fastest shapers behind limits to acceleration, each with its bound."""
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from design.analysis.shortest_ramps import RampedProof, excluded_end_rad
-from design.analysis.workable_ramps import LIMIT_FIELDS
-from design.errors import InfeasibleDesignError, InvalidInputError
-from design.formulations.gaps import PERIOD_RAD
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
@@ -17,14 +13,16 @@ from design.model.impulses import Impulses
 from design.solvers.budget import Budget
 from design.solvers.ramps import band_search, search
 from design.solvers.ramps.optimality import RampedOptimum
-from design.solvers.ramps.short_ramps import SHOWN_RAD
 from design.solvers.solution import Solution, SolverReport
 from design.solving.bounded import SMALL_GAP
 from design.solving.distinct_steps import distinct_steps
+from design.solving.jerk_ramps import solve_behind_jerk_limit
+from design.solving.ramp_refusals import (
+    refuse_without_course,
+    require_in_time,
+    require_ramps_that_turn,
+)
 from design.trace import TraceStep
-
-MIN_TURNED_RAD = 1e-5
-"""Ramp that can be turned midway: a turn is off by 1e-15 rad, and the level by 1e-10 [rad]."""
 
 
 def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solution]:
@@ -49,6 +47,9 @@ def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solu
     InvalidInputError
         If none is found, or certified, and a limit makes a ramp too short to be turned.
     """
+    if problem.jerk is not None:
+        yield from solve_behind_jerk_limit(problem, problem.jerk, budget)
+        return
     yield from _solutions(problem, search.candidates(problem, budget), "highs", budget)
 
 
@@ -87,7 +88,7 @@ def _solutions(
     none_found = True
     for found, bound in proven(problem, candidates, budget):
         none_found = False
-        _require_in_time(problem, found, bound)
+        require_in_time(problem, found.course.end, bound)
         solution = solution_of(problem, found, name)
         report = replace(
             solution.solver,
@@ -96,13 +97,9 @@ def _solutions(
         )
         yield replace(solution, solver=report)
     # Whoever asks for more has certified none of those.
-    _require_ramps_that_turn(problem)
+    require_ramps_that_turn(problem)
     if none_found:
-        raise InfeasibleDesignError(
-            "no course of the reference that keeps what is asked was found within the limits"
-            + _how_far(problem, budget),
-            code="no_ramped_command_found",
-        )
+        refuse_without_course(problem, budget)
 
 
 def proven(
@@ -145,44 +142,6 @@ def proven(
             best = None
     if best is not None:
         yield best, bound
-
-
-def _require_ramps_that_turn(problem: RampedProblem | RampedBandProblem) -> None:
-    """Refuse a limit so far above the other that doubles do not hold when its ramp turns."""
-    if max(problem.ramps_rad) < SHOWN_RAD:
-        return
-    for name, ramp_rad in zip(LIMIT_FIELDS, problem.ramps_rad, strict=True):
-        if ramp_rad < MIN_TURNED_RAD:
-            limit = getattr(problem.designed_for, name)
-            raise InvalidInputError(
-                f"actuator.{name}",
-                limit,
-                f"at most {limit * ramp_rad / MIN_TURNED_RAD:.4g} m/s^2 beside the other limit: "
-                "the fastest command turns ramps, and doubles do not hold when a shorter one turns",
-                code="ramp_too_short",
-            )
-
-
-def _how_far(problem: RampedProblem | RampedBandProblem, budget: Budget) -> str:
-    if budget.spent:
-        return f": {budget.in_words}"
-    if problem.farthest_rad < math.inf:
-        return f" up to {problem.farthest_rad / PERIOD_RAD:.4g} periods"
-    return ""
-
-
-def _require_in_time(
-    problem: RampedProblem | RampedBandProblem, found: RampedOptimum, bound_rad: float
-) -> None:
-    if found.course.end <= problem.horizon_rad:
-        return
-    raise InfeasibleDesignError(
-        f"the fastest course of the reference within the limits ends after "
-        f"{found.course.end / PERIOD_RAD:.6g} periods, and none ends before "
-        f"{bound_rad / PERIOD_RAD:.6g}: later than max_duration_periods and both ramps, "
-        f"{problem.horizon_rad / PERIOD_RAD:.6g} periods in all",
-        code="ramps_exceed_duration",
-    )
 
 
 def _proof(problem: RampedProblem | RampedBandProblem, found: RampedOptimum) -> RampedProof:

@@ -14,8 +14,7 @@ from design.analysis.ramp_figures import RampFigures, Textbook, end_of_reference
 from design.analysis.residual import residual_vibration
 from design.claims import ZERO_LIMITS
 from design.model.actuators.ideal import Ideal
-from design.model.actuators.rate_limited import RateLimited
-from design.model.actuators.registry import follows_one_lag
+from design.model.actuators.rate_limited import RateLimited, follows_one_lag
 from design.model.commands import convolve, pulse, step
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode

@@ -5,19 +5,20 @@ actuator's frequency against it bend little, as in `design.curve_fit`; those are
 the cubic through the four nearest points along each axis (by all points, where there are fewer).
 
 Neighbouring rows may be designs of different branches, with nothing to interpolate between them.
-Every cell is tried in its middles, and one whose residual is too large there is closed.
+Every cell is tried in its middles, and one whose residual is too large there is closed. Tried all
+over are those that may be the worst, those whose rows are far from each other, and those that reach
+across a kink: behind limits the times bend where ramps begin to turn.
 """
 
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from design.analysis.residuals_of_many import residuals_of_many
 from design.errors import InvalidInputError
 from design.fields import vary
+from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
@@ -25,12 +26,9 @@ from design.model.plants.registry import Plant
 from design.model.plants.spring_mass import SpringMass
 from design.tables.columns import amplitudes_of, names_of, times_of
 from design.tables.rows import Rows, TableHead, subject_of
+from design.tables.stencil import IndexArray, first_of_stencil
+from design.tables.turned_rows import cells_across_kinks, cells_of_far_rows, turned_ramps
 from design.types import BoolArray, FloatArray
-
-IndexArray = NDArray[np.signedinteger[Any]]
-
-STENCIL = 4
-"""Points along each axis: a cubic."""
 
 INVERTED = (".natural_frequency_rad_s", "_limit_m_s2")
 """Ends of the actuator's fields whose inverses the phases are smooth in."""
@@ -42,8 +40,17 @@ QUICKENING = ("plant.gravity_m_s2", "plant.stiffness_n_m")
 BOUND_MARGIN = 1.25
 """Over the worst residual at the middles. The error of a cubic at the middle of its cell is the
 largest of the cell where the cell is inside an even grid, and 1/1.07 of it where it is the first or
-the last; the rest is for uneven grids and for what the next order adds."""
+the last; the rest is for uneven grids and for what the next order adds. Across a kink it is for
+what is between two of the points tried."""
 
+PARTS = 8
+"""Parts of a cell along each axis, at whose ends it is tried all over, and then once more between
+the points beside the largest. The error across a kink is nearly a straight line on either side of
+it, and its top a sixteenth of the cell at most from a point tried at first [-]."""
+
+NEARLY_WORST = 0.5
+"""Share of the largest residual above which a cell may be the worst: where it is large in the
+middles of two axes at once, the largest may be beside them [-]."""
 
 CLOSED_ABOVE = 0.05
 """Residual in its middles that closes a cell: more than shapers are commonly allowed. There the
@@ -142,6 +149,8 @@ def interpolant(head: TableHead, rows: Rows) -> Interpolant:
             "fields of plant or actuator, to interpolate",
             code="fields_not_interpolated",
         )
+    if isinstance(subject.actuator, RateLimited):
+        subject.actuator.require_straight_ramps()
     if not names:
         raise InvalidInputError("fields", [], "one or more, to interpolate", code="no_fields")
     if not isinstance(subject.plant, Mode | Pendulum | SpringMass):
@@ -176,7 +185,12 @@ def interpolant(head: TableHead, rows: Rows) -> Interpolant:
         closed=np.zeros([max(axis.size - 1, 1) for axis in axes], dtype=bool),
         residual_bound=np.nan,
     )
+    drives = [_actuator_at(made, point) for point in rows.fields[order].tolist()]
+    turned = turned_ramps(times_of(head, rows)[order], made.amplitudes, drives)
+    across = cells_across_kinks(turned.reshape(made.phases.shape)) | cells_of_far_rows(made.phases)
     worst = _worst_of_cells(made)
+    largest = float(np.max(worst[worst <= CLOSED_ABOVE], initial=0.0))
+    worst = np.fmax(worst, _worst_all_over(made, across | (worst > NEARLY_WORST * largest)))
     closed = worst > CLOSED_ABOVE
     bound = BOUND_MARGIN * float(np.max(worst[worst <= CLOSED_ABOVE], initial=-np.inf))
     return replace(made, closed=closed, residual_bound=bound if bound >= 0 else np.nan)
@@ -276,8 +290,7 @@ def _times_s(made: Interpolant, points: FloatArray) -> FloatArray:
 
 def _weights(nodes: FloatArray, at: FloatArray, cell: IndexArray) -> tuple[IndexArray, FloatArray]:
     """Return where each point's stencil starts, shape (m,), and Lagrange's weights, (m, points)."""
-    size = min(STENCIL, nodes.size)
-    start = np.clip(cell - (size - 2) // 2, 0, nodes.size - size)
+    start, size = first_of_stencil(cell, nodes.size)
     stencil = nodes[start[:, None] + np.arange(size)]
     weights = np.ones((at.size, size))
     for mine, other in product(range(size), repeat=2):
@@ -291,16 +304,58 @@ def _residuals(made: Interpolant, points: FloatArray) -> FloatArray:
     frequencies, dampings = _mode_of(made.plant, list(made.names), points)
     poles = frequencies * (-dampings + 1j * np.sqrt(1 - dampings**2))
     drive = [index for index, name in enumerate(made.names) if name.startswith("actuator.")]
-    drives, of = np.unique(points[:, drive], axis=0, return_inverse=True)
+    _, first, of = np.unique(points[:, drive], axis=0, return_index=True, return_inverse=True)
     residuals = np.full(len(points), np.nan)
     known = ~np.isnan(times).any(axis=1)
-    for number, values in enumerate(drives.tolist()):
-        actuator = made.actuator
-        for index, value in zip(drive, values, strict=True):
-            actuator = vary(actuator, made.names[index].split(".")[1:], value)
+    for number, point in enumerate(points[first].tolist()):
+        actuator = _actuator_at(made, point)
         here = np.flatnonzero((of.ravel() == number) & known)
         residuals[here] = residuals_of_many(times[here], made.amplitudes, poles[here], actuator)
     return residuals
+
+
+def _actuator_at(made: Interpolant, point: list[float]) -> Actuator:
+    actuator = made.actuator
+    for name, value in zip(made.names, point, strict=True):
+        if name.startswith("actuator."):
+            actuator = vary(actuator, name.split(".")[1:], value)
+    return actuator
+
+
+def _worst_all_over(made: Interpolant, which: BoolArray) -> FloatArray:
+    """Return the worst residual tried all over some cells.
+
+    Shape of `Interpolant.closed`; not a number in others.
+    """
+    worst = np.full(which.shape, np.nan)
+    for cell in np.argwhere(which).tolist():
+        starts, ends = np.array([
+            _coordinate(name, axis[[number, min(number + 1, axis.size - 1)]])
+            for name, axis, number in zip(made.names, made.axes, cell, strict=True)
+        ]).T
+        largest, at = _largest_within(made, starts, ends)
+        width = (ends - starts) / PARTS
+        low, high = np.minimum(starts, ends), np.maximum(starts, ends)
+        # Once more, finely, around where it is.
+        around = (np.clip(at + side * width, low, high) for side in (-1, 1))
+        worst[tuple(cell)] = np.fmax(largest, _largest_within(made, *around)[0])
+    return worst
+
+
+def _largest_within(
+    made: Interpolant, starts: FloatArray, ends: FloatArray
+) -> tuple[float, FloatArray]:
+    """Return the largest residual at the points of a box, in coordinates, and where it is."""
+    shares = np.linspace(0, 1, PARTS + 1)
+    sides = starts[:, None] + (ends - starts)[:, None] * shares
+    at = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(starts))
+    points = np.column_stack([
+        np.clip(_field(name, column), axis[0], axis[-1])
+        for name, axis, column in zip(made.names, made.axes, at.T, strict=True)
+    ])
+    residuals = _residuals(made, points)
+    largest = int(np.argmax(np.nan_to_num(residuals, nan=-1.0)))
+    return float(residuals[largest]), at[largest]
 
 
 def _worst_of_cells(made: Interpolant) -> FloatArray:

@@ -8,6 +8,7 @@ from design.formulations.formulation import ClosedForm, Convolution, JointProble
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
+from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
@@ -54,7 +55,10 @@ def amplitudes_of(
         actuator = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1)
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=damping_ratio)
     formulation = kind.formulate(kind.case((mode,), actuator, options))
-    if isinstance(formulation, JointProblem | Convolution | RampedProblem | RampedHumpsProblem):
+    if isinstance(
+        formulation,
+        JointProblem | Convolution | RampedProblem | RampedHumpsProblem | UnequalRampsProblem,
+    ):
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,

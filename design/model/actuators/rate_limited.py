@@ -1,7 +1,8 @@
 """Limits to the rate of a command, and what follows the limited command."""
 
+import math
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, TypeGuard
 
 from design.checks import MAX_VALUE, require_between, require_scale
 from design.errors import InvalidInputError
@@ -21,6 +22,10 @@ class RateLimited:
     The command's steps become ramps, steep as the limits allow: the first while the reference's
     magnitude grows, the second while it falls. A command that changes before its ramp is over
     turns the ramp; one that reverses passes zero.
+
+    With a limit to the jerk too, the reference goes from where it is, and from the slope that it
+    has, to the command's level in least time, and comes to rest there: also where the command
+    changes midway, and at zero where it reverses. Under commands of 0 and 1 it stays within them.
     """
 
     kind: ClassVar[str] = "rate_limited"
@@ -35,12 +40,16 @@ class RateLimited:
     speed_m_s: float  # Full speed: what a command of 1 stands for, > 0 [m/s]
     # What follows the ramps; its sets are those of the reference's latest change
     then: Unlimited = field(default_factory=Ideal)
+    # Largest rate of the reference's acceleration, > 0 [m/s^3]; None is no limit
+    jerk_limit_m_s3: float | None = None
     # Delay of all that it does, >= 0 [s]; it shifts the response and changes no residual
     dead_time_s: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("accel_limit_m_s2", "decel_limit_m_s2", "speed_m_s"):
             require_scale(name, getattr(self, name))
+        if self.jerk_limit_m_s3 is not None:
+            require_scale("jerk_limit_m_s3", self.jerk_limit_m_s3)
         require_between("dead_time_s", self.dead_time_s, 0.0, MAX_VALUE)
         if self.then.dead_time_s != 0:
             raise InvalidInputError(
@@ -59,6 +68,8 @@ class RateLimited:
     def in_words(self) -> tuple[str, str]:
         """Name and parameters for a picture, these on one or two lines."""
         limits = f"{self.accel_limit_m_s2:.3g} and {self.decel_limit_m_s2:.3g} m/s²"
+        if self.jerk_limit_m_s3 is not None:
+            limits += f"\njerk {self.jerk_limit_m_s3:.3g} m/s³"
         return f"ramps, {self.then.kind.replace('_', ' ')}", f"limits {limits}"
 
     @property
@@ -73,10 +84,55 @@ class RateLimited:
 
     @property
     def unit_ramps_s(self) -> tuple[float, float]:
-        """Time to full speed and from it [s]."""
-        return self.speed_m_s / self.accel_limit_m_s2, self.speed_m_s / self.decel_limit_m_s2
+        """Time from rest to full speed, and from it to rest [s]."""
+        return self._ramp_s(self.accel_limit_m_s2), self._ramp_s(self.decel_limit_m_s2)
+
+    @property
+    def straight_ramps_s(self) -> tuple[float, float]:
+        """The same of ramps of constant slope.
+
+        Raises
+        ------
+        InvalidInputError
+            If the jerk is limited.
+        """
+        self.require_straight_ramps()
+        return self.unit_ramps_s
+
+    def require_straight_ramps(self) -> None:
+        """Check that the jerk is not limited.
+
+        For what knows constant slopes alone.
+
+        Raises
+        ------
+        InvalidInputError
+            If it is limited.
+        """
+        if self.jerk_limit_m_s3 is not None:
+            raise InvalidInputError(
+                "actuator.jerk_limit_m_s3",
+                self.jerk_limit_m_s3,
+                "left out here: behind a limit to the jerk umzv, umzvd, numzv, numzvd, multi_umzv "
+                "and their moves are designed, where one lag follows it and nothing has to settle; "
+                "they are not fitted or interpolated",
+                code="jerk_not_served",
+            )
+
+    def _ramp_s(self, limit_m_s2: float) -> float:
+        if self.jerk_limit_m_s3 is None:
+            return self.speed_m_s / limit_m_s2
+        to_limit_s = limit_m_s2 / self.jerk_limit_m_s3
+        if to_limit_s * limit_m_s2 < self.speed_m_s:
+            return self.speed_m_s / limit_m_s2 + to_limit_s
+        return 2 * math.sqrt(self.speed_m_s / self.jerk_limit_m_s3)
 
     @property
     def corner_frequencies_rad_s(self) -> dict[str, float]:
         """Corner frequency of each set that has one [rad/s]."""
         return self.then.corner_frequencies_rad_s
+
+
+def follows_one_lag(actuator: Unlimited | RateLimited) -> TypeGuard[RateLimited]:
+    """Return whether an actuator has limits, and one lag for both directions."""
+    return isinstance(actuator, RateLimited) and actuator.accel_lag == actuator.decel_lag

@@ -1,7 +1,5 @@
 """All kinds of actuators: what drives the plant."""
 
-from typing import TypeGuard
-
 from design.model.actuators.rate_limited import RateLimited, Unlimited
 
 Actuator = Unlimited | RateLimited
@@ -13,8 +11,3 @@ def unit_ramps_s(actuator: Actuator) -> tuple[float, float]:
     Both are 0 without limits to the rate of the command.
     """
     return actuator.unit_ramps_s if isinstance(actuator, RateLimited) else (0.0, 0.0)
-
-
-def follows_one_lag(actuator: Actuator) -> TypeGuard[RateLimited]:
-    """Return whether an actuator has limits, and one lag for both directions."""
-    return isinstance(actuator, RateLimited) and actuator.accel_lag == actuator.decel_lag

@@ -8,8 +8,7 @@ import pytest
 from design.formulations.ramped import ramped_problem
 from design.formulations.ramped_move import ramped_move
 from design.model.actuators.first_order import FirstOrder
-from design.model.actuators.rate_limited import RateLimited
-from design.model.actuators.registry import follows_one_lag
+from design.model.actuators.rate_limited import RateLimited, follows_one_lag
 from design.model.plants.mode import Mode
 from design.solvers.budget import Budget
 from design.solvers.ramps.course import Course, Slopes, course_of

@@ -1,0 +1,1 @@
+"""The fastest courses of a reference whose slope and jerk are limited."""
