@@ -237,21 +237,23 @@ def slope(
 ) -> float:
     """Return |dV/d ln w| over the unshaped step, as it has decayed by the end.
 
-    The initial swing goes with the frequency to the power ``initial_power``: -2 where it is known
-    by the angle of a pendulum, whose length is ``g / w^2``.
+    The derivative is a quotient of the fourth order: of long commands, whose phase turns by a
+    hundred radians, one of the second order is off by 1e-6. The initial swing goes with the
+    frequency to the power ``initial_power``: -2 where it is known by the angle of a pendulum, whose
+    length is ``g / w^2``.
     """
-    vectors = []
-    for sign in (-1, 1):
-        shifted = replace(
-            mode, natural_frequency_rad_s=mode.natural_frequency_rad_s * (1 + sign * step)
-        )
-        scale = (1 + sign * step) ** initial_power
+
+    def vector(change: float) -> complex:
+        shifted = replace(mode, natural_frequency_rad_s=mode.natural_frequency_rad_s * (1 + change))
+        scale = (1 + change) ** initial_power
         begun = (initial[0] * scale, initial[1] * scale)
-        vectors.append(outcome(command, shifted, actuator, begun).vector)
+        return outcome(command, shifted, actuator, begun).vector
+
+    near, far = (vector(k * step) - vector(-k * step) for k in (1, 2))
     unit = abs(outcome(command, mode, actuator).unit)
     lasting = end_s(command, actuator) - float(command.times_s[0])
     decayed = math.exp(mode.pole_rad_s.real * lasting)
-    return float(abs(vectors[1] - vectors[0]) / (2 * step) * decayed / unit)
+    return float(abs(8 * near - far) / (12 * step) * decayed / unit)
 
 
 def history(

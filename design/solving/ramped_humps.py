@@ -9,6 +9,7 @@ from design.errors import InfeasibleDesignError
 from design.formulations.gaps import PERIOD_RAD
 from design.formulations.ramped_humps import RampedHumpsProblem
 from design.solvers.budget import Budget
+from design.solvers.least_squares import least_squares
 from design.solvers.ramps import search
 from design.solvers.ramps.band_optimality import growths, residuals
 from design.solvers.ramps.course import Course
@@ -86,7 +87,9 @@ def _spread(problem: RampedHumpsProblem, budget: Budget) -> RampedOptimum:
             beside = places + BESIDE * np.eye(2)[which]
             course = _at(problem, beside, found, budget).course
             jacobian[:, which] = (_misses(problem, beside, course) - missed) / BESIDE
-        step = np.linalg.lstsq(jacobian, -missed, rcond=None)[0]
+        step = least_squares(jacobian, -missed)
+        if not np.isfinite(step).all():
+            raise _none_found(problem)
         step *= FARTHEST_STEP / max(float(np.abs(step).max()), FARTHEST_STEP)
         while True:
             following = _at(problem, places + step, found, budget)

@@ -73,7 +73,7 @@ def test_a_refusal_reports_what_was_tried_and_why_it_was_rejected(
 
 
 def test_what_is_longer_than_asked_is_said_to_be_rejected_for_it() -> None:
-    request = {**EXAMPLES["numzvd"], "shaper": {"kind": "numzvd", **TOO_SHORT["numzvd"]}}
+    request = {**CRANE, "shaper": {"kind": "numzvd", **TOO_SHORT["numzvd"]}}
     found = respond("design", json.dumps({**request, "trace": True}).encode())
     assert isinstance(found, Problem)
     rejected = [step for step in found.trace if step.outcome == "rejected"]

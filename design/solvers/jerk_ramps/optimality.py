@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.solvers.jerk_ramps.events import EventCourse
+from design.solvers.least_squares import least_squares
 from design.solvers.ramps.functionals import Functionals
 from design.types import ComplexArray, FloatArray
 
@@ -74,10 +75,10 @@ def solve_structure(
     while not settled and iterations < NEWTON_STEPS:
         iterations += 1
         system, values = _conditions(course, functionals, targets, multipliers, prices)
-        step = np.linalg.lstsq(system, -values, rcond=1e-13)[0]
+        step = least_squares(system, -values, 1e-13)
         moves = step[: course.times.size - 1]
         farthest = float(np.abs(moves).max(initial=0.0))
-        if not np.isfinite(farthest):
+        if not np.isfinite(step).all():
             return None
         share = min(1.0, FARTHEST_STEP_RAD / max(farthest, FARTHEST_STEP_RAD))
         course = course.moved(share * np.append(0.0, moves))
@@ -114,7 +115,7 @@ def find_multipliers(
     rows = np.vstack((changes.real, changes.imag, course.condition_changes[:, 1:]))
     ends = np.zeros(rows.shape[1])
     ends[-1] = -1.0
-    found = np.linalg.lstsq(rows.T, ends, rcond=None)[0]
+    found = least_squares(rows.T, ends)
     m = functionals.poles.size
     return found[:m] + 1j * found[m : 2 * m], found[2 * m :]
 

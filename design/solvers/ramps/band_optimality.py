@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from design.solvers.least_squares import least_squares
 from design.solvers.ramps.course import Course, Slopes, course_of
 from design.solvers.ramps.functionals import Functionals
 from design.solvers.ramps.optimality import (
@@ -191,8 +192,7 @@ def find_weights(course: Course, unit_pole: complex, ratios: FloatArray) -> Floa
         Shape (m,) [rad].
     """
     moves = _left(course, unit_pole, ratios).moves
-    found: FloatArray = np.linalg.lstsq(moves.T, -course.end_changes()[1:], rcond=None)[0]
-    return found
+    return least_squares(moves.T, -course.end_changes()[1:])
 
 
 # Where it diverges, numbers overflow: what is not finite then ends it.
@@ -275,10 +275,8 @@ def _newton_step(
         left.growths[moving],
         now.weights @ left.moves + ends,
     ))
-    if not (np.isfinite(matrix).all() and np.isfinite(values).all()):
-        return None
-    step: FloatArray = np.linalg.lstsq(matrix, -values, rcond=1e-13)[0]
-    return step
+    step = least_squares(matrix, -values, 1e-13)
+    return step if np.isfinite(step).all() else None
 
 
 def optimum_of(point: BandPoint, unit_pole: complex, tolerance: float) -> RampedOptimum:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from design.solvers.least_squares import least_squares
 from design.solvers.ramps.course import Course, Slopes, course_of
 from design.solvers.ramps.functionals import Functionals
 from design.types import ComplexArray, FloatArray
@@ -86,12 +87,14 @@ def find_multipliers(course: Course, functionals: Functionals) -> ComplexArray:
     """
     changes = course.changes(functionals)[:, 1:]
     rows = np.hstack((changes.real.T, changes.imag.T))
-    found = np.linalg.lstsq(rows, -course.end_changes()[1:], rcond=None)[0]
+    found = least_squares(rows, -course.end_changes()[1:])
     real, imaginary = np.split(found, 2)
     multipliers: ComplexArray = real + 1j * imaginary
     return multipliers
 
 
+# Where it diverges, numbers overflow: what is not finite then ends it.
+@np.errstate(over="ignore", invalid="ignore")
 def solve_conditions(
     switches: FloatArray, functionals: Functionals, targets: ComplexArray, slopes: Slopes
 ) -> RampedOptimum | None:
@@ -118,6 +121,8 @@ def solve_conditions(
     while count and iteration < NEWTON_STEPS:
         iteration += 1
         step = _newton_step(course, multipliers, functionals, targets)
+        if not np.isfinite(step).all():
+            return None
         moves, rest = step[:count], step[count:]
         gaps, changes = np.diff(course.switches), np.diff(moves, prepend=0.0)
         closing = changes < 0
@@ -168,6 +173,5 @@ def _newton_step(
     rows = 1 / np.abs(matrix).max(axis=1, initial=SMALLEST)
     matrix *= rows[:, None]
     columns = 1 / np.abs(matrix).max(axis=0, initial=SMALLEST)
-    found = np.linalg.lstsq(matrix * columns, -rows * values, rcond=1e-13)[0]
-    step: FloatArray = columns * found
+    step: FloatArray = columns * least_squares(matrix * columns, -rows * values, 1e-13)
     return step

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from design.solvers.least_squares import least_squares
 from design.solvers.ramps.unequal_course import TwoLags, UnequalCourse
 from design.types import BoolArray, FloatArray
 
@@ -219,11 +220,11 @@ def solve_last(lags: TwoLags, switches: FloatArray, given: int) -> FloatArray | 
         if np.abs(missed).max() < MET / 100:
             break
         changes = course.changes[:, given:] * scales[:, None]
-        step = np.linalg.lstsq(
+        step = least_squares(
             np.concatenate((changes.real, changes.imag[swinging])),
             np.concatenate((missed.real, missed.imag[swinging])),
-            rcond=1e-13,
-        )[0]
+            1e-13,
+        )
         at = at - np.append(np.zeros(given), step)
         if not (np.diff(at) > 0).all():  # not a number is not
             return None
@@ -239,6 +240,8 @@ def _polished(program: _Program, at: FloatArray, held: BoolArray) -> FloatArray:
         if misses.size + held.sum() <= at.size:
             misses = np.concatenate((misses, program.room(at)[held]))
             changes = np.concatenate((changes, program.room_changes(at)[held]))
-        step: FloatArray = np.linalg.lstsq(changes, misses, rcond=1e-13)[0]
+        step = least_squares(changes, misses, 1e-13)
+        if not np.isfinite(step).all():
+            break
         at = at - step
     return at

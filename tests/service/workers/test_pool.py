@@ -326,10 +326,10 @@ def test_a_pool_that_closes_leaves_no_process() -> None:
 
     async def story() -> None:
         async with pool(workers=3) as one:
-            seen.update(await asyncio.gather(*(one.run(tasks.asleep, 0.2) for _ in range(3))))
+            while len(seen) < 3:  # a worker that is born late may find the others awake again
+                seen.update(await asyncio.gather(*(one.run(tasks.asleep, 0.2) for _ in range(3))))
 
     play(story())
-    assert len(seen) == 3
     until_in_time(lambda: not running(seen), "workers outlive their pool")
 
 

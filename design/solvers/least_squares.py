@@ -1,0 +1,30 @@
+"""Least squares that return no number where numbers overflowed."""
+
+import numpy as np
+
+from design.types import FloatArray
+
+
+def least_squares(
+    matrix: FloatArray, right: FloatArray, smallest: float | None = None
+) -> FloatArray:
+    """Return the shortest of the x that miss ``matrix @ x = right`` least.
+
+    Parameters
+    ----------
+    matrix, right
+        Shapes (m, n) and (m,).
+    smallest
+        Share of the largest singular value below which one counts as none; that of rounding if
+        None [-].
+
+    Returns
+    -------
+    FloatArray
+        Shape (n,); not a number each where anything given is not finite, as it is where Newton's
+        method diverges.
+    """
+    if not (np.isfinite(matrix).all() and np.isfinite(right).all()):
+        return np.full(matrix.shape[1], np.nan)
+    found: FloatArray = np.linalg.lstsq(matrix, right, rcond=smallest)[0]
+    return found
