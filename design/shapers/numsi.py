@@ -16,7 +16,6 @@ from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
 from design.formulations.lag_parameters import decel_over_accel, lag_parameters, switched_order
 from design.formulations.ramped_band import ramped_band_problem
 from design.formulations.seeds import Seed
-from design.formulations.unequal_band import UnequalBandProblem
 from design.formulations.unity_magnitude_problem import alternating
 from design.model.actuators.rate_limited import RateLimited, follows_one_lag
 from design.model.actuators.registry import Actuator
@@ -142,17 +141,14 @@ def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
         If settling before each switch takes longer than the longest shaper asked for.
     """
     mode, actuator, options = case.mode, case.actuator, case.options
-    alike = None
-    if isinstance(actuator, RateLimited) and not options.settle and options.impulses is None:
-        alike = ramped_band_problem(
+    if follows_one_lag(actuator) and not options.settle and options.impulses is None:
+        return ramped_band_problem(
             mode,
             actuator,
             half_width=options.half_width,
             tolerance=options.tolerance,
             max_duration_periods=options.max_duration_periods,
         )
-        if follows_one_lag(actuator):
-            return alike
     counts = COUNTS if options.impulses is None else (options.impulses,)
     horizon = options.max_duration_periods * PERIOD_RAD
     problems = []
@@ -176,13 +172,13 @@ def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
                     seeds=_seeds(mode, actuator, count, options),
                 )
             )
-    if not problems and alike is None:
+    if not problems:
         raise InfeasibleDesignError(
             f"settling before each of {counts[0]} switches takes longer than "
             f"max_duration_periods = {options.max_duration_periods:g}",
             code="switches_exceed_duration",
         )
-    whole_ramps = BandSearch(
+    return BandSearch(
         problems=tuple(problems),
         tolerance=options.tolerance,
         half_width=options.half_width,
@@ -190,9 +186,6 @@ def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
         horizon_rad=horizon,
         designed_for=actuator,
     )
-    if alike is None or not isinstance(actuator, RateLimited):
-        return whole_ramps
-    return UnequalBandProblem(alike=alike, otherwise=whole_ramps, designed_for=actuator)
 
 
 def _alike(count: int, options: UnityBandOptions) -> float:

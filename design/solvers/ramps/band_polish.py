@@ -1,10 +1,9 @@
-"""The switches of a command moved to where its residual over a band is least, the end kept.
+"""The switches of a grid's course moved to where they leave least over a band, the end kept.
 
 A step is a cone program of the residual's vectors, linear in the switches. What that neglects is
 small against the residual's own turn, so that a few steps are as good as many more cells.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +12,9 @@ from design.solvers import clarabel
 from design.solvers.budget import Budget
 from design.solvers.clarabel import ConeProgram
 from design.solvers.outcome import Status
-from design.types import ComplexArray, FloatArray
+from design.solvers.ramps.band_optimality import band_functionals, residuals
+from design.solvers.ramps.course import Course, Slopes, course_of
+from design.types import FloatArray
 
 MAX_POLISHED = 12
 """Steps at most."""
@@ -24,127 +25,100 @@ SHRINKS = 3.0
 MIN_RADIUS = 1e-4
 """Share of the first radius at which the steps end [-]."""
 
-ARRIVED = 1e-12
-"""Share of the end by which it may be missed [-]."""
+GAINED = 1e-4
+"""Share of the residual that the last step gained, at most [-]."""
 
 KEPT_GAP = 0.8
 """Share of a gap that one step closes at most [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Seen:
-    """The residual of a command at some ratios, and how it changes with the switches.
-
-    Attributes
-    ----------
-    switches
-        Ascending from 0, shape (n,) [rad].
-    end, end_changes
-        When the last ramp ends, and its derivatives, shape (n,) [rad], [-].
-    vectors, changes
-        The residual's vectors at the end, shape (k,), and their derivatives while the end is kept,
-        shape (k, n) [-], [1/rad].
-    drifts
-        Their derivatives in the end alone, shape (k,) [1/rad].
-    """
-
-    switches: FloatArray
-    end: float
-    end_changes: FloatArray
-    vectors: ComplexArray
-    changes: ComplexArray
-    drifts: ComplexArray
-
-    @property
-    def largest(self) -> float:
-        """The largest residual [-]."""
-        return float(np.abs(self.vectors).max())
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Polished:
-    """The command of least residual over a band, of its structure and end.
+    """The course of least residual over a band, of its structure and end.
 
     Attributes
     ----------
-    seen
-        The command.
+    course
+        The course.
+    largest
+        The largest residual at the ratios [-].
     weights
         What the bound of each ratio costs, shape (k,).
     """
 
-    seen: Seen
+    course: Course
+    largest: float
     weights: FloatArray
 
 
 def polish(
-    see: Callable[[FloatArray], Seen],
-    switches: FloatArray,
+    course: Course,
+    unit_pole: complex,
+    ratios: FloatArray,
+    slopes: Slopes,
     radius: float,
     budget: Budget,
-    *,
-    end: float | None = None,
-    gained: float = 1e-4,
 ) -> Polished | None:
-    """Move switches to where the residual is least, the end kept.
+    """Move the switches of a course to where they leave least, its end kept.
 
     Parameters
     ----------
-    see
-        What a command of given switches has for a residual.
-    switches
-        Where to begin, ascending from 0, shape (n,) [rad].
+    course
+        Where to begin.
+    unit_pole, ratios
+        The mode's pole over its natural frequency, and where residuals count, shape (k,) [-].
+    slopes
+        Limits of the slope.
     radius
         How far a switch moves in the first step, at most [rad].
     budget
         The work is counted in it.
-    end
-        The end to bring the command to; that which it has if None [rad].
-    gained
-        Share of the residual that the last step gains, at most [-].
 
     Returns
     -------
     Polished or None
         None where Clarabel fails at once.
     """
-    now, last_radius = see(switches), MIN_RADIUS * radius
-    end = now.end if end is None else end
+    last_radius = MIN_RADIUS * radius
+    largest = float(residuals(course, unit_pole, ratios).max())
     found = None
     for _ in range(MAX_POLISHED):
-        step = _step(now, end, radius, budget)
+        step = _step(course, unit_pole, ratios, radius, budget)
         if step is None:
             break
         moves, weights = step
-        gaps, closing = np.diff(now.switches), np.diff(moves, prepend=0.0)
+        gaps, closing = np.diff(course.switches), np.diff(moves, prepend=0.0)
         shrinking = closing < 0
         share = KEPT_GAP * float(np.min(-gaps[shrinking] / closing[shrinking], initial=2.0))
-        following = see(now.switches + np.append(0.0, min(1.0, share) * moves))
-        off = abs(now.end - end)
-        if following.largest < now.largest or abs(following.end - end) < off / 2:
-            less = now.largest - following.largest
-            now = following
-            found = Polished(seen=now, weights=weights)
-            if off < ARRIVED * end and less < gained * now.largest:
+        following = course_of(course.switches + np.append(0.0, min(1.0, share) * moves), slopes)
+        left = float(residuals(following, unit_pole, ratios).max())
+        if left < largest:
+            gained = largest - left
+            course, largest = following, left
+            found = Polished(course=course, largest=largest, weights=weights)
+            if gained < GAINED * largest:
                 break
         else:
             radius /= SHRINKS
-            found = found or Polished(seen=now, weights=weights)
+            if found is None:
+                found = Polished(course=course, largest=largest, weights=weights)
         if radius < last_radius:
             break
     return found
 
 
 def _step(
-    now: Seen, end: float, radius: float, budget: Budget
+    course: Course, unit_pole: complex, ratios: FloatArray, radius: float, budget: Budget
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the step of the switches after the first that brings the end, and the weights."""
-    changes, ends = now.changes[:, 1:], now.end_changes[1:]
+    """Return the step of the switches after the first that keeps the end, and the weights."""
+    functionals = band_functionals(unit_pole, ratios)
+    turn = np.exp(functionals.poles * course.end)
+    changes = turn[:, None] * course.changes(functionals)[:, 1:]
+    ends = course.end_changes()[1:]
     # The last switch always moves the end: it makes up for what the others do to it.
     makes_up = -ends[:-1] / ends[-1]
-    late = (end - now.end) / ends[-1]
     program = ConeProgram(
-        offset=now.vectors + changes[:, -1] * late + now.drifts * (end - now.end),
+        offset=turn * course.values(functionals),
         rows=radius * (changes[:, :-1] + np.multiply.outer(changes[:, -1], makes_up)),
         lowest=-1.0,
         highest=1.0,
@@ -155,4 +129,4 @@ def _step(
     if outcome.status is not Status.SOLVE_SUCCEEDED:
         return None
     moves = radius * outcome.unknowns
-    return np.append(moves, makes_up @ moves + late), outcome.weights
+    return np.append(moves, makes_up @ moves), outcome.weights

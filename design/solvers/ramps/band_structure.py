@@ -17,9 +17,8 @@ from design.solvers.ramps.band_optimality import (
     find_weights,
     residuals,
 )
-from design.solvers.ramps.band_polish import Seen, polish
+from design.solvers.ramps.band_polish import polish
 from design.solvers.ramps.course import Course, Slopes, course_of
-from design.solvers.ramps.functionals import Functionals
 from design.solvers.ramps.structure import GridCourse, count_cells, switches_of
 from design.types import FloatArray
 
@@ -126,10 +125,11 @@ def start_of(
         if dipped is None:
             return None
         course = dipped
-    functionals = band_functionals(problem.unit_pole, found.ratios)
     polished = polish(
-        lambda switches: _see(course_of(switches, slopes), functionals),
-        course.switches,
+        course,
+        problem.unit_pole,
+        found.ratios,
+        slopes,
         found.course.cell,
         budget,
     )
@@ -140,27 +140,13 @@ def start_of(
     low_edge = ratios < found.ratios[:2].mean()
     high_edge = ratios > found.ratios[-2:].mean()
     ratios[low_edge], ratios[high_edge] = found.ratios[0], found.ratios[-1]
-    course = course_of(polished.seen.switches, slopes)
     point = BandPoint(
-        course=course,
+        course=polished.course,
         ratios=ratios,
         inner=~(low_edge | high_edge),
-        weights=np.maximum(find_weights(course, problem.unit_pole, ratios), 0.0),
+        weights=np.maximum(find_weights(polished.course, problem.unit_pole, ratios), 0.0),
     )
-    return point, polished.seen.largest
-
-
-def _see(course: Course, functionals: Functionals) -> Seen:
-    turn = np.exp(functionals.poles * course.end)
-    vectors = turn * course.values(functionals)
-    return Seen(
-        switches=course.switches,
-        end=course.end,
-        end_changes=course.end_changes(),
-        vectors=vectors,
-        changes=turn[:, None] * course.changes(functionals),
-        drifts=functionals.poles * vectors,
-    )
+    return point, polished.largest
 
 
 def _dipped(problem: RampedBandProblem, slopes: Slopes, found: BandCourse) -> Course | None:
