@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from design.analysis.pulls import agree, longest_excluded, steepest
 from design.types import BoolArray, ComplexArray, FloatArray
 
 CELLS = 256
@@ -30,14 +31,8 @@ SPLIT = 8
 ROUNDS = 4
 """How often cells are split."""
 
-FIRST_SHARE = 1e-10
-"""Share of the duration by which the first bound that is tried is below it [-]."""
-
 NEARLY_ZERO = 1e-10
 """Share of the largest y, or P, beyond 0 within a cell that counts as one-sided [-]."""
-
-TRIES = 24
-"""Bounds that are tried, each twice as far below."""
 
 JERKS, AT_LIMIT, RESTS = 0, 1, 2
 """What the optimum does between two events."""
@@ -101,14 +96,7 @@ class JerkProof:
         return weighted
 
     def _steepest(self, times: FloatArray, derivative: int) -> FloatArray:
-        """Return a bound of a derivative of P up to each time: modes that decay grow backward."""
-        size = np.abs(self.poles)[:, None]
-        first = self.orders[:, None] == 1
-        largest = size**derivative * np.where(first, times, 1.0)
-        largest = largest + np.where(first, derivative * size ** (derivative - 1), 0.0)
-        grown = np.exp(np.maximum(-self.poles.real[:, None], 0.0) * times)
-        steepest: FloatArray = np.abs(self.multipliers) @ (largest * grown)
-        return steepest
+        return steepest(self.poles, self.orders, self.multipliers, times, derivative)
 
     def surplus(self, duration: float) -> float:
         """Return the right side less the left one, at least.
@@ -181,14 +169,14 @@ class JerkProof:
         once, twice = self._weighted(edges, 1), self._weighted(edges, 2)
         rate_sag = widths**2 / 8 * self._steepest(ends, 3)
         pull_sag = widths**2 / 8 * self._steepest(ends, 2)
-        monotone = _agree(rates[:-1], rates[1:], rate_sag)
+        monotone = agree(rates[:-1], rates[1:], rate_sag)
         # At rest N is -P: it falls as P rises, at most as long as at its steepest.
         whole = widths * np.maximum(np.abs(rates[:-1]), np.abs(rates[1:])) + 4 * pull_sag
         rises = np.where(monotone, np.maximum(np.diff(pull), 0.0), whole)
         # At a limit of the slope R is P + N.
         first, second = pull[:-1] + prices, pull[1:] + prices
         nearly = NEARLY_ZERO * float(np.abs(pull).max())
-        one_sided = _agree(first, second, np.where(monotone, -nearly, pull_sag))
+        one_sided = agree(first, second, np.where(monotone, -nearly, pull_sag))
         exact = self._cost(np.diff(once) + prices * widths)
         exact = exact + 2 * max(self.up, self.down) * widths * _beyond(first, second)
         chord = widths * (self._cost(first) + self._cost(second)) / 2
@@ -196,9 +184,9 @@ class JerkProof:
         # At a limit of the jerk y' is P + N.
         before, after, jumps = self._heights(edges, stages, prices)
         turning = widths**2 / 8 * self._steepest(ends, 1)
-        strictly = _agree(first, second, np.where(monotone, 0.0, pull_sag))
+        strictly = agree(first, second, np.where(monotone, 0.0, pull_sag))
         nearly = NEARLY_ZERO * float(np.abs(before).max())
-        steady = _agree(before, after, np.where(strictly, -nearly, turning))
+        steady = agree(before, after, np.where(strictly, -nearly, turning))
         area = before * widths + np.diff(twice) - once[:-1] * widths + prices * widths**2 / 2
         between = widths * ((np.abs(before) + np.abs(after)) / 2 + turning)
         monotonic = np.abs(area) + 2 * widths * _beyond(before, after)
@@ -230,13 +218,6 @@ def _beyond(before: FloatArray, after: FloatArray) -> FloatArray:
     return np.where(before * after < 0, beyond, 0.0)
 
 
-def _agree(before: FloatArray, after: FloatArray, margin: FloatArray) -> BoolArray:
-    """Return whether both are at least the margin away from 0, on the same side."""
-    low, high = np.minimum(before, after), np.maximum(before, after)
-    agree: BoolArray = (low >= margin) | (high <= -margin)
-    return agree
-
-
 def excluded_jerky_end_rad(proof: JerkProof) -> float:
     """Return a time before which no reference meets its targets.
 
@@ -250,13 +231,4 @@ def excluded_jerky_end_rad(proof: JerkProof) -> float:
     float
         At most the optimum's end [rad]; 0 excludes nothing.
     """
-    end = float(proof.events[-1])
-    short = max(-proof.surplus(end), FIRST_SHARE * end)
-    for _ in range(TRIES):
-        duration = end - short
-        if duration <= 0:
-            return 0.0
-        if proof.surplus(duration) > 0:
-            return duration
-        short *= 2
-    return 0.0
+    return longest_excluded(proof.surplus, float(proof.events[-1]))

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from design.analysis.pulls import agree, longest_excluded, steepest
 from design.types import BoolArray, ComplexArray, FloatArray
 
 CELLS = 256
@@ -29,14 +30,8 @@ SPLIT = 8
 ROUNDS = 3
 """How often cells are split."""
 
-FIRST_SHARE = 1e-10
-"""Share of the duration by which the first bound that is tried is below it [-]."""
-
 NEARLY_ZERO = 1e-10
 """Share of the largest P that P + N may be beyond 0 within a cell that counts as one-sided [-]."""
-
-TRIES = 24
-"""Bounds that are tried, each twice as far below."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -105,14 +100,7 @@ class RampedProof:
         return areas
 
     def _steepest(self, times: FloatArray, derivative: int) -> FloatArray:
-        """Return a bound of |P''| or |P'''| up to each time: modes that decay grow backward."""
-        size = np.abs(self.poles)[:, None]
-        first = self.orders[:, None] == 1
-        largest = size**derivative * np.where(first, times, 1.0)
-        largest = largest + np.where(first, derivative * size ** (derivative - 1), 0.0)
-        grown = np.exp(np.maximum(-self.poles.real[:, None], 0.0) * times)
-        steepest: FloatArray = np.abs(self.multipliers) @ (largest * grown)
-        return steepest
+        return steepest(self.poles, self.orders, self.multipliers, times, derivative)
 
     def surplus(self, duration: float) -> float:
         """Return the right side less the left one, at least.
@@ -155,14 +143,14 @@ class RampedProof:
         widths = ends - starts
         pull, rates = self._pull(edges), self._rates(edges)
         sag = widths**2 / 8 * self._steepest(ends, 2)
-        monotone = _agree(rates[:-1], rates[1:], widths**2 / 8 * self._steepest(ends, 3))
+        monotone = agree(rates[:-1], rates[1:], widths**2 / 8 * self._steepest(ends, 3))
         constants, resting = self._constants((starts + ends) / 2)
         # While it rests N is -P: it falls as P rises, at most as long as at its steepest.
         whole = widths * (np.maximum(np.abs(rates[:-1]), np.abs(rates[1:])) + 4 * sag / widths)
         rises = np.where(monotone, np.maximum(np.diff(pull), 0.0), whole)
         before, after = pull[:-1] + constants, pull[1:] + constants
         nearly = NEARLY_ZERO * float(np.abs(pull).max())
-        sure = _agree(before, after, np.where(monotone, -nearly, sag))
+        sure = agree(before, after, np.where(monotone, -nearly, sag))
         steepest = max(self.up, self.down)
         exact = self._cost(np.diff(self._areas(edges)) + constants * widths)
         chord = widths * (self._cost(before) + self._cost(after)) / 2
@@ -197,13 +185,6 @@ class RampedProof:
         return float(np.maximum(-steps, 0.0).sum())
 
 
-def _agree(before: FloatArray, after: FloatArray, margin: FloatArray) -> BoolArray:
-    """Return whether both are at least the margin away from 0, on the same side."""
-    low, high = np.minimum(before, after), np.maximum(before, after)
-    agree: BoolArray = (low >= margin) | (high <= -margin)
-    return agree
-
-
 def excluded_end_rad(proof: RampedProof) -> float:
     """Return a time before which no reference meets its targets.
 
@@ -217,12 +198,4 @@ def excluded_end_rad(proof: RampedProof) -> float:
     float
         At most the optimum's end [rad]; 0 excludes nothing.
     """
-    short = max(-proof.surplus(proof.end), FIRST_SHARE * proof.end)
-    for _ in range(TRIES):
-        duration = proof.end - short
-        if duration <= 0:
-            return 0.0
-        if proof.surplus(duration) > 0:
-            return duration
-        short *= 2
-    return 0.0
+    return longest_excluded(proof.surplus, proof.end)

@@ -17,10 +17,9 @@ from design.solvers.budget import Budget
 from design.solvers.jerk_ramps.events import Limits
 from design.solvers.jerk_ramps.search import JerkOptimum, candidates
 from design.solvers.solution import Solution, SolverReport
-from design.solving.bounded import SMALL_GAP
 from design.solving.distinct_steps import distinct_steps
+from design.solving.proven_courses import proven
 from design.solving.ramp_refusals import refuse_without_course, require_in_time
-from design.trace import TraceStep
 
 
 def solve_behind_jerk_limit(
@@ -47,30 +46,18 @@ def solve_behind_jerk_limit(
     """
     rise, fall = problem.ramps_rad
     limits = Limits(up=1 / rise, down=1 / fall, jerk=jerk)
-    best: JerkOptimum | None = None
-    bound = 0.0  # each proof is about the problem, whatever the course that led to it
-    for found in candidates(problem, limits, budget):
-        bound = max(bound, excluded_jerky_end_rad(_proof(problem, limits, found)))
-        budget.note(
-            TraceStep(
-                stage="bound",
-                method="proof",
-                start=found.seed,
-                outcome="proved",
-                duration_s=bound / problem.natural_frequency_rad_s,
-                detail="no reference within the limits ends as early",
-            )
-        )
-        if best is None or found.end < best.end:
-            best = found
-        if bound >= (1 - SMALL_GAP) * best.end:
-            require_in_time(problem, best.end, bound)
-            yield _solution(problem, best, bound)
-            best = None
-    if best is None:
+    none_found = True
+    for found, bound in proven(
+        candidates(problem, limits, budget),
+        lambda found: excluded_jerky_end_rad(_proof(problem, limits, found)),
+        problem.natural_frequency_rad_s,
+        budget,
+    ):
+        none_found = False
+        require_in_time(problem, found.end, bound)
+        yield _solution(problem, found, bound)
+    if none_found:
         refuse_without_course(problem, budget)
-    require_in_time(problem, best.end, bound)
-    yield _solution(problem, best, bound)
 
 
 def _proof(problem: RampedProblem, limits: Limits, optimum: JerkOptimum) -> JerkProof:

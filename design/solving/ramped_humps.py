@@ -15,7 +15,7 @@ from design.solvers.ramps.band_optimality import growths, residuals
 from design.solvers.ramps.course import Course
 from design.solvers.ramps.optimality import RampedOptimum
 from design.solvers.solution import Solution
-from design.solving.ramps import proven, solution_of
+from design.solving.ramps import proven_ramps, solution_of
 from design.types import FloatArray
 
 MAX_STEPS = 40
@@ -120,7 +120,7 @@ def _at(
     seeds = () if near is None else (near.course.switches,)
     ramped = problem.with_zeros(below, above, seeds)
     budget.spend(SOLVE_WORK)
-    found = next(proven(ramped, search.candidates(ramped, budget), budget), None)
+    found = next(proven_ramps(ramped, search.candidates(ramped, budget), budget), None)
     if found is None:
         raise InfeasibleDesignError(
             f"no course of the reference was found without residual at {below:.4g} and "

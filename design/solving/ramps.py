@@ -14,15 +14,14 @@ from design.solvers.budget import Budget
 from design.solvers.ramps import band_search, search
 from design.solvers.ramps.optimality import RampedOptimum
 from design.solvers.solution import Solution, SolverReport
-from design.solving.bounded import SMALL_GAP
 from design.solving.distinct_steps import distinct_steps
 from design.solving.jerk_ramps import solve_behind_jerk_limit
+from design.solving.proven_courses import proven
 from design.solving.ramp_refusals import (
     refuse_without_course,
     require_in_time,
     require_ramps_that_turn,
 )
-from design.trace import TraceStep
 
 
 def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solution]:
@@ -86,7 +85,7 @@ def _solutions(
 ) -> Iterator[Solution]:
     """Yield optima that their bound proves, else the best, each in time."""
     none_found = True
-    for found, bound in proven(problem, candidates, budget):
+    for found, bound in proven_ramps(problem, candidates, budget):
         none_found = False
         require_in_time(problem, found.course.end, bound)
         solution = solution_of(problem, found, name)
@@ -102,7 +101,7 @@ def _solutions(
         refuse_without_course(problem, budget)
 
 
-def proven(
+def proven_ramps(
     problem: RampedProblem | RampedBandProblem,
     candidates: Iterator[RampedOptimum],
     budget: Budget,
@@ -121,27 +120,12 @@ def proven(
     tuple of RampedOptimum and float
         An optimum, and an end before which there is none [rad].
     """
-    best: RampedOptimum | None = None
-    bound = 0.0  # each proof is about the problem, whatever the course that led to it
-    for found in candidates:
-        bound = max(bound, excluded_end_rad(_proof(problem, found)))
-        budget.note(
-            TraceStep(
-                stage="bound",
-                method="proof",
-                start=found.seed,
-                outcome="proved",
-                duration_s=bound / problem.natural_frequency_rad_s,
-                detail="no reference within the limits ends as early",
-            )
-        )
-        if best is None or found.course.end < best.course.end:
-            best = found
-        if bound >= (1 - SMALL_GAP) * best.course.end:
-            yield best, bound
-            best = None
-    if best is not None:
-        yield best, bound
+    yield from proven(
+        candidates,
+        lambda found: excluded_end_rad(_proof(problem, found)),
+        problem.natural_frequency_rad_s,
+        budget,
+    )
 
 
 def _proof(problem: RampedProblem | RampedBandProblem, found: RampedOptimum) -> RampedProof:

@@ -14,7 +14,7 @@ from design.solvers.ramps.unequal_search import UnequalOptimum, fastest_from
 from design.solvers.solution import Solution, SolverReport
 from design.solving.distinct_steps import distinct_steps
 from design.solving.ramp_refusals import refuse_without_course
-from design.solving.ramps import proven
+from design.solving.ramps import proven_ramps
 
 
 def solve_behind_two_lags(problem: UnequalRampsProblem, budget: Budget) -> Iterator[Solution]:
@@ -37,7 +37,9 @@ def solve_behind_two_lags(problem: UnequalRampsProblem, budget: Budget) -> Itera
     InfeasibleDesignError
         If the fastest found ends after the horizon, or none is found: says how far was searched.
     """
-    for behind_one, _ in proven(problem.alike, search.candidates(problem.alike, budget), budget):
+    for behind_one, _ in proven_ramps(
+        problem.alike, search.candidates(problem.alike, budget), budget
+    ):
         found = fastest_from(problem, behind_one.course.switches, budget)
         if found is not None:
             _require_in_time(problem, found)

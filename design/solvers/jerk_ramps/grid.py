@@ -7,6 +7,7 @@ import numpy as np
 from design.solvers import highs
 from design.solvers.jerk_ramps.events import Limits, second_integrals
 from design.solvers.ramps.functionals import Functionals
+from design.solvers.ramps.structure import POSSIBLE, count_cells
 from design.types import ComplexArray, FloatArray
 
 CELLS_PER_TURN = 40
@@ -20,9 +21,6 @@ PRESENT = 0.05
 
 AT_LEVEL = 1e-7
 """Distance from 0 or 1 within which the course of a linear program is there [-]."""
-
-POSSIBLE = 1e-9
-"""Violation that counts as none, over the unshaped step [-]."""
 
 PROGRAM_WORK, CELL_WORK, PAIR_WORK = 5000.0, 100.0, 0.25
 """Work of a linear program, of each of its cells, and of each pair of these [units]."""
@@ -52,25 +50,8 @@ class GridCourse:
         return self.violation < POSSIBLE
 
 
-def count_cells(functionals: Functionals, duration: float, fineness: float) -> int:
-    """Return the number of cells of a grid.
-
-    Parameters
-    ----------
-    functionals
-        What counts, of one plant.
-    duration
-        Length of the grid [rad].
-    fineness
-        How many times finer than the first grid it is [-].
-
-    Returns
-    -------
-    int
-        By the fastest mode and the length.
-    """
-    turns = duration * float(np.abs(functionals.poles).max()) / (2 * np.pi)
-    return int(fineness * max(MIN_CELLS, CELLS_PER_TURN * turns))
+def _count_cells(functionals: Functionals, duration: float, fineness: float) -> int:
+    return count_cells(functionals, duration, fineness, per_turn=CELLS_PER_TURN, fewest=MIN_CELLS)
 
 
 def work_of(functionals: Functionals, duration: float, fineness: float) -> float:
@@ -90,7 +71,7 @@ def work_of(functionals: Functionals, duration: float, fineness: float) -> float
     float
         Work by the number of cells [units].
     """
-    cells = count_cells(functionals, duration, fineness)
+    cells = _count_cells(functionals, duration, fineness)
     return PROGRAM_WORK + CELL_WORK * cells + PAIR_WORK * cells**2
 
 
@@ -122,7 +103,7 @@ def nearest_course(
     GridCourse or None
         None where no course reaches the last level in time.
     """
-    cells = count_cells(functionals, duration, fineness)
+    cells = _count_cells(functionals, duration, fineness)
     times = np.linspace(0, duration, cells + 1)
     cell = duration / cells
     scales = functionals.scales(duration)

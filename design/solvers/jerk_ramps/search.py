@@ -19,25 +19,18 @@ from design.solvers.jerk_ramps.grid import GridCourse, nearest_course, switches_
 from design.solvers.jerk_ramps.optimality import NEWTON_STEPS, Stationary, solve_structure
 from design.solvers.jerk_ramps.rules import entering_pieces
 from design.solvers.ramps.functionals import Functionals
+from design.solvers.ramps.search import (
+    CLOSED,
+    FINER,
+    FINEST,
+    MAX_PROGRAMS,
+    MIN_STEP,
+    next_duration,
+    program_step,
+)
 from design.solvers.ramps.search import candidates as straight_candidates
 from design.trace import TraceStep
 from design.types import FloatArray
-
-MAX_PROGRAMS = 60
-"""Linear programs until the search is given up."""
-
-MIN_STEP, USUAL_STEP, MAX_STEP = 1.02, 1.1, 1.3
-"""Quotient of two durations tried in turn: at least, where nothing says more, and at most [-]."""
-
-SHARE_OF_STEP = 0.9
-"""Share of the way to where the misses come to nothing [-]."""
-
-CLOSED = 1e-2
-"""Quotient of the durations around the optimum less 1, on the first grid, at which it is made finer
-[-]."""
-
-FINER, FINEST = 3.0, 27.0
-"""How many times finer each grid is than the one before, and the last than the first [-]."""
 
 SHORT_RAD = 0.03
 """Time to the steepest slope within which the course is nearly that without a limit to the jerk
@@ -131,21 +124,12 @@ def candidates(problem: RampedProblem, limits: Limits, budget: Budget) -> Iterat
                 if course is not None:
                     violation = course.violation
                     yield from search.optima(switches_of(course, limits), "linear_program")
-                duration = _next_duration(low, violation, before)
+                duration = next_duration(low, violation, before)
                 before = (low, violation)
             if duration >= high:
                 duration = (low + high) / 2
         fineness *= FINER
         duration = max((1 - CLOSED / fineness) * low, problem.earliest_rad)
-
-
-def _next_duration(duration: float, violation: float, before: tuple[float, float] | None) -> float:
-    """Return the duration to try after one that is too short."""
-    following = USUAL_STEP * duration
-    if before is not None and violation < before[1] < math.inf:
-        shrinks = (before[1] - violation) / (duration - before[0])
-        following = duration + SHARE_OF_STEP * violation / shrinks
-    return min(max(following, MIN_STEP * duration), MAX_STEP * duration)
 
 
 class _Search:
@@ -165,16 +149,8 @@ class _Search:
             self._functionals, problem.targets, self._limits, problem.last, duration, fineness
         )
         possible = course is not None and course.is_possible
-        budget.note(
-            TraceStep(
-                stage="bound",
-                method="highs",
-                start="linear_program",
-                outcome="may_be_possible" if possible else "too_short",
-                duration_s=duration / problem.natural_frequency_rad_s,
-                detail=f"grid {fineness:g} times as fine as the first",
-            )
-        )
+        w = problem.natural_frequency_rad_s
+        budget.note(program_step(duration / w, fineness, possible=possible))
         return course
 
     def optima(self, switches: FloatArray, start: str) -> Iterator[JerkOptimum]:

@@ -69,6 +69,11 @@ class RampedOptimum:
     programs: int = 0
     seed: str = "linear_program"
 
+    @property
+    def end(self) -> float:
+        """When the last ramp ends [rad]."""
+        return self.course.end
+
 
 def find_multipliers(course: Course, functionals: Functionals) -> ComplexArray:
     """Return the c that fits the switches best.

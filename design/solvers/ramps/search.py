@@ -91,20 +91,58 @@ def candidates(problem: RampedProblem, budget: Budget) -> Iterator[RampedOptimum
                 if course is not None:
                     violation = course.violation
                     yield from search.optima(search.switches_of(course), "linear_program")
-                duration = _next_duration(low, violation, before)
+                duration = next_duration(low, violation, before)
                 before = (low, violation)
             if duration >= high:
                 duration = (low + high) / 2
         first, fineness = BACK * low, FINER * fineness
 
 
-def _next_duration(duration: float, violation: float, before: tuple[float, float] | None) -> float:
-    """Return the duration to try after one that is too short."""
+def next_duration(duration: float, violation: float, before: tuple[float, float] | None) -> float:
+    """Return the duration to try after one that is too short.
+
+    Parameters
+    ----------
+    duration, violation
+        The duration, and by how much its course misses the targets [rad], [-].
+    before
+        Both of the one before; None at first.
+
+    Returns
+    -------
+    float
+        Longer: about where the misses come to nothing [rad].
+    """
     following = USUAL_STEP * duration
     if before is not None and violation < before[1] < math.inf:
         shrinks = (before[1] - violation) / (duration - before[0])
         following = duration + SHARE_OF_STEP * violation / shrinks
     return min(max(following, MIN_STEP * duration), MAX_STEP * duration)
+
+
+def program_step(duration_s: float, fineness: float, *, possible: bool) -> TraceStep:
+    """Return what is noted of a linear program.
+
+    Parameters
+    ----------
+    duration_s, fineness
+        Length of its grid, and how many times finer than the first that is [s], [-].
+    possible
+        Whether its course meets the targets.
+
+    Returns
+    -------
+    TraceStep
+        Of a bound.
+    """
+    return TraceStep(
+        stage="bound",
+        method="highs",
+        start="linear_program",
+        outcome="may_be_possible" if possible else "too_short",
+        duration_s=duration_s,
+        detail=f"grid {fineness:g} times as fine as the first",
+    )
 
 
 class _Search:
@@ -125,16 +163,8 @@ class _Search:
             self._functionals, problem.targets, self._slopes, problem.last, duration, fineness
         )
         possible = course is not None and course.is_possible
-        budget.note(
-            TraceStep(
-                stage="bound",
-                method="highs",
-                start="linear_program",
-                outcome="may_be_possible" if possible else "too_short",
-                duration_s=duration / problem.natural_frequency_rad_s,
-                detail=f"grid {fineness:g} times as fine as the first",
-            )
-        )
+        w = problem.natural_frequency_rad_s
+        budget.note(program_step(duration / w, fineness, possible=possible))
         return course
 
     def switches_of(self, course: GridCourse) -> FloatArray:

@@ -50,7 +50,14 @@ class GridCourse:
         return self.violation < POSSIBLE
 
 
-def count_cells(functionals: Functionals, duration: float, fineness: float) -> int:
+def count_cells(
+    functionals: Functionals,
+    duration: float,
+    fineness: float,
+    *,
+    per_turn: int = CELLS_PER_TURN,
+    fewest: int = MIN_CELLS,
+) -> int:
     """Return the number of cells of a grid.
 
     Parameters
@@ -61,6 +68,8 @@ def count_cells(functionals: Functionals, duration: float, fineness: float) -> i
         Length of the grid [rad].
     fineness
         How many times finer than the first grid it is [-].
+    per_turn, fewest
+        Cells of the first grid, to a period of the fastest mode and at least [-].
 
     Returns
     -------
@@ -68,7 +77,7 @@ def count_cells(functionals: Functionals, duration: float, fineness: float) -> i
         By the fastest mode and the length.
     """
     turns = duration * float(np.abs(functionals.poles).max()) / (2 * np.pi)
-    return int(fineness * max(MIN_CELLS, CELLS_PER_TURN * turns))
+    return int(fineness * max(fewest, per_turn * turns))
 
 
 def work_of(functionals: Functionals, duration: float, fineness: float) -> float:
