@@ -18,7 +18,8 @@ class BindingLimitOut(OutOf[BindingLimit]):
         Limit,
         Field(
             description="acceleration while the magnitude of the velocity grows at its limit, "
-            "deceleration while it falls; speed while it is full, rest while it is 0."
+            "deceleration while it falls; jerk while the acceleration changes at its limit; speed "
+            "while the velocity is full, rest while it is 0."
         ),
     ]
 

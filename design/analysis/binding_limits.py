@@ -7,7 +7,7 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses
 from design.model.ramps import ramped
 
-Limit = Literal["acceleration", "deceleration", "speed", "rest"]
+Limit = Literal["acceleration", "deceleration", "jerk", "speed", "rest"]
 
 FULL = 1e-9
 """How far from rest or full speed a level may be that counts as there, as of a sum of steps [-]."""
@@ -26,7 +26,7 @@ class BindingLimit:
         Its ends, after the first step [s].
     limit
         The limit to acceleration while the magnitude grows, the one to deceleration while it falls;
-        full speed, or rest, while it is held there.
+        the one to jerk while the acceleration changes; full speed, or rest, while it is held there.
     """
 
     from_s: float
@@ -62,14 +62,20 @@ def binding_limits(command: Impulses, actuator: RateLimited) -> tuple[BindingLim
         found.append(BindingLimit(from_s=from_s, to_s=to_s, limit=limit))
 
     level, before = 0.0, 0.0
-    for start, end, change, growing in zip(
-        starts.tolist(), ends.tolist(), changes.changes, changes.accelerates, strict=True
+    for start, end, change, growing, bend in zip(
+        starts.tolist(),
+        ends.tolist(),
+        changes.changes,
+        changes.accelerates,
+        changes.bends,
+        strict=True,
     ):
         height = abs(level)
         if height <= FULL:
             add(before, start, "rest")
         elif abs(height - 1) <= FULL:
             add(before, start, "speed")
-        add(start, end, "acceleration" if growing else "deceleration")
+        straight: Limit = "acceleration" if growing else "deceleration"
+        add(start, end, straight if bend == 0 else "jerk")
         level, before = level + float(change), end
     return tuple(found)

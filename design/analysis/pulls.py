@@ -49,7 +49,7 @@ def steepest(
 
 
 def agree(before: FloatArray, after: FloatArray, margin: FloatArray) -> BoolArray:
-    """Return whether both are at least the margin away from 0, on the same side.
+    """Return whether both are a margin away from 0 on the same side.
 
     Parameters
     ----------

@@ -8,15 +8,19 @@ from design.analysis.binding_limits import Limit, binding_limits
 from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses
 from design.model.ramps import ramped
-from design.pictures.style import BRIGHT, GREEN, GREY, INK, SMALL_PT
+from design.pictures.style import BRIGHT, DEEP, GREEN, GREY, INK, SMALL_PT
 
 MARKS: dict[Limit, tuple[str, str | tuple[int, tuple[float, ...]], str]] = {
     "acceleration": (GREEN, "-", "acceleration"),
     "deceleration": (BRIGHT, (0, (1.2, 0.5)), "deceleration"),
+    "jerk": (DEEP, (0, (2.4, 0.8)), "jerk"),
     "speed": (INK, (0, (0.5, 0.5)), "full speed"),
     "rest": (GREY, (0, (0.3, 1.2)), "rest"),
 }
 """Colour, dashes and name of each limit: distinct in grey print too."""
+
+KNOTS = 17
+"""Points at which a ramp is drawn."""
 
 WIDTH_PT = 6.0
 """The marks are wide, and the actuator's velocity is drawn upon them [pt]."""
@@ -37,10 +41,12 @@ def mark_limits(
         Full speed in the unit of the panel, negative for a move in -x.
     """
     changes = ramped(command, actuator)
-    ends = changes.times_s + changes.ramps_s
-    knots = np.stack((changes.times_s, ends), axis=1).ravel()
     reached = np.cumsum(changes.changes)
-    levels = np.stack((reached - changes.changes, reached), axis=1).ravel()
+    shares = np.linspace(0, 1, KNOTS)
+    knots = (changes.times_s[:, None] + np.multiply.outer(changes.ramps_s, shares)).ravel()
+    # A piece of constant jerk is a parabola, a straight ramp one without a bend.
+    grown = shares + np.multiply.outer(changes.bends, shares * (shares - 1))
+    levels = ((reached - changes.changes)[:, None] + changes.changes[:, None] * grown).ravel()
     first = float(command.times_s[0])
     drawn: dict[Limit, Line2D] = {}
     for one in binding_limits(command, actuator):

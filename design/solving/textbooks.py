@@ -22,6 +22,9 @@ from design.response.closed_form import travel
 from design.shapers.registry import SHAPERS
 from design.solving.solve import solve
 
+SHORTEST = 1e-6
+"""Shortest pulse that is tried, over the longest [-]."""
+
 POSITIVE, UNITY = ("zv", "zvd"), ("umzv", "umzvd")
 """Kinds for no residual, and for no slope either."""
 
@@ -165,6 +168,15 @@ def unshaped_move(actuator: RateLimited, travel_s: float) -> Impulses:
         One pulse: a trapezoid of the reference, or a triangle that does not reach full speed.
     """
     rise_s, fall_s = actuator.unit_ramps_s
+    if actuator.jerk_limit_m_s3 is not None:
+        from scipy.optimize import brentq  # noqa: PLC0415 - takes longer to import than a design
+
+        longest_s = travel_s + rise_s + fall_s
+
+        def missed_s(pulse_s: float) -> float:
+            return travel(pulse(pulse_s), actuator) - travel_s
+
+        return pulse(brentq(missed_s, SHORTEST * longest_s, longest_s, xtol=1e-15, rtol=1e-14))
     highest = min(1.0, (2 * travel_s / (rise_s + fall_s)) ** 0.5)
     # At the height of a triangle the step down comes as its ramp up ends.
     return pulse(travel_s / highest + highest * (rise_s - fall_s) / 2)
@@ -187,8 +199,13 @@ def waiting(shaper: Impulses, actuator: RateLimited) -> Impulses:
     Impulses
         The first at 0.
     """
-    rise_s, fall_s = actuator.unit_ramps_s
-    ramps_s = np.where(shaper.accelerates, rise_s, fall_s) * np.abs(shaper.amplitudes)
+    # A step of a share of full speed is full speed itself of a drive of as much.
+    drives = [
+        replace(actuator, speed_m_s=actuator.speed_m_s * abs(amplitude)).unit_ramps_s
+        for amplitude in shaper.amplitudes.tolist()
+    ]
+    rises_s, falls_s = np.array(drives).T
+    ramps_s = np.where(shaper.accelerates, rises_s, falls_s)
     gaps_s = np.maximum(np.diff(shaper.times_s), ramps_s[:-1])
     return Impulses(
         times_s=np.concatenate(([0.0], np.cumsum(gaps_s))), amplitudes=shaper.amplitudes

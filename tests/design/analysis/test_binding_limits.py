@@ -1,6 +1,7 @@
 """Which limit binds when, against the reference itself, played in small steps."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -91,3 +92,13 @@ def test_ramps_that_meet_are_one_interval_and_a_reversal_is_two() -> None:
         "acceleration", "speed", "deceleration", "acceleration",
     ]  # fmt: skip
     assert [one.to_s for one in found] == pytest.approx([4.0, 8.0, 10.5, 14.5], rel=1e-14)
+
+
+def test_a_limit_to_the_jerk_binds_while_the_acceleration_changes() -> None:
+    # To 0.5 m/s^2 in .25 s, there until .0625 m/s less than full speed, and back in .25 s.
+    drive = replace(DRIVE, jerk_limit_m_s3=2.0)
+    found = binding_limits(Impulses(times_s=np.zeros(1), amplitudes=np.ones(1)), drive)
+    assert [one.limit for one in found] == ["jerk", "acceleration", "jerk"]
+    ends = [0.0, 0.25, 4.0, 4.25]
+    for one, (start, end) in zip(found, pairwise(ends), strict=True):
+        assert (one.from_s, one.to_s) == pytest.approx((start, end), abs=1e-12)

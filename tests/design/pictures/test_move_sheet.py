@@ -1,5 +1,7 @@
 """The sheet of a move, and the limits that bind it, as drawn."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
@@ -67,9 +69,12 @@ def test_each_mark_has_the_slope_of_its_limit(distance_m: float) -> None:
             np.testing.assert_allclose(levels, sign * float(limit == "speed"), atol=1e-9)
 
 
-def test_the_marks_follow_the_velocity_of_an_ideal_drive_from_end_to_end() -> None:
-    move = moved(LIMITS, 12.0, "numzvd")
-    axes = panel(move_sheet("numzvd", CRANE.mode, LIMITS, move), "velocity")
+@pytest.mark.parametrize("drive", [LIMITS, replace(LIMITS, jerk_limit_m_s3=0.5)])
+def test_the_marks_follow_the_velocity_of_an_ideal_drive_from_end_to_end(
+    drive: RateLimited,
+) -> None:
+    move = moved(drive, 12.0, "numzvd")
+    axes = panel(move_sheet("numzvd", CRANE.mode, drive, move), "velocity")
     times, velocity = points(line(axes, "velocity-line"))
     reached = 0.0
     for mark in marks(axes):

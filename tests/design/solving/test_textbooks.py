@@ -1,21 +1,30 @@
 """Shapers of an ideal drive behind limits: when they end, what they leave, and what is faster."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from design.analysis.ramp_figures import Textbook
+from design.analysis.ramp_figures import Textbook, end_of_reference
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.plants.modes import Modes
 from design.model.plants.pendulum import Pendulum
 from design.moves.maneuvers import maneuver
 from design.pipeline import Design, design
+from design.response.closed_form import travel
 from design.shapers.registry import SHAPERS
-from design.solving.textbooks import figures_beside_textbooks, textbook_moves, textbook_shapers
+from design.solving.textbooks import (
+    figures_beside_textbooks,
+    textbook_moves,
+    textbook_shapers,
+    unshaped_move,
+    waiting,
+)
 from tests.design.solving.test_ramps import random_drives
 from tests.expm_route import outcome
 
@@ -172,3 +181,20 @@ def test_the_ideal_umzv_is_what_waits() -> None:
     assert found["umzv", "steps"].residual == pytest.approx(
         outcome(ideal, CRANE.mode, quick).residual, abs=1e-12
     )
+
+
+JERKY = replace(DRIVE, jerk_limit_m_s3=0.5)
+
+
+@pytest.mark.parametrize("travel_s", [0.01, 0.5, 2.0, 4.0, 20.0])
+def test_an_unshaped_move_of_limited_jerk_goes_as_far(travel_s: float) -> None:
+    assert travel(unshaped_move(JERKY, travel_s), JERKY) == pytest.approx(travel_s, rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["zv", "zvd", "umzv", "umzvd"])
+def test_steps_wait_for_ramps_of_limited_jerk_too(kind: str) -> None:
+    shaper = design(CRANE, Ideal(), SHAPERS[kind]).impulses
+    waited = waiting(shaper, JERKY)
+    for count in range(1, waited.times_s.size):
+        begun = Impulses(times_s=waited.times_s[:count], amplitudes=waited.amplitudes[:count])
+        assert end_of_reference(begun, JERKY) <= waited.times_s[count] + 1e-12
