@@ -17,6 +17,13 @@ def asleep(seconds: float) -> int:
     return os.getpid()
 
 
+def busy_until(path: str) -> int:
+    """Use processor time until there is a file, and return the worker's process id."""
+    while not Path(path).exists():
+        pass
+    return os.getpid()
+
+
 def busy(seconds: float) -> int:
     """Use so much processor time, and return the worker's process id."""
     end = time.process_time() + seconds
