@@ -19,7 +19,8 @@ from dataclasses import dataclass, replace
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.pipeline import design
 from design.solvers.budget import Budget
-from tests.acceptance.judges import wrong_in_design, wrong_in_refusal
+from tests.acceptance.judges import wrong_in_design
+from tests.acceptance.refusal_judges import wrong_in_refusal
 from tests.random_cases import case
 
 MAX_DESIGN_S = 5.0
