@@ -87,7 +87,7 @@ JUDGES: tuple[tuple[str, Callable[..., bool]], ...] = (
         lambda case, periods: _can_be_met(case, max_duration_periods=periods),
     ),
     (
-        rf"takes {NUMBER} periods in all, more than max_duration_periods = {NUMBER}",
+        rf"take {NUMBER} periods in all, more than max_duration_periods = {NUMBER}",
         lambda _, takes, horizon: takes > horizon,
     ),
     (
