@@ -30,7 +30,7 @@ def unity_magnitude_problem(
     mode: Mode,
     actuator: Actuator,
     *,
-    settle: bool,
+    settle: bool = False,
     max_duration_periods: float,
     amplitudes: FloatArray | None = None,
     seeds: tuple[Seed, ...] = (),
@@ -109,6 +109,8 @@ def _seeds(
     shift = cmath.phase(ratio) / math.sqrt(1 - damping_ratio**2)
     shifted = [time + shift * (index % 2 == 0) for index, time in enumerate(published)]
     seeds = []
+    if shortest.size != len(table):  # of more steps none are published
+        return ()
     for name, times in ((label, shifted), (f"{label}_as_published", published)):
         gaps = np.diff([0.0, *times])
         if shortest.max() <= MIN_GAP_RAD or (gaps >= shortest).all():
