@@ -44,6 +44,8 @@ class Verdict:
         What is wrong with the answer, or with the reason.
     seconds
         Processor time of the design [s].
+    asks_for_none
+        Whether what is asked for is none: a value beyond its bound, a pulse that goes nowhere.
     """
 
     number: int
@@ -51,6 +53,7 @@ class Verdict:
     refusal: str
     wrong: tuple[str, ...]
     seconds: float
+    asks_for_none: bool = False
 
 
 def verdict(number: int) -> Verdict:

@@ -68,6 +68,10 @@ def require_same_as_single(table: TableSpecification) -> int:
             assert rows.reasons[index] == found
             assert np.isnan(rows.results[index]).all()
             continue
+        if found.impulses.times_s.size != table.impulses:
+            assert rows.status[index] == FAILED
+            assert f"{found.impulses.times_s.size} impulses" in rows.reasons[index]
+            continue
         assert rows.status[index] == status_of(found)
         times, duration = found.impulses.times_s, found.impulses.duration_s
         apart = np.abs(rows.results[index, : times.size] - times).max()
