@@ -5,12 +5,13 @@ from typing import Annotated, Self
 from pydantic import Field
 
 from design.model.impulses import Impulses
+from design.sampling.on_off_search import Searched
 from design.sampling.sampled import Sampled, Tried
 from schemas.base import OutOf, Wire
 
 
 class TriedOut(OutOf[Tried]):
-    """The best command of unity magnitude with one number of impulses."""
+    """A command of unity magnitude that was found."""
 
     impulses: int
     duration_s: float
@@ -24,13 +25,45 @@ class TriedOut(OutOf[Tried]):
     ]
 
 
+class SearchedOut(Wire):
+    """What a search of all commands of unity magnitude on the samples proves."""
+
+    searched_samples: Annotated[
+        int, Field(description="Every command of up to so many samples was searched.")
+    ]
+    complete: Annotated[
+        bool,
+        Field(
+            description="Whether those are all: of as many samples as the answer has, where that "
+            "is within sample_tolerance, else of up to max_duration_periods."
+        ),
+    ]
+    bound: Annotated[
+        float,
+        Field(
+            description="Least figure of all commands of up to so many samples, by which those in "
+            "tried are compared [-]."
+        ),
+    ]
+
+    @classmethod
+    def from_design(cls, searched: Searched) -> Self:
+        """Wrap the design record."""
+        return cls.model_construct(
+            searched_samples=searched.searched, complete=searched.complete, bound=searched.bound
+        )
+
+
 class SampledOut(Wire):
     """What it cost to bring the shaper to a sample grid."""
 
     sample_time_s: float
     method: Annotated[
         str,
-        Field(description="split, exact_positive, unity_on_grid or more_impulses_on_grid."),
+        Field(
+            description="split, exact_positive, unity_on_grid, search_on_off or "
+            "more_impulses_on_grid."
+        ),
     ]
     samples: Annotated[list[int], Field(description="Sample number of each impulse.")]
     continuous_times_s: Annotated[
@@ -38,8 +71,11 @@ class SampledOut(Wire):
     ]
     continuous_residual: Annotated[float, Field(description="Residual before sampling [-].")]
     split_residual: Annotated[
-        float,
-        Field(description="Residual of the linear split, which is not of unity magnitude [-]."),
+        float | None,
+        Field(
+            description="Residual of the linear split, which is not of unity magnitude; null where "
+            "the sample time is longer than the shaper [-]."
+        ),
     ]
     nearest_residual: Annotated[
         float | None,
@@ -55,8 +91,13 @@ class SampledOut(Wire):
     tried: Annotated[
         list[TriedOut],
         Field(
-            description="For amplitudes of both signs: the best command of each number of impulses."
+            description="For amplitudes of both signs: the shaper's impulses at the best samples, "
+            "where each has one, then what searches with more impulses found."
         ),
+    ]
+    search: Annotated[
+        SearchedOut | None,
+        Field(description="What the search of all commands proves; null where none was needed."),
     ]
 
     @classmethod
@@ -85,4 +126,5 @@ class SampledOut(Wire):
             nearest_residual=sampled.nearest_residual,
             carried_residual=sampled.carried_residual,
             tried=[TriedOut.from_design(one) for one in sampled.tried],
+            search=None if sampled.searched is None else SearchedOut.from_design(sampled.searched),
         )

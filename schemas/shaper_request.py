@@ -30,10 +30,10 @@ class ShaperRequest(Wire):
         Field(
             ge=0,
             le=1,
-            description="With sample_time_s: two, four or six impulses are added to a shaper of "
-            "unity magnitude whose residual is larger (slope counted where zero "
-            f"slope is claimed); {SAMPLE_TOLERANCE} if not given. None are added "
-            "with settle, whose gaps they would break [-].",
+            description="With sample_time_s: for a shaper of unity magnitude with a larger "
+            "residual (slope counted where zero slope is claimed) the shortest command "
+            f"within it is searched; {SAMPLE_TOLERANCE} if not given. None is searched "
+            "with settle, whose gaps it would break [-].",
         ),
     ] = None
 

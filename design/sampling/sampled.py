@@ -6,6 +6,7 @@ magnitude only as good as whole samples allow (`design.sampling.unity_grid`). Al
 mode.
 """
 
+import math
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Literal
@@ -14,7 +15,7 @@ import numpy as np
 
 from design.analysis.residual import residual_vibration
 from design.analysis.workable import require_workable
-from design.checks import require_between
+from design.checks import require_between, require_scale
 from design.claims import Quantity
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.model.actuators.registry import Actuator
@@ -23,16 +24,31 @@ from design.model.plants.mode import Mode
 from design.sampling.exact_positive import exact_positive, is_of_one_sign
 from design.sampling.left import Band, residuals_of_many
 from design.sampling.more_impulses import is_unity, more_impulses_on_grid
-from design.sampling.sample_grid import nearest, round_with_carry, split
+from design.sampling.on_off_search import Searched, search_on_off
+from design.sampling.sample_grid import (
+    ON_SAMPLE,
+    nearest,
+    nearest_integers,
+    require_gaps,
+    require_grid,
+    round_with_carry,
+    split,
+)
 from design.sampling.unity_grid import unity_on_grid
 
-Method = Literal["exact_positive", "split", "unity_on_grid", "more_impulses_on_grid"]
+Method = Literal[
+    "exact_positive", "split", "unity_on_grid", "search_on_off", "more_impulses_on_grid"
+]
 """How a shaper was brought to the grid: the name of the function here that did it."""
+
+MAX_DURATION_PERIODS = 3.0
+"""Longest command that is searched for a kind that says nothing of it, as kinds that do where
+nothing is given [undamped periods]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tried:
-    """The best command of unity magnitude with one number of impulses.
+    """A command of unity magnitude that was found.
 
     Attributes
     ----------
@@ -71,7 +87,8 @@ class Sampled:
     continuous_residual
         Residual of the shaper between the samples with the same actuator [-].
     split_residual
-        Residual of its linear split, which is not of unity magnitude [-].
+        Residual of its linear split, which is not of unity magnitude [-]; None where the sample
+        time is longer than the shaper.
     nearest_residual
         What its impulses leave, each at the sample nearest to it [-]; None where two of them are
         less than a sample apart.
@@ -79,7 +96,10 @@ class Sampled:
         What they leave with each rounding error carried on [-]; None where that brings two of them
         to one sample too.
     tried
-        For amplitudes of both signs the best of each number of impulses, fewest first.
+        For amplitudes of both signs its own impulses at the best samples, if these have one for
+        each, then what searches with more impulses found.
+    searched
+        What a search of all commands of level 0 or 1 proves; None where none was needed.
     """
 
     impulses: Impulses
@@ -87,10 +107,11 @@ class Sampled:
     method: Method
     residual: float
     continuous_residual: float
-    split_residual: float
+    split_residual: float | None
     nearest_residual: float | None
     carried_residual: float | None
     tried: tuple[Tried, ...]
+    searched: Searched | None
 
     @property
     def samples(self) -> tuple[int, ...]:
@@ -107,14 +128,16 @@ def sample(
     *,
     tolerance: float | None = None,
     band: Band | None = None,
+    max_duration_periods: float = MAX_DURATION_PERIODS,
 ) -> Sampled:
     """Bring a shaper to a sample grid by the method that suits it.
 
     Amplitudes of one sign that claim a zero are solved for (`exact_positive`), or where no
     amplitudes do it, or nothing is claimed, shared (`split`). Others are kept (`unity_on_grid`);
-    where unity magnitude then has a residual above the tolerance, two, four, six impulses are added
-    (`more_impulses_on_grid`) until it does not, and where none does not the least is taken. For a
-    band the samples are chosen by what is left over it, and no impulses are added.
+    where unity magnitude then has a residual above the tolerance, or an impulse has no sample, the
+    shortest command of level 0 or 1 within it is searched, or the one of least residual
+    (`search_on_off`, and on grids too fine for that `more_impulses_on_grid`). For a band the
+    samples are chosen by what is left over it, and no impulses are added.
 
     Parameters
     ----------
@@ -123,8 +146,8 @@ def sample(
     mode, actuator
         The plant's mode and its drive.
     sample_time_s
-        Sample time, > 0, at most the shortest gap between two impulses, or for amplitudes of one
-        sign the whole duration [s].
+        Sample time, > 0, at most the shortest gap between two impulses; for amplitudes of one
+        sign the whole duration, where a search is served half a period [s].
     claims
         What the shaper makes zero; ``slope`` stands for the residual besides.
     tolerance
@@ -132,6 +155,8 @@ def sample(
         with ``slope`` in the claims ``0.05 |dV/d ln w|`` more [-]. None adds none.
     band
         The band of frequencies over which the shaper keeps a tolerance; None where it keeps none.
+    max_duration_periods
+        Longest command that is searched [undamped periods].
 
     Returns
     -------
@@ -156,8 +181,9 @@ def sample(
     require_workable(mode, actuator)
     method: Method
     tried: tuple[Tried, ...] = ()
+    searched = None
     if not is_of_one_sign(impulses):
-        found, tried = _of_unity(
+        method, found, tried, searched = _of_unity(
             impulses,
             mode,
             actuator,
@@ -165,9 +191,8 @@ def sample(
             slope="slope" in claims,
             tolerance=tolerance,
             band=band,
+            max_duration_periods=max_duration_periods,
         )
-        more = found.times_s.size > impulses.times_s.size
-        method = "more_impulses_on_grid" if more else "unity_on_grid"
     else:
         method, found = "split", split(impulses, sample_time_s)
         if claims:
@@ -191,10 +216,11 @@ def sample(
         method=method,
         residual=residual_vibration(found, mode, actuator),
         continuous_residual=residual_vibration(impulses, mode, actuator),
-        split_residual=residual_vibration(split(impulses, sample_time_s), mode, actuator),
+        split_residual=residual_by(split),
         nearest_residual=residual_by(nearest),
         carried_residual=residual_by(round_with_carry),
         tried=tried,
+        searched=searched,
     )
 
 
@@ -207,31 +233,85 @@ def _of_unity(
     slope: bool,
     tolerance: float | None,
     band: Band | None,
-) -> tuple[Impulses, tuple[Tried, ...]]:
-    """Return the fewest impulses within the tolerance, or those that leave least, and all tried."""
-    commands = [unity_on_grid(impulses, mode, actuator, sample_time_s, slope=slope, band=band)]
-    left = [_compare(commands[0], mode, actuator, slope=slope, band=band)]
+    max_duration_periods: float,
+) -> tuple[Method, Impulses, tuple[Tried, ...], Searched | None]:
+    """Return the shortest command within the tolerance, or that of least residual; all tried."""
+    commands: list[tuple[Method, Impulses, float]] = []
+
+    def add(method: Method, command: Impulses) -> float:
+        """Note a command; return its figure."""
+        left = _compare(command, mode, actuator, slope=slope, band=band)
+        commands.append((method, command, left))
+        return left
+
+    longest = 0
     if tolerance is not None:
         require_between("sample_tolerance", tolerance, 0.0, 1.0)
-        if band is None and left[0] > tolerance and is_unity(impulses):
+        require_scale("sample_time_s", sample_time_s)
+        if band is None and is_unity(impulses):
+            longest = math.floor(max_duration_periods * mode.period_s / sample_time_s + ON_SAMPLE)
+    own = 1.0
+    if longest < MIN_SEARCHED_SAMPLES or _has_samples(impulses, sample_time_s):
+        moved = unity_on_grid(impulses, mode, actuator, sample_time_s, slope=slope, band=band)
+        own = add("unity_on_grid", moved)
+    else:
+        require_grid(impulses, sample_time_s, mode.period_s / 2, "half a period")
+    searched = None
+    if (
+        tolerance is not None
+        and longest >= MIN_SEARCHED_SAMPLES
+        and (not commands or own > tolerance)
+    ):
+        searched = search_on_off(
+            mode,
+            actuator,
+            sample_time_s,
+            longest,
+            slope=slope,
+            tolerance=tolerance,
+            known=own,
+        )
+        left = own
+        if searched.samples is not None:
+            first = nearest_integers(impulses.times_s[:1] / sample_time_s)
+            signs = (-1.0) ** np.arange(searched.samples.size) * impulses.amplitudes[0]
+            times_s = (first + searched.samples) * sample_time_s
+            left = add("search_on_off", Impulses(times_s=times_s, amplitudes=signs))
+        if left > tolerance and not searched.complete:
             for command in more_impulses_on_grid(
                 impulses, mode, actuator, sample_time_s, slope=slope, tolerance=tolerance
             ):
-                commands.append(command)
-                left.append(_compare(command, mode, actuator, slope=slope, band=None))
-                if left[-1] <= tolerance:
+                if add("more_impulses_on_grid", command) <= tolerance:
                     break
+    if not commands:
+        require_gaps(impulses, sample_time_s)
     tried = tuple(
         Tried(
             impulses=command.times_s.size,
             duration_s=command.duration_s,
             residual=residual_vibration(command, mode, actuator),
-            compared=compared,
+            compared=left,
         )
-        for command, compared in zip(commands, left, strict=True)
+        for _, command, left in commands
     )
     # Only the last can be within the tolerance, and is then the least of all.
-    return commands[int(np.argmin(left))], tried
+    method, found, _ = min(commands, key=lambda one: one[2])
+    return method, found, tried, searched
+
+
+MIN_SEARCHED_SAMPLES = 2
+"""A command has a step up, one down, one up [-]."""
+
+
+def _has_samples(impulses: Impulses, sample_time_s: float) -> bool:
+    """Return whether each impulse has a separate sample."""
+    try:
+        require_gaps(impulses, sample_time_s)
+    except InvalidInputError as error:
+        if error.code == "sample_time_too_long":
+            return False
+        raise
+    return True
 
 
 def _compare(

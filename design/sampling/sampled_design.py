@@ -18,7 +18,7 @@ from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.pipeline import Design
-from design.sampling.sampled import Sampled, sample
+from design.sampling.sampled import MAX_DURATION_PERIODS, Sampled, sample
 
 SAMPLE_TOLERANCE = 0.01
 """What a shaper on samples may leave before impulses are added, where nothing else is said: a fifth
@@ -48,6 +48,7 @@ def sampled_design(
     sample_time_s: float,
     *,
     tolerance: float | None = None,
+    max_duration_periods: float = MAX_DURATION_PERIODS,
 ) -> tuple[Design, Sampled]:
     """Return a design brought to a sample grid, with a separate certificate.
 
@@ -67,6 +68,8 @@ def sampled_design(
         Sample time, bounded as in `sample` [s].
     tolerance
         What unity magnitude may leave before impulses are added, 0 to 1 [-]; None adds none.
+    max_duration_periods
+        Longest command that is searched then [undamped periods].
 
     Returns
     -------
@@ -91,6 +94,7 @@ def sampled_design(
         zeros_of(continuous.certificate),
         tolerance=tolerance,
         band=None if kept is None else kept.band,
+        max_duration_periods=max_duration_periods,
     )
     certified_for: Actuator = Ideal() if continuous.for_ideal else actuator
     own = residual_vibration(sampled.impulses, mode, certified_for)
@@ -114,7 +118,7 @@ def sampled_design(
         certificate=judged.certificate,
         warnings=(
             *_ideal_actuator_warnings(continuous, sampled),
-            *_sample_warnings(continuous, judged, tolerance),
+            *_sample_warnings(continuous, sampled, judged, tolerance),
             *drive_warnings(sampled.impulses, (mode,), actuator),
             *_longer_on_samples(continuous, sampled),
         ),
@@ -134,7 +138,7 @@ def _ideal_actuator_warnings(continuous: Design, sampled: Sampled) -> Iterator[D
 
 
 def _sample_warnings(
-    continuous: Design, judged: Judgement, tolerance: float | None
+    continuous: Design, sampled: Sampled, judged: Judgement, tolerance: float | None
 ) -> Iterator[DesignWarning]:
     """Yield what of the shaper's claims is lost on samples."""
     kept, over_band = claim_over_band(continuous.certificate), claim_over_band(judged.certificate)
@@ -156,8 +160,21 @@ def _sample_warnings(
         yield DesignWarning(
             code="tolerance_not_kept",
             detail=f"on samples the residual is {100 * judged.residual:.4g} % of an unshaped step, "
-            f"more than {100 * max(claimed):.4g} %: take a shorter sample time",
+            f"more than {100 * max(claimed):.4g} %: take a shorter sample time"
+            f"{_searched_in_words(sampled)}",
         )
+
+
+def _searched_in_words(sampled: Sampled) -> str:
+    """Return what is proven of other commands on the samples."""
+    searched = sampled.searched
+    if searched is None:
+        return ""
+    told = (
+        f"; proven: no command of unity magnitude of up to {searched.searched} samples has less "
+        f"than {100 * searched.bound:.4g} %"
+    )
+    return told if searched.complete else f"{told}, and longer ones were not all searched"
 
 
 def claims_on_samples(continuous: Design, tolerance: float | None) -> tuple[Claim, ...]:
@@ -187,7 +204,11 @@ def claims_on_samples(continuous: Design, tolerance: float | None) -> tuple[Clai
 def _longer_on_samples(continuous: Design, sampled: Sampled) -> Iterator[DesignWarning]:
     """Yield that impulses were added, where they take longer."""
     before_s = continuous.impulses.duration_s
-    if len(sampled.tried) > 1 and sampled.impulses.duration_s > LONGER * before_s:
+    if (
+        sampled.nearest_residual is not None
+        and len(sampled.tried) > 1
+        and sampled.impulses.duration_s > LONGER * before_s
+    ):
         own = sampled.tried[0]
         yield DesignWarning(
             code="longer_on_samples",

@@ -6,7 +6,7 @@ from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
 from design.pipeline import Design, design
-from design.sampling.sampled import Sampled
+from design.sampling.sampled import MAX_DURATION_PERIODS, Sampled
 from design.sampling.sampled_design import sampled_design
 from design.shapers.options import ShaperOptions
 from schemas.base import name_field
@@ -87,7 +87,12 @@ def on_samples(
     """
     with name_field("shaper"):
         return sampled_design(
-            found, plant.mode, actuator, sample_time_s, tolerance=grid_tolerance(shaper)
+            found,
+            plant.mode,
+            actuator,
+            sample_time_s,
+            tolerance=grid_tolerance(shaper),
+            max_duration_periods=getattr(shaper, "max_duration_periods", MAX_DURATION_PERIODS),
         )
 
 

@@ -278,6 +278,24 @@ def test_a_sample_time_must_leave_every_impulse_a_sample_of_its_own() -> None:
     assert sample(umzv, PRINTER, Ideal(), 0.0208, RESIDUAL).residual < 0.5
 
 
+def test_where_commands_are_searched_a_sample_may_be_half_a_period() -> None:
+    umzv = designed("umzv", PRINTER, Ideal())
+    found = sample(umzv, PRINTER, Ideal(), 0.021, RESIDUAL, tolerance=0.01)
+    assert found.method == "search_on_off"
+    assert_on_grid(found.impulses, 0.021)
+    assert (found.nearest_residual, found.carried_residual) == (None, None)
+    assert len(found.tried) == 1
+    longer = sample(umzv, PRINTER, Ideal(), 0.068, RESIDUAL, tolerance=0.01)
+    assert longer.split_residual is None  # a sample is longer than the shaper
+    assert longer.residual < 1.0
+    rule = r"sample_time_s must be at most half a period, 0\.0684932"
+    with refused("sample_time_too_long", "sample_time_s", says=rule):
+        sample(umzv, PRINTER, Ideal(), 0.07, RESIDUAL, tolerance=0.01)
+    # No command fits into so few periods.
+    with refused("sample_time_too_long", "sample_time_s", says="the shortest gap"):
+        sample(umzv, PRINTER, Ideal(), 0.021, RESIDUAL, tolerance=0.01, max_duration_periods=0.2)
+
+
 def test_a_sample_time_must_not_drown_in_rounding() -> None:
     zv = positive_shaper(PRINTER, 2)
     with refused("sample_time_too_short", "sample_time_s", says=r"at least 6\.85789e-08"):

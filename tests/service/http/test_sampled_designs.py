@@ -88,12 +88,16 @@ def test_a_simulation_plays_the_sampled_shaper(client: httpx.Client) -> None:
 def test_impulses_are_added_until_unity_magnitude_leaves_less_than_the_split(
     client: httpx.Client,
 ) -> None:
-    request: dict[str, Any] = {**PRINTER, "shaper": {"kind": "umzv", "sample_time_s": 0.01}}
+    shaper = {"kind": "umzv", "sample_time_s": 0.01, "sample_tolerance": 0.0024}
+    request: dict[str, Any] = {**PRINTER, "shaper": shaper}
     body = client.post("/v1/designs", json=request).json()
     told = body["sampled"]
-    assert told["method"] == "more_impulses_on_grid"
+    assert told["method"] == "search_on_off"
+    left = told["tried"][-1]["compared"]
+    assert told["search"]["bound"] == pytest.approx(left, rel=1e-9)
+    assert (told["search"]["searched_samples"], told["search"]["complete"]) == (18, True)
     assert body["shaper"]["impulses"]["amplitudes"] == [1, -1, 1, -1, 1, -1, 1]
-    assert [one["impulses"] for one in told["tried"]] == [3, 5, 7]
+    assert [one["impulses"] for one in told["tried"]] == [3, 7]
     assert body["residual"] == told["tried"][-1]["residual"] < 0.0025
     assert told["split_residual"] == pytest.approx(0.0224, abs=5e-5)
     assert told["nearest_residual"] == pytest.approx(0.336, abs=5e-4)
@@ -102,6 +106,17 @@ def test_impulses_are_added_until_unity_magnitude_leaves_less_than_the_split(
     request["shaper"]["sample_tolerance"] = 0.2
     kept = client.post("/v1/designs", json=request).json()
     assert kept["sampled"]["samples"] == [0, 3, 5]
+    assert kept["sampled"]["search"] is None
+    # Where none is within the tolerance, the warning has what is proven of all.
+    request["shaper"] = {**shaper, "kind": "numzv", "sample_time_s": 0.02}
+    request["shaper"] |= {"max_duration_periods": 1, "sample_tolerance": 0.001}
+    warned = client.post("/v1/designs", json=request).json()
+    [told] = [one for one in warned["warnings"] if one["code"] == "tolerance_not_kept"]
+    least = 100 * warned["sampled"]["search"]["bound"]
+    assert (
+        f"proven: no command of unity magnitude of up to 6 samples has less than {least:.4g} %"
+        in told["detail"]
+    )
 
 
 def test_with_settle_no_impulses_are_added(client: httpx.Client) -> None:
