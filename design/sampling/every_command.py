@@ -9,8 +9,8 @@ from design.sampling.left import DIFFERENCE, FREQUENCY_ERROR, residuals_of_many
 from design.sampling.sample_grid import AnyIntArray
 from design.types import ComplexArray, FloatArray
 
-MAX_LISTED_SAMPLES = 16
-"""Samples whose commands are all compared, 2^14 of them for the longest [-]."""
+MAX_LISTED_SAMPLES = 14
+"""Samples whose commands are all compared, 2^12 of them for the longest [-]."""
 
 COMPARED_ONE_BY_ONE = 20
 """Commands that are compared exactly where only one at a time can be: some milliseconds each."""

@@ -29,7 +29,7 @@ from design.types import FloatArray
 MAX_SEARCHED_SAMPLES = 400
 """Longest command that is searched; on finer grids a shaper's own impulses leave little [-]."""
 
-WORK_PER_SEARCH, WORK_PER_LISTS = 1_500_000, 800_000
+WORK_PER_SEARCH, WORK_PER_LISTS = 1_200_000, 400_000
 """Work of one search, about a second, and of one behind a drive whose steps do not add, which
 `more_impulses` may follow [units of `design.solvers.budget`]."""
 
@@ -267,6 +267,9 @@ def _by_lists(plan: Plan, budget: Budget) -> Searched:
     samples = 1
     while samples < plan.longest and not budget.spent:
         samples += 1
+        if samples == MAX_LISTED_SAMPLES + 1:
+            # Where steps nearly add, shorter ones have no chance.
+            samples = max(samples, min(plan.shortest(LIKELY_NET, budget), plan.longest))
         every = samples <= MAX_LISTED_SAMPLES
         levels = all_levels(samples) if every else _likely_levels(plan, samples, budget)
         left = _left(plan, levels, budget)
@@ -313,15 +316,10 @@ def _moved(
     best, least = levels[order[0]], float(left[order[0]])
     if len(levels) == 1:
         return best, least
-    free = range(1, levels.shape[1] - 1)
-    pairs = [*((one, one) for one in free), *itertools.combinations(free, 2)]
-    flips = np.zeros((len(pairs), levels.shape[1]), dtype=int)
-    for row, pair in enumerate(pairs):
-        flips[row, list(pair)] = 1
     for begin in order[left[order] <= most].tolist():
         command, value = levels[begin], float(left[begin])
         while not budget.spent:
-            others = command ^ flips
+            others = command ^ _flips(command)
             changed = _left(plan, others, budget)
             if changed.min() >= value - TIE:
                 break
@@ -329,3 +327,13 @@ def _moved(
         if value < least:
             best, least = command, value
     return best, least
+
+
+def _flips(command: AnyIntArray) -> AnyIntArray:
+    """Return changes of one level, or of two that are each beside a step."""
+    free = np.arange(1, command.size - 1)
+    beside = free[(command[:-2] != command[1:-1]) | (command[1:-1] != command[2:])]
+    pairs = [*((one, one) for one in free), *itertools.combinations(beside, 2)]
+    flips = np.zeros((len(pairs), command.size), dtype=int)
+    flips[np.arange(len(pairs))[:, None], np.array(pairs)] = 1
+    return flips

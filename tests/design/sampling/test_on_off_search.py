@@ -254,8 +254,8 @@ def test_longer_commands_are_moved_behind_drives_whose_steps_do_not_add(
 ) -> None:
     mode = Mode(natural_frequency_rad_s=2 * math.pi / 9, damping_ratio=0.02)
     found = search_on_off(mode, actuator, 1.0, 22, slope=True, tolerance=0.0, known=1.0)
-    listed = search_on_off(mode, actuator, 1.0, 16, slope=True, tolerance=0.0, known=1.0)
-    assert found.searched == listed.searched == 16
+    listed = search_on_off(mode, actuator, 1.0, 14, slope=True, tolerance=0.0, known=1.0)
+    assert found.searched == listed.searched == 14
     assert listed.complete
     assert not found.complete
     assert found.left <= listed.left
