@@ -8,6 +8,7 @@ from design.formulations.formulation import ClosedForm, Convolution, JointProble
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
+from design.formulations.unequal_band import UnequalBandProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
@@ -66,7 +67,7 @@ def amplitudes_of(
             "with the plant",
             code="impulses_vary_with_plant",
         )
-    if isinstance(formulation, BandProblem | BandSearch | RampedBandProblem):
+    if isinstance(formulation, BandProblem | BandSearch | RampedBandProblem | UnequalBandProblem):
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,
