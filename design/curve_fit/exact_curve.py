@@ -17,6 +17,7 @@ from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
 from design.formulations.unequal_band import UnequalBandProblem
+from design.formulations.unequal_humps import UnequalHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
@@ -51,6 +52,7 @@ UNSERVED = (
     | RampedBandProblem
     | RampedHumpsProblem
     | UnequalBandProblem
+    | UnequalHumpsProblem
     | JointProblem
     | Convolution
 )

@@ -10,6 +10,7 @@ from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
 from design.formulations.unequal_band import UnequalBandProblem
+from design.formulations.unequal_humps import UnequalHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
@@ -102,5 +103,6 @@ Formulation = (
     | RampedHumpsProblem
     | UnequalRampsProblem
     | UnequalBandProblem
+    | UnequalHumpsProblem
     | Convolution
 )

@@ -7,6 +7,7 @@ import numpy as np
 from design.claims import Promise
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
+from design.formulations.ramped_humps import RampedHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem, unequal_ramps
 from design.model.actuators.rate_limited import RateLimited
 from design.types import FloatArray
@@ -49,16 +50,42 @@ class UnequalBandProblem:
         UnequalRampsProblem
             In phases of the nominal mode; its targets are not to be met.
         """
-        alike = self.alike
-        residuals = RampedProblem(
-            unit_poles=alike.unit_pole * ratios,
-            orders=orders,
-            targets=np.zeros(ratios.size, dtype=np.complex128),
-            ramps_rad=alike.ramps_rad,
-            last=1.0,
-            natural_frequency_rad_s=alike.natural_frequency_rad_s,
-            horizon_rad=alike.horizon_rad,
-            earliest_rad=alike.ramps_rad[0],
-            designed_for=self.designed_for,
-        )
-        return unequal_ramps(residuals, self.designed_for)
+        return residuals_behind_two_lags(self.alike, self.designed_for, ratios, orders)
+
+
+def residuals_behind_two_lags(
+    alike: RampedBandProblem | RampedHumpsProblem,
+    actuator: RateLimited,
+    ratios: FloatArray,
+    orders: FloatArray,
+) -> UnequalRampsProblem:
+    """Return a problem whose functionals are the residuals at some ratios.
+
+    Parameters
+    ----------
+    alike
+        What is asked behind one lag.
+    actuator
+        The limits, and the lags.
+    ratios
+        Frequency ratios, shape (k,) [-].
+    orders
+        0 for the residual, 1 for its derivative in the pole, shape (k,).
+
+    Returns
+    -------
+    UnequalRampsProblem
+        In phases of the nominal mode; its targets are not to be met.
+    """
+    residuals = RampedProblem(
+        unit_poles=alike.unit_pole * ratios,
+        orders=orders,
+        targets=np.zeros(ratios.size, dtype=np.complex128),
+        ramps_rad=alike.ramps_rad,
+        last=1.0,
+        natural_frequency_rad_s=alike.natural_frequency_rad_s,
+        horizon_rad=alike.horizon_rad,
+        earliest_rad=alike.ramps_rad[0],
+        designed_for=actuator,
+    )
+    return unequal_ramps(residuals, actuator)

@@ -17,6 +17,7 @@ from design.solvers.solution import Solution, SolverReport
 from design.solving.distinct_steps import distinct_steps
 from design.solving.ramp_refusals import refuse_without_course
 from design.solving.ramps import proven_ramps
+from design.types import FloatArray
 
 
 def solve_behind_two_lags(problem: UnequalRampsProblem, budget: Budget) -> Iterator[Solution]:
@@ -88,16 +89,40 @@ def _in_time(
             f"and both ramps, {horizon / PERIOD_RAD:.6g} periods in all",
             code="ramps_found_exceed_duration",
         )
-    switches = found.course.switches
+    w = problem.alike.natural_frequency_rad_s
+    return alternating_solution(
+        found.course.switches, w, name, iterations=found.iterations, starts=found.programs
+    )
+
+
+def alternating_solution(
+    switches: FloatArray, natural_frequency_rad_s: float, name: str, iterations: int, starts: int
+) -> Solution:
+    """Return a command behind two lags, without a bound.
+
+    Parameters
+    ----------
+    switches
+        Ascending from 0, shape (n,) [rad].
+    natural_frequency_rad_s
+        Turns phases into times [rad/s].
+    name, iterations, starts
+        What solved it, its iterations, and how often it was started.
+
+    Returns
+    -------
+    Solution
+        Steps up and down in turn.
+    """
     steps = np.where(np.arange(switches.size) % 2 == 0, 1.0, -1.0)
-    times = switches / problem.alike.natural_frequency_rad_s
+    times = switches / natural_frequency_rad_s
     return Solution(
         impulses=distinct_steps(Impulses(times_s=times, amplitudes=steps)),
         solver=SolverReport(
             name=name,
             status="solve_succeeded",
-            iterations=found.iterations,
+            iterations=iterations,
             seed="one_lag",
-            starts=found.programs,
+            starts=starts,
         ),
     )

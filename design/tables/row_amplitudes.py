@@ -9,6 +9,7 @@ from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
 from design.formulations.unequal_band import UnequalBandProblem
+from design.formulations.unequal_humps import UnequalHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
@@ -58,7 +59,12 @@ def amplitudes_of(
     formulation = kind.formulate(kind.case((mode,), actuator, options))
     if isinstance(
         formulation,
-        JointProblem | Convolution | RampedProblem | RampedHumpsProblem | UnequalRampsProblem,
+        JointProblem
+        | Convolution
+        | RampedProblem
+        | RampedHumpsProblem
+        | UnequalRampsProblem
+        | UnequalHumpsProblem,
     ):
         raise InvalidInputError(
             "design.shaper.kind",

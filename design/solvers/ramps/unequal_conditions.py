@@ -153,18 +153,17 @@ def _bends(
     over = 1 / here.vectors
     parts, slopes = here.changes * over[:, None], here.slopes * over
     count = switches.size - 1
-    bends, drifts = np.empty((count, count)), np.empty((count, ratios.size))
+    bends = np.empty((count, count))
     for which in range(count):
         moved = switches.copy()
         moved[1 + which] += BESIDE
         there = band.left(moved, arrived, ratios)
         bent = (there.changes - here.changes) / BESIDE * over[:, None]
         bends[which] = weights @ (bent - parts[:, [which]] * parts).real
-        turned = (there.slopes - here.slopes) / BESIDE * over
-        drifts[which] = (turned - parts[:, which] * slopes).real
+    drifts = (here.slope_changes * over[:, None] - parts * slopes[:, None]).real
     inner = (ratios > band.lower) & (ratios < band.upper)
     curved = ((beside.slopes - here.slopes) / BESIDE * over - slopes**2).real
-    bends -= (drifts[:, inner] * (weights / curved)[inner]) @ drifts[:, inner].T
+    bends -= (drifts[inner].T * (weights / curved)[inner]) @ drifts[inner]
     return (bends + bends.T) / 2
 
 

@@ -35,13 +35,14 @@ class Left:
         F, shape (k,) [-].
     slopes
         Its derivative in the ratio, shape (k,) [-].
-    changes
-        Its derivative in each switch after the first, shape (k, n - 1) [1/rad].
+    changes, slope_changes
+        Their derivatives in each switch after the first, shape (k, n - 1) [1/rad].
     """
 
     vectors: ComplexArray
     slopes: ComplexArray
     changes: ComplexArray
+    slope_changes: ComplexArray
 
     @property
     def logarithms(self) -> FloatArray:
@@ -106,15 +107,19 @@ class BandOfTwoLags:
         count = ratios.size
         lags = self._lags_at(np.tile(ratios, 2), np.repeat([0.0, 1.0], count))
         course, poles = lags.of(switches, arrived), lags.poles[:count]
-        turned = np.exp(poles * course.end)
-        values, slopes = np.split(course.values, 2)
-        vectors = turned * values
-        changes = turned[:, None] * course.changes[:count]
-        changes = changes + np.multiply.outer(poles * vectors, course.end_changes[-1])
+        # Of exp(s T) V and exp(s T) V', each with its derivatives in the switches.
+        turned = np.tile(np.exp(poles * course.end), 2)
+        parts = turned * course.values
+        later = np.multiply.outer(np.tile(poles, 2) * parts, course.end_changes[-1])
+        changes = (turned[:, None] * course.changes + later)[:, 1:]
+        (vectors, rates), (moved, rates_moved) = np.split(parts, 2), np.split(changes, 2)
+        ends, unit = course.end_changes[-1, 1:], self._unit_pole
         return Left(
             vectors=vectors,
-            slopes=self._unit_pole * (course.end * vectors + turned * slopes),
-            changes=changes[:, 1:],
+            slopes=unit * (course.end * vectors + rates),
+            changes=moved,
+            slope_changes=unit
+            * (course.end * moved + np.multiply.outer(vectors, ends) + rates_moved),
         )
 
     def peaks(self, course: UnequalCourse) -> tuple[FloatArray, FloatArray]:
