@@ -150,7 +150,8 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
     Returns
     -------
     Formulation
-        A problem in gaps and in ratios of frequency.
+        A problem in gaps and in ratios of frequency; one in switches behind limits, unless drives
+        settle.
 
     Raises
     ------
