@@ -191,12 +191,8 @@ class ExactCurve:
         coefficients = self._power_basis(nodes, values, degree)
         fitted = power.polyval(self.checked, coefficients.T).T
         times = fitted / self.frequencies_rad_s[:, None] if self.axis.in_phases else fitted
-        residuals = residuals_of_many(
-            times,
-            self.amplitudes,
-            self.poles_rad_s,
-            self.actuator,
-        )
+        with np.errstate(over="ignore", invalid="ignore"):  # what is no number is refused below
+            residuals = residuals_of_many(times, self.amplitudes, self.poles_rad_s, self.actuator)
         worst_residual = float(residuals.max())
         if not math.isfinite(worst_residual):
             raise SolverFailedError(

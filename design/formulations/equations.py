@@ -29,6 +29,8 @@ class GapProblem:
     claims: tuple[Promise, ...] = ()
     # What is unknown beside the gaps: where the curve has its zeros and peaks
     ratios: Ratios = field(default_factory=Ratios)
+    # The same with more steps, the fewest first: tried where this has no solution
+    longer: tuple["GapProblem", ...] = ()
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:

@@ -21,6 +21,7 @@ from design.moves.parts import Parts
 from design.response.closed_form import travel
 from design.solvers import ipopt
 from design.solvers.continuation import Path, follow
+from design.solvers.more_steps import nearest_root
 from design.solvers.moves import MoveCandidate, move_candidates
 from design.solvers.near_root import root
 from design.solvers.outcome import Status
@@ -200,8 +201,11 @@ def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> I
         w * (wanted_s or 1.0),
         *gaps[:given],
     ])
-    gaps[given:] = root(model, gaps[given:], parameters)
     shortest = settling_gaps_rad(parts.mode, parts.designed_for, parts.steps, settle=parts.settle)
+    if gaps.size - given == model.equations:
+        gaps[given:] = root(model, gaps[given:], parameters)
+    else:
+        gaps[given:] = nearest_root(model, gaps[given:], parameters, shortest[given:])
     if not (gaps[given:] >= shortest[given:]).all():  # not a number is not
         return None
     solved = of_gaps(gaps, w, command.amplitudes)
@@ -228,9 +232,11 @@ def _with_ramped_stop(
         return None
     last = TwoLags(problem if wanted_s is not None else without_travel(problem))
     given = start if wanted_s is not None else start + 1
-    switches = solve_last(last, w * command.times_s, given)
-    shortest = settling_gaps_rad(parts.mode, drive, parts.steps, settle=parts.settle)
-    if switches is None or (parts.settle and (np.diff(switches) < shortest)[given - 1 :].any()):
+    shortest: FloatArray = np.zeros(parts.steps - 1)
+    if parts.settle:
+        shortest = settling_gaps_rad(parts.mode, drive, parts.steps, settle=True)
+    switches = solve_last(last, w * command.times_s, given, shortest[given - 1 :])
+    if switches is None:
         return None
     solved = Impulses(times_s=switches / w, amplitudes=command.amplitudes)
     return solved if parts.verified(solved) and _travels(parts, solved, wanted_s) else None

@@ -156,7 +156,7 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
     Raises
     ------
     InfeasibleDesignError
-        If settling before each switch takes longer than the longest shaper asked for.
+        If ramps and settling take longer than the longest shaper asked for.
     """
     mode, actuator, options = case.mode, case.actuator, case.options
     name, near, (damping_ratio, tolerance) = _ideal(mode, options.tolerance, humps)
@@ -177,15 +177,15 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
         switched_order=switched_order(actuator),
         ramped=isinstance(actuator, RateLimited),
     )
+    parameters = np.append(lag_parameters(mode, actuator), options.tolerance)
     shortest = settling_gaps_rad(mode, actuator, model.impulses, settle=options.settle)
     horizon = options.max_duration_periods * PERIOD_RAD
     if shortest.sum() > horizon:
         raise InfeasibleDesignError(
-            f"settling before each switch takes {shortest.sum() / PERIOD_RAD:.4g} periods in all, "
-            f"more than max_duration_periods = {options.max_duration_periods:g}",
+            f"ramps and settling between switches take {shortest.sum() / PERIOD_RAD:.4g} periods "
+            f"in all, more than max_duration_periods = {options.max_duration_periods:g}",
             code="settling_exceeds_duration",
         )
-    parameters = np.append(lag_parameters(mode, actuator), options.tolerance)
     equal = with_equal_sets(parameters)
     equal[0], equal[-1] = damping_ratio, tolerance
     lowest, highest = RATIO_BOUNDS

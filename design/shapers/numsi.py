@@ -140,7 +140,7 @@ def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
     Raises
     ------
     InfeasibleDesignError
-        If settling before each switch takes longer than the longest shaper asked for.
+        If ramps and settling take longer than the longest shaper asked for.
     """
     mode, actuator, options = case.mode, case.actuator, case.options
     if isinstance(actuator, RateLimited) and not options.settle and options.impulses is None:
@@ -156,6 +156,7 @@ def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
         return UnequalBandProblem(alike=alike, designed_for=actuator)
     counts = COUNTS if options.impulses is None else (options.impulses,)
     horizon = options.max_duration_periods * PERIOD_RAD
+    parameters = lag_parameters(mode, actuator)
     problems = []
     for count in sorted(
         counts, key=lambda one: (_alike(one, options) > FAR * MAX_HALF_WIDTH_OF_COUNT[one], one)
@@ -171,7 +172,7 @@ def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
                         switched_order=switched_order(actuator),
                         ramped=isinstance(actuator, RateLimited),
                     ),
-                    parameters=lag_parameters(mode, actuator),
+                    parameters=parameters,
                     amplitudes=alternating(count),
                     shortest_gaps_rad=shortest,
                     seeds=_seeds(mode, actuator, count, options),
@@ -179,7 +180,7 @@ def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
             )
     if not problems:
         raise InfeasibleDesignError(
-            f"settling before each of {counts[0]} switches takes longer than "
+            f"ramps and settling between {counts[0]} switches take longer than "
             f"max_duration_periods = {options.max_duration_periods:g}",
             code="switches_exceed_duration",
         )

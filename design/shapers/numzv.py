@@ -7,6 +7,7 @@ from design.formulations.behind_limits import behind_limits
 from design.formulations.formulation import ClosedForm, Formulation
 from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
 from design.formulations.lag_parameters import decel_over_accel
+from design.formulations.settled_steps import settled_steps
 from design.formulations.unity_magnitude import ZERO_VIBRATION
 from design.formulations.unity_magnitude_problem import alternating, unity_magnitude_problem
 from design.formulations.vector_diagram import undamped_times_rad
@@ -71,6 +72,10 @@ def numzv(case: DesignCase[PeakOptions]) -> Formulation:
                 amplitudes=alternating(3) if amplitudes is None else amplitudes,
             ),
             designed_for=actuator,
+        )
+    if options.settle and peak == 1:
+        return settled_steps(
+            ZERO_VIBRATION, mode, actuator, max_duration_periods=options.max_duration_periods
         )
     return unity_magnitude_problem(
         ZERO_VIBRATION,

@@ -2,6 +2,7 @@
 
 from design.formulations.behind_limits import behind_limits
 from design.formulations.formulation import Formulation
+from design.formulations.settled_steps import settled_steps
 from design.formulations.unity_magnitude import ZERO_VIBRATION_DERIVATIVE
 from design.formulations.unity_magnitude_problem import unity_magnitude_problem
 from design.model.actuators.rate_limited import RateLimited
@@ -25,11 +26,11 @@ def numzvd(case: DesignCase[SettleOptions]) -> Formulation:
             derivatives=1,
             max_duration_periods=case.options.max_duration_periods,
         )
-    return unity_magnitude_problem(
+    formulate = settled_steps if case.options.settle else unity_magnitude_problem
+    return formulate(
         ZERO_VIBRATION_DERIVATIVE,
         case.mode,
         case.actuator,
-        settle=case.options.settle,
         max_duration_periods=case.options.max_duration_periods,
     )
 

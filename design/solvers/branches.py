@@ -72,7 +72,7 @@ def branches(problem: GapProblem, tried: int, budget: Budget) -> Iterator[Soluti
                 "that duration, lead to roots",
             )
         )
-        for unknowns in _ordered_fastest_first(within, found):
+        for unknowns in fastest_first(within, found):
             if budget.spent:
                 break
             yield from attempt(within, unknowns, "branch_search", tried, budget)
@@ -156,8 +156,19 @@ def unit_starts(count: int) -> FloatArray:
     return gaps
 
 
-def _ordered_fastest_first(problem: GapProblem, ends: newton.Roots) -> Iterator[FloatArray]:
-    """Distinct roots within the problem's bounds, by duration."""
+def fastest_first(problem: GapProblem, ends: newton.Roots) -> Iterator[FloatArray]:
+    """Yield the distinct roots within the problem's bounds, by duration.
+
+    Parameters
+    ----------
+    problem, ends
+        The problem, and where Newton's method ends.
+
+    Yields
+    ------
+    FloatArray
+        Unknowns, shape (n,): gaps [rad], then ratios [-], if any.
+    """
     durations = problem.split(ends.unknowns)[0].sum(axis=1)
     usable = np.flatnonzero(ends.converged & problem.allows(ends.unknowns))
     last = -np.inf

@@ -1,5 +1,6 @@
 """Newton's method on the equations of a problem family, many starts at once."""
 
+import contextlib
 import functools
 import math
 import threading
@@ -64,12 +65,12 @@ class _Equations:
         )
         self.instructions = int(one.n_instructions())
         self._function = Buffered(one.map(LANES), ("x", "p"), ("g", "jacobian"))
-        size, count = x.shape[0], p.shape[0]
+        size, count, equations = x.shape[0], p.shape[0], g.shape[0]
         # CasADi is column-major: lane by lane, and within the Jacobian column by column.
         self._unknowns = self._function.inputs["x"].reshape(LANES, size)
         self._parameters = self._function.inputs["p"].reshape(LANES, count)
-        self._values = self._function.outputs["g"].reshape(LANES, size)
-        self._jacobians = self._function.outputs["jacobian"].reshape(LANES, size, size)
+        self._values = self._function.outputs["g"].reshape(LANES, equations)
+        self._jacobians = self._function.outputs["jacobian"].reshape(LANES, size, equations)
 
     def __call__(
         self, unknowns: FloatArray, parameters: FloatArray
@@ -145,14 +146,18 @@ def roots(
 
 
 def _steps(jacobians: FloatArray, values: FloatArray) -> FloatArray:
-    """Return Newton's steps, shape (m, n), of many lanes."""
-    try:
-        steps: FloatArray = np.linalg.solve(jacobians, values[..., None])[..., 0]
-    except np.linalg.LinAlgError:
-        # Two unknowns that have become one, or all impulses nearly at one time, which a hair on
-        # the diagonal may be short of singular by: the shortest step stops no other lane.
-        steps = (np.linalg.pinv(jacobians) @ values[..., None])[..., 0]
-    return steps
+    """Return Newton's steps, shape (m, n), of many lanes; of fewer equations the shortest."""
+    if jacobians.shape[1] == jacobians.shape[2]:
+        # A hair on the diagonal, in size of the lane's largest entry, keeps a singular lane from
+        # stopping the others. Two unknowns that have become one, or all impulses nearly at one
+        # time, it may be short of: the shortest step stops no other lane.
+        largest = np.abs(jacobians).max(axis=(1, 2), keepdims=True)
+        jacobians = jacobians + np.maximum(1e-14 * largest, 1e-300) * np.eye(values.shape[1])
+        with contextlib.suppress(np.linalg.LinAlgError):
+            regular: FloatArray = np.linalg.solve(jacobians, values[..., None])[..., 0]
+            return regular
+    shortest: FloatArray = (np.linalg.pinv(jacobians) @ values[..., None])[..., 0]
+    return shortest
 
 
 def _run(
@@ -168,12 +173,9 @@ def _run(
         if iteration == iterations or not going.any():
             break
         active = active[going]
-        # A hair on the diagonal keeps a singular lane from stopping the others. Its size is that
-        # of the lane's largest entry; a lane that has left the numbers is lost anyway.
+        # A lane that has left the numbers is lost anyway.
         lanes = np.nan_to_num(jacobians[going], nan=0.0, posinf=0.0, neginf=0.0)
-        largest = np.abs(lanes).max(axis=(1, 2), keepdims=True)
-        regular = lanes + np.maximum(1e-14 * largest, 1e-300) * np.eye(unknowns.shape[1])
-        steps = _steps(regular, values[going])
+        steps = _steps(lanes, values[going])
         longest = np.abs(steps).max(axis=1, keepdims=True)
         unknowns[active] -= steps * np.minimum(1.0, MAX_STEP_RAD / np.maximum(longest, 1e-300))
     return unknowns, misses, iteration + 1

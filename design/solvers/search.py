@@ -8,6 +8,7 @@ from design.solvers.attempt import attempt
 from design.solvers.branches import branches
 from design.solvers.budget import Budget
 from design.solvers.followed_seed import followed_seed
+from design.solvers.more_steps import with_more_steps
 from design.solvers.near_root import root
 from design.solvers.search_steps import seed_step
 from design.solvers.solution import Solution
@@ -42,7 +43,8 @@ def candidates(problem: GapProblem, budget: Budget | None = None) -> Iterator[So
             budget.note(seed_step(problem, seed, sharpened, allowed=allowed))
         if sharpened is not None and allowed:
             yield from attempt(problem, sharpened, seed.name, tried, budget)
-    yield from branches(problem, tried, budget)
+    everywhere = with_more_steps if problem.longer else branches
+    yield from everywhere(problem, tried, budget)
 
 
 def _sharpen_seed(problem: GapProblem, seed: Seed, budget: Budget) -> FloatArray | None:

@@ -28,6 +28,12 @@ MENDED = 1e-4
 MET = 1e-11
 """Largest miss of a target that counts as none, over the unshaped step [-]."""
 
+AT_BOUND_RAD = 1e-5
+"""A gap as near to its shortest is the shortest [rad]."""
+
+ROUNDING_RAD = 1e-9
+"""By which a gap may be shorter than the shortest [rad]."""
+
 ITERATION_WORK = 1_000.0
 """Work of an iteration [units]."""
 
@@ -137,8 +143,12 @@ def solve_near(lags: TwoLags, switches: FloatArray) -> UnequalCourse | None:
     return end.course if end.is_solved and not end.at_kinks.any() else None
 
 
-def solve_last(lags: TwoLags, switches: FloatArray, given: int) -> FloatArray | None:
+def solve_last(
+    lags: TwoLags, switches: FloatArray, given: int, shortest: FloatArray
+) -> FloatArray | None:
     """Return the command near some switches of which the first are given.
+
+    Gaps that are the shortest stay so; of the others each moves as little as it can.
 
     Parameters
     ----------
@@ -148,13 +158,16 @@ def solve_last(lags: TwoLags, switches: FloatArray, given: int) -> FloatArray | 
         Near those that meet it, ascending from 0, shape (n,) [rad].
     given
         How many of them stay.
+    shortest
+        The shortest gaps after those, shape (n - given,) [rad].
 
     Returns
     -------
     FloatArray or None
-        Shape (n,) [rad]; None where Newton's method finds none in order.
+        Shape (n,) [rad]; None where Newton's method finds none with gaps as long.
     """
     at = switches
+    free = np.diff(at)[given - 1 :] > shortest + AT_BOUND_RAD
     swinging = lags.poles != 0
     for _ in range(POLISHING_STEPS):
         course = lags.of(at)
@@ -162,14 +175,16 @@ def solve_last(lags: TwoLags, switches: FloatArray, given: int) -> FloatArray | 
         missed = (course.values - lags.targets) * scales
         if np.abs(missed).max() < MET / 100:
             break
-        changes = course.changes[:, given:] * scales[:, None]
+        # A longer gap moves all switches after it.
+        changes = np.cumsum(course.changes[:, : given - 1 : -1], axis=1)[:, ::-1] * scales[:, None]
+        changes *= free
         step = least_squares(
             np.concatenate((changes.real, changes.imag[swinging])),
             np.concatenate((missed.real, missed.imag[swinging])),
             1e-13,
         )
-        at = at - np.append(np.zeros(given), step)
-        if not (np.diff(at) > 0).all():  # not a number is not
+        at = at - np.append(np.zeros(given), np.cumsum(step))
+        if not (np.diff(at)[given - 1 :] >= shortest - ROUNDING_RAD).all():  # not a number is not
             return None
     return at if np.abs(missed).max() < MET else None
 
