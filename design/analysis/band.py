@@ -20,6 +20,12 @@ MIN_BAND_POINTS = 33
 BLOCK = 100_000
 """Impulses times frequencies that are simulated at once: their matrices take 40 MB."""
 
+BESIDE_POLE = 2.0**-40
+"""How far beside a pole of the actuator frequencies are taken where one is exactly there [-].
+
+A share of a step is nearly the same there, as both swing alike, while rounding is 4,000 times less.
+"""
+
 Pair = tuple[float, float]
 """Frequency ratio and damping ratio [-]."""
 
@@ -81,8 +87,7 @@ def _largest_between(
         block = max(1, BLOCK // impulses.times_s.size)
         for begin in range(0, frequencies.size, block):
             part = slice(begin, begin + block)
-            ringing, unit, _ = ringing_after(impulses, actuator, frequencies[part], damping[part])
-            found[part] = np.abs(ringing) / np.abs(unit)
+            found[part] = _shares(impulses, actuator, frequencies[part], damping[part])
         return found.reshape(shares.shape)
 
     # Damping moves the pole by as much as frequency does, up to its ratio of frequency.
@@ -93,6 +98,18 @@ def _largest_between(
     return largest_between(
         residuals, 0.0, 1.0, max(MIN_BAND_POINTS, int(turns / BAND_STEP_RAD) + 2)
     )
+
+
+def _shares(
+    impulses: Impulses, actuator: Actuator, frequencies_rad_s: FloatArray, damping: FloatArray
+) -> FloatArray:
+    """Return the residuals of modes, shares of the unshaped step of each."""
+    try:
+        ringing, unit, _ = ringing_after(impulses, actuator, frequencies_rad_s, damping)
+    except np.linalg.LinAlgError:
+        beside = frequencies_rad_s * (1 + BESIDE_POLE)
+        ringing, unit, _ = ringing_after(impulses, actuator, beside, damping)
+    return np.abs(ringing) / np.abs(unit)
 
 
 def _rings_within(

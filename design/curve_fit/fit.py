@@ -11,7 +11,7 @@ from design.curve_fit.exact_curve import ExactCurve
 from design.curve_fit.fit_range import MAX_DEGREE, FitRange
 from design.curve_fit.polynomials import Fit
 from design.curve_fit.variable import axis_of_fit
-from design.errors import InfeasibleDesignError
+from design.errors import InfeasibleDesignError, SolverFailedError
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.shapers.kind import ShaperKind
@@ -48,6 +48,8 @@ def fit(
         If the plant has no such field, or the range exceeds its bounds.
     InfeasibleDesignError
         If some point of the range has no such shaper, or no degree up to 20 is good enough.
+    SolverFailedError
+        If fitted times leave the range of numbers: those of the degree asked for, or of degree 0.
     """
     curve = ExactCurve(axis_of_fit(plant, actuator, wanted), actuator, kind, options)
     if wanted.degree is not None:
@@ -55,7 +57,12 @@ def fit(
     limit = wanted.max_residual or 0.0
     best = math.inf, 0
     for degree in range(MAX_DEGREE + 1):
-        tried = curve.fit(degree)
+        try:
+            tried = curve.fit(degree)
+        except SolverFailedError as error:
+            if error.code != "fit_overflows" or math.isinf(best[0]):
+                raise
+            break  # more powers of so narrow a range leave the numbers too
         if tried.worst_residual <= limit:
             return tried
         best = min(best, (tried.worst_residual, degree))

@@ -55,15 +55,15 @@ def unity_magnitude_problem(
     Raises
     ------
     InfeasibleDesignError
-        If settling before each switch takes longer than the longest shaper.
+        If ramps and settling take longer than the longest shaper.
     """
-    w = mode.natural_frequency_rad_s
+    lags = lag_parameters(mode, actuator)
     shortest = settling_gaps_rad(mode, actuator, model.impulses, settle=settle)
     horizon = max_duration_periods * PERIOD_RAD
     if shortest.sum() > horizon:
         raise InfeasibleDesignError(
-            f"settling before each switch takes {shortest.sum() / PERIOD_RAD:.4g} periods in all, "
-            f"more than max_duration_periods = {max_duration_periods:g}",
+            f"ramps and settling between switches take {shortest.sum() / PERIOD_RAD:.4g} periods "
+            f"in all, more than max_duration_periods = {max_duration_periods:g}",
             code="settling_exceeds_duration",
         )
     ratio = decel_over_accel(mode, actuator)
@@ -81,9 +81,9 @@ def unity_magnitude_problem(
             ramped=isinstance(actuator, RateLimited),
             weighted=weights.size > 0,
         ),
-        parameters=np.concatenate((lag_parameters(mode, actuator), weights)),
+        parameters=np.concatenate((lags, weights)),
         amplitudes=heights,
-        natural_frequency_rad_s=w,
+        natural_frequency_rad_s=mode.natural_frequency_rad_s,
         shortest_gaps_rad=shortest,
         horizon_rad=horizon,
         seeds=seeds,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from design.analysis.ramp_figures import moving_time_s
 from design.errors import DesignError, InfeasibleDesignError
+from design.model.actuators.rate_limited import RateLimited
 from design.recommendations.candidates import Designed, Refused, design_choice, with_tolerance
 from design.recommendations.choices import Choice
 from design.recommendations.judging import Candidate, judge_choice, percent, ranges
@@ -194,6 +195,8 @@ def shortest_possible(question: Question, ranked: Sequence[Candidate]) -> Iterat
         bound = candidate.designed.lower_bound_s
         if bound is not None:
             what = "positive shaper"
+            if isinstance(question.actuator, RateLimited):  # that of any course within the limits
+                what = "command between 0 and 1"
             if candidate.designed.choice.options.get("amplitudes") == "negative":
                 limits = f"{asked.lowest_command:.4g} and {asked.highest_command:.4g}"
                 what = f"command between {limits}"

@@ -27,6 +27,7 @@ from design.formulations.humps import (
 from design.formulations.lag_parameters import decel_over_accel, lag_parameters, switched_order
 from design.formulations.ramped_humps import ramped_humps_problem
 from design.formulations.seeds import Ratios, Seed
+from design.formulations.unequal_humps import UnequalHumpsProblem
 from design.formulations.unity_magnitude_problem import alternating
 from design.model.actuators.rate_limited import RateLimited, follows_one_lag
 from design.model.actuators.registry import Actuator
@@ -149,17 +150,18 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
     Returns
     -------
     Formulation
-        A problem in gaps and in ratios of frequency.
+        A problem in gaps and in ratios of frequency; one in switches behind limits, unless drives
+        settle.
 
     Raises
     ------
     InfeasibleDesignError
-        If settling before each switch takes longer than the longest shaper asked for.
+        If ramps and settling take longer than the longest shaper asked for.
     """
     mode, actuator, options = case.mode, case.actuator, case.options
     name, near, (damping_ratio, tolerance) = _ideal(mode, options.tolerance, humps)
-    if follows_one_lag(actuator) and not options.settle:
-        return ramped_humps_problem(
+    if isinstance(actuator, RateLimited) and not options.settle:
+        alike = ramped_humps_problem(
             mode,
             actuator,
             zeros=(float(near.zeros[0]), float(near.zeros[-1])),
@@ -167,20 +169,24 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
             tolerance=options.tolerance,
             max_duration_periods=options.max_duration_periods,
         )
+        if follows_one_lag(actuator):
+            return alike
+        actuator.require_straight_ramps()
+        return UnequalHumpsProblem(alike=alike, designed_for=actuator)
     model = AlternatingHumps(
         humps=humps,
         switched_order=switched_order(actuator),
         ramped=isinstance(actuator, RateLimited),
     )
+    parameters = np.append(lag_parameters(mode, actuator), options.tolerance)
     shortest = settling_gaps_rad(mode, actuator, model.impulses, settle=options.settle)
     horizon = options.max_duration_periods * PERIOD_RAD
     if shortest.sum() > horizon:
         raise InfeasibleDesignError(
-            f"settling before each switch takes {shortest.sum() / PERIOD_RAD:.4g} periods in all, "
-            f"more than max_duration_periods = {options.max_duration_periods:g}",
+            f"ramps and settling between switches take {shortest.sum() / PERIOD_RAD:.4g} periods "
+            f"in all, more than max_duration_periods = {options.max_duration_periods:g}",
             code="settling_exceeds_duration",
         )
-    parameters = np.append(lag_parameters(mode, actuator), options.tolerance)
     equal = with_equal_sets(parameters)
     equal[0], equal[-1] = damping_ratio, tolerance
     lowest, highest = RATIO_BOUNDS

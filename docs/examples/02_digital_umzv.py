@@ -43,7 +43,7 @@ sys.stdout.write(
 )
 for panel, (case, (mode, sample_s)) in zip(panels, CASES.items(), strict=True):
     analog = design(mode, Ideal(), SHAPERS["umzv"]).impulses
-    searched = sample(analog, mode, Ideal(), sample_s, ("residual",), tolerance=0.01)
+    searched = sample(analog, mode, Ideal(), sample_s, SHAPERS["umzv"].claims, tolerance=0.01)
     shapers = {
         "analog": analog,
         "nearest samples": nearest(analog, sample_s),

@@ -230,17 +230,17 @@ def robustness() -> Iterator[Drawn]:
         times_s=np.concatenate((start.times_s, 2.5 + stop.times_s)),
         amplitudes=np.concatenate((start.amplitudes, stop.amplitudes)),
     )
-    curves, told = [], []
+    curves, widths = [], []
     for name, command in (("NUMZV2", zv), ("NUMZVD2, mirrored stop", zvd)):
         curve = sensitivity(command, CRANE.mode, drive(), SensitivityRange(points=401))
         curves.append(Curve(name, curve.frequency_ratios, 100 * curve.residuals))
         width = None if curve.insensitivity is None else curve.insensitivity.width
-        told.append(f"{name} 5 % width {width or 0.0:.4f}")
+        widths.append(f"{name} 5 % width {width or 0.0:.4f}")
     figure = curve_sheet(
         "Whole moves off the frequency; pulse 2.5 s", "true over nominal frequency [-]",
         "residual vibration [%]", curves, level=5,
     )  # fmt: skip
-    yield "3-27", figure, "; ".join(told)
+    yield "3-27", figure, "; ".join(widths)
     yield from motions(start, zvd)
 
 

@@ -1,9 +1,8 @@
-"""What is wrong with an answer: claims by formula, bounds by other kinds, words by numbers."""
+"""What is wrong with a design: claims by formula, bounds by other kinds."""
 
 import math
 import re
-from collections.abc import Callable, Iterator
-from dataclasses import replace
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from design.analysis.insensitivity import insensitivity
 from design.analysis.residual import residual_vectors, residual_vibration
 from design.analysis.residuals_of_many import residual_curve
 from design.claims import Promise
-from design.errors import DesignError, InfeasibleDesignError, InvalidInputError
+from design.errors import InfeasibleDesignError, InvalidInputError
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
@@ -26,7 +25,6 @@ from design.sampling.sampled_design import sampled_design
 from design.shapers.registry import SHAPERS
 from design.shapers.several_modes import ConvolvedOptions
 from design.shapers.specified_insensitivity import BandOptions
-from design.solvers.budget import MAX_WORK_PER_DESIGN
 from design.types import FloatArray
 from tests.expm_route import end_s
 from tests.integration_route import residual_by_integration
@@ -34,7 +32,6 @@ from tests.random_cases import Case
 from tests.second_route import (
     claims_by_formula,
     curve_by_formula,
-    gain_and_slope,
     ideal_derivative_by_formula,
     increases,
 )
@@ -54,9 +51,6 @@ SAMPLED = 7
 COMPARED = 3
 """Every how manieth case is integrated step by step, brought to samples, compared with bounds."""
 
-MIN_STARTS = 1024
-"""Starts of a search that says that it found nothing."""
-
 MAX_INTEGRATED_IMPULSES = 9
 """Impulses of a command that is integrated, at most."""
 
@@ -71,7 +65,7 @@ def wrong_in_design(case: Case, made: Design) -> Iterator[str]:
         for quantity in _promises(case):
             if (quantity, number) not in kept:
                 yield f"claims no {quantity} of mode {number}"
-    designed_for = _actuator_of_design(case) if made.for_ideal else case.actuator
+    designed_for = actuator_of_design(case) if made.for_ideal else case.actuator
     for claim in made.certificate.claims:
         mode = case.plant.modes[claim.mode]
         yield from _wrong_claim(claim, made.impulses, mode, designed_for)
@@ -94,7 +88,7 @@ def _residual(impulses: Impulses, mode: Mode, actuator: Actuator) -> float:
 
     What is left then are ramps that are cut, for which there is no other route than integration.
     """
-    if _has_formula(impulses, actuator):
+    if has_formula(impulses, actuator):
         return claims_by_formula(impulses, mode, actuator)["residual"]
     if not isinstance(actuator, RateLimited):
         return residual_vibration(impulses, mode, actuator)
@@ -104,7 +98,7 @@ def _residual(impulses: Impulses, mode: Mode, actuator: Actuator) -> float:
 
 def _curve(impulses: Impulses, mode: Mode, actuator: Actuator, ratios: FloatArray) -> FloatArray:
     """Return the residual at ratios of frequency, likewise."""
-    if _has_formula(impulses, actuator):
+    if has_formula(impulses, actuator):
         return curve_by_formula(impulses, mode, actuator, ratios)
     return residual_curve(impulses, mode, actuator, ratios)
 
@@ -132,7 +126,8 @@ def _promises(case: Case) -> tuple[str, ...]:
     return case.kind.claims
 
 
-def _actuator_of_design(case: Case) -> Actuator:
+def actuator_of_design(case: Case) -> Actuator:
+    """Return the drive that a kind designs for: the one of the case, or an ideal one."""
     modes, options = case.plant.modes, case.options
     if isinstance(case.plant, Scheduled) and hasattr(options, "half_width"):
         options = type(options)()
@@ -142,7 +137,7 @@ def _actuator_of_design(case: Case) -> Actuator:
     return found
 
 
-def _has_formula(impulses: Impulses, actuator: Actuator) -> bool:
+def has_formula(impulses: Impulses, actuator: Actuator) -> bool:
     """Whether each step excites a response of its own, by a known set."""
     rising = increases(impulses)
     if actuator.model == "switched" and not all(rising):
@@ -166,7 +161,7 @@ def _wrong_claim(
     if claim.quantity == "residual":
         value = _residual(impulses, mode, designed_for)
     elif claim.band is not None:
-        if isinstance(designed_for, RateLimited) and not _has_formula(impulses, designed_for):
+        if isinstance(designed_for, RateLimited) and not has_formula(impulses, designed_for):
             return
         turns = mode.natural_frequency_rad_s * impulses.duration_s * (claim.band[1] - claim.band[0])
         points = min(64 + int(8 * turns), 3000)
@@ -174,7 +169,7 @@ def _wrong_claim(
         value = float(curve.max())
         if value > claim.value * (1 + 1e-6):
             yield f"claims {claim.value!r} over {claim.band}, another route finds {value!r}"
-    elif not _has_formula(impulses, designed_for):
+    elif not has_formula(impulses, designed_for):
         if claim.quantity != "slope" or isinstance(designed_for, RateLimited):
             return
         value = _slope(impulses, mode, designed_for)
@@ -196,7 +191,7 @@ def _wrong_range(case: Case, made: Design) -> Iterator[str]:
     bands = [claim for claim in made.certificate.claims if claim.band == case.plant.band]
     if "band" in _promises(case) and not bands:
         yield "does not claim its tolerance over the range"
-    if not isinstance(case.actuator, RateLimited) or _has_formula(made.impulses, case.actuator):
+    if not isinstance(case.actuator, RateLimited) or has_formula(made.impulses, case.actuator):
         ratios = np.linspace(*case.plant.band, 400)
         told = float(_curve(made.impulses, case.plant.middle, case.actuator, ratios).max())
         if told > made.worst_in_range * (1 + 1e-6) + NOTHING:
@@ -246,7 +241,7 @@ def _wrong_on_samples(case: Case, made: Design) -> Iterator[str]:
     samples = found.impulses.times_s / sample_time_s
     if np.abs(samples - np.rint(samples)).max() > 1e-6:
         yield "on samples it is not"
-    if _has_formula(found.impulses, case.actuator):
+    if has_formula(found.impulses, case.actuator):
         told = claims_by_formula(found.impulses, mode, case.actuator)["residual"]
         if abs(told - found.residual) > NOTHING + ROUNDING * told:
             yield f"on samples tells {found.residual!r}, the formula {told!r}"
@@ -291,112 +286,3 @@ def _shorter_than_bound(case: Case, made: Design) -> Iterator[str]:
 def _bound(made: Design) -> float:
     assert made.solver.lower_bound_s is not None
     return made.solver.lower_bound_s
-
-
-NUMBER = r"(-?[\d.]+(?:e[+-]?\d+)?)"
-
-
-def wrong_in_refusal(case: Case, refusal: str) -> Iterator[str]:
-    """Yield what is not true of a refusal, as far as its words are known here."""
-    if len(refusal) < 40 or not re.search(r"\d|'", refusal):
-        yield f"says little: {refusal}"
-    for pattern, judge in JUDGES:
-        match = re.search(pattern, refusal)
-        if match:
-            numbers = [float(part.rstrip(".")) for part in match.groups()]
-            if not judge(case, *numbers):
-                yield f"not true: {refusal}"
-
-
-def _leaves_that_in_range(case: Case, left: float, tolerance: float) -> bool:
-    assert isinstance(case.plant, Scheduled)
-    made = design(case.plant.middle, case.actuator, case.kind, case.options)
-    if not _has_formula(made.impulses, _actuator_of_design(case)):
-        return left > tolerance
-    ratios = np.linspace(*case.plant.band, 2000)
-    curve = curve_by_formula(made.impulses, case.plant.middle, _actuator_of_design(case), ratios)
-    return left > tolerance and abs(float(curve.max()) - left) <= 2e-3 * left
-
-
-def _can_be_met(case: Case, **changed: float) -> bool:
-    options = replace(case.options, **changed)
-    try:
-        made = design(case.plant, case.actuator, case.kind, options)
-    except DesignError:
-        return False
-    longest = options.max_duration_periods * case.plant.modes[0].period_s
-    return made.certificate.verified and made.impulses.duration_s <= longest * (1 + ROUNDING)
-
-
-def _none_as_short(case: Case, horizon: float, starts: float) -> bool:
-    """Whether a search over a longer horizon finds nothing within the one that was searched."""
-    if starts < MIN_STARTS:
-        return False
-    if not hasattr(case.options, "max_duration_periods"):
-        return True
-    options = replace(case.options, max_duration_periods=min(max(3.0, 3 * horizon), 100.0))
-    try:
-        made = design(case.plant, case.actuator, case.kind, options)
-    except InfeasibleDesignError:
-        return True
-    return made.impulses.duration_s > horizon * case.plant.modes[0].period_s * (1 - 1e-6)
-
-
-def _alpha(case: Case) -> float:
-    """|G_decel / G_accel| at the plant's pole."""
-    mode = case.plant.modes[0]
-    gains = [gain_and_slope(case.actuator, mode.pole_rad_s, accel=one)[0] for one in (True, False)]
-    return abs(gains[1] / gains[0])
-
-
-JUDGES: tuple[tuple[str, Callable[..., bool]], ...] = (
-    (
-        rf"is {NUMBER} within the range of frequencies.* above its tolerance {NUMBER}:",
-        _leaves_that_in_range,
-    ),
-    (
-        rf"a tolerance of {NUMBER} can be met$",
-        lambda case, tolerance: _can_be_met(case, tolerance=tolerance),
-    ),
-    (
-        rf"; max_duration_periods = {NUMBER}(?: or| can)",
-        lambda case, periods: _can_be_met(case, max_duration_periods=periods),
-    ),
-    (
-        rf"takes {NUMBER} periods in all, more than max_duration_periods = {NUMBER}",
-        lambda _, takes, horizon: takes > horizon,
-    ),
-    (
-        rf"duration <= {NUMBER} periods in {NUMBER} starts; nearest miss(?!.* to the end: its)",
-        _none_as_short,
-    ),
-    (
-        rf"in {NUMBER} starts; nearest miss.* to the end: its budget of {NUMBER} million units",
-        lambda _, starts, budget: starts > 0 and budget * 1e6 == MAX_WORK_PER_DESIGN,
-    ),
-    (
-        rf"frequency is {NUMBER}, and the vector diagram",
-        lambda case, alpha: alpha > 2 and abs(_alpha(case) - alpha) < 1e-9,
-    ),
-    (
-        rf"of its sides {NUMBER}, {NUMBER} and {NUMBER} none may",
-        lambda _, a, b, c: 2 * max(a, b, c) > a + b + c,
-    ),
-    (
-        rf"acts as one of {NUMBER}, more than the other two together, {NUMBER}",
-        lambda _, acts, others: acts >= others,
-    ),
-    (
-        rf"command would go from {NUMBER} to {NUMBER} of full speed",
-        lambda _, low, high: low < 0 or high > 1,
-    ),
-    (
-        rf"found at a damping ratio of {NUMBER}:.*meet at a damping ratio of {NUMBER} with",
-        lambda _, asked, met: met <= asked * 1.01,
-    ),
-    (
-        rf"ordered solution takes {NUMBER} periods, more than max_duration_periods = {NUMBER}",
-        lambda _, takes, horizon: takes > horizon,
-    ),
-)
-"""Patterns of refusals and what must be true of their numbers."""

@@ -42,6 +42,7 @@ def verdict(what: str, number: int) -> Verdict:
     name, request, faults = drawn(generator(what, number))
     refusal = ""
     wrong: list[str] = []
+    asks_for_none = False
     started = time.process_time()
     try:
         answer = respond(operation, json.dumps(request).encode())
@@ -50,13 +51,21 @@ def verdict(what: str, number: int) -> Verdict:
             wrong += faults(json.loads(answer.model_dump_json(by_alias=True)))
         elif answer.kind in {INVALID, INFEASIBLE}:
             refusal = answer.detail
+            asks_for_none = answer.kind is INVALID or answer.code == "pulse_goes_nowhere"
         else:
             wrong.append(f"{answer.kind.name}: {answer.detail}")
     except Exception as error:  # noqa: BLE001 - whatever it is, it is reported
         seconds = time.process_time() - started
         wrong.append(f"{type(error).__name__}: {error}")
     label = f"{name} {request['actuator']['kind']}"
-    return Verdict(number=number, kind=label, refusal=refusal, wrong=tuple(wrong), seconds=seconds)
+    return Verdict(
+        number=number,
+        kind=label,
+        refusal=refusal,
+        wrong=tuple(wrong),
+        seconds=seconds,
+        asks_for_none=asks_for_none,
+    )
 
 
 def main() -> int:
@@ -73,7 +82,8 @@ def main() -> int:
             print(f"case {number}, {found[-1].kind}: {text}", file=sys.stderr, flush=True)
     print("\n".join(report(found)))
     refused = sum(bool(one.refusal) for one in found)
-    print(f"{len(found)} {given.what}, {refused} refused")
+    none = sum(one.asks_for_none for one in found)
+    print(f"{len(found)} {given.what}, {refused} refused, {none} of them for what they ask")
     return int(any(one.wrong for one in found))
 
 

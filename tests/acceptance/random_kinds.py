@@ -19,7 +19,8 @@ from dataclasses import dataclass, replace
 from design.errors import InfeasibleDesignError, InvalidInputError
 from design.pipeline import design
 from design.solvers.budget import Budget
-from tests.acceptance.judges import wrong_in_design, wrong_in_refusal
+from tests.acceptance.judges import wrong_in_design
+from tests.acceptance.refusal_judges import wrong_in_refusal
 from tests.random_cases import case
 
 MAX_DESIGN_S = 5.0
@@ -43,6 +44,8 @@ class Verdict:
         What is wrong with the answer, or with the reason.
     seconds
         Processor time of the design [s].
+    asks_for_none
+        Whether what is asked for is none: a value beyond its bound, a pulse that goes nowhere.
     """
 
     number: int
@@ -50,6 +53,7 @@ class Verdict:
     refusal: str
     wrong: tuple[str, ...]
     seconds: float
+    asks_for_none: bool = False
 
 
 def verdict(number: int) -> Verdict:

@@ -13,8 +13,9 @@ from design.model.plants.modes import Modes
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from design.shapers.specified_insensitivity import BandOptions
-from tests.acceptance.judges import wrong_in_design, wrong_in_refusal
+from tests.acceptance.judges import wrong_in_design
 from tests.acceptance.random_kinds import report, verdicts
+from tests.acceptance.refusal_judges import wrong_in_refusal
 from tests.random_cases import ROUND, Case, case
 
 CASES = 180

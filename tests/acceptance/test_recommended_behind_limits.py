@@ -17,7 +17,8 @@ from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
 from design.recommendations.recommendation import Recommendation, recommend
-from design.recommendations.requirements import Requirements
+from design.recommendations.requirements import Requirements, Sign
+from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import SHAPERS
 from tests.expm_route import end_s, outcome
 
@@ -85,6 +86,22 @@ def faster_ones(crane: Crane) -> list[str]:
 @pytest.mark.parametrize("crane", random_cranes(5, CRANES))
 def test_no_kind_that_meets_what_is_asked_is_faster_than_the_recommended(crane: Crane) -> None:
     assert faster_ones(crane) == []
+
+
+@pytest.mark.parametrize("sign", ["any", "unity", "positive"])
+def test_the_bound_behind_limits_is_said_of_every_command(sign: Sign) -> None:
+    mode = Mode(natural_frequency_rad_s=12.9, damping_ratio=0.1)
+    drive = RateLimited(accel_limit_m_s2=9.0, decel_limit_m_s2=5.5, speed_m_s=0.8)
+    asked = Requirements(half_width=0.33, tolerance=TOLERANCE, sign=sign)
+    found = recommend(mode, drive, asked)
+    options = UnityBandOptions(half_width=0.33, tolerance=TOLERANCE)
+    bound = design(mode, drive, SHAPERS["num_si"], options).solver.lower_bound_s
+    assert bound is not None
+    says = f"no command between 0 and 1 that keeps 5 % over the band takes less than {bound:.4g} s"
+    assert found.why[-1] == f"{says} (proven)"
+    for one in (*found.candidates, *found.others):
+        if worst_left(one.impulses, mode, drive, 0.33) <= TOLERANCE:
+            assert one.end_s >= bound * (1 - 1e-9)
 
 
 if __name__ == "__main__":

@@ -53,6 +53,17 @@ def template(words: ast.expr) -> str:
 
 
 @cache
+def words_of_tests() -> frozenset[str]:
+    """Return every string that stands in a test."""
+    return frozenset(
+        node.value
+        for path in (ROOT / "tests").rglob("test_*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    )
+
+
+@cache
 def errors_raised() -> list[Raised]:
     """Return every error that the three packages make."""
     found = []
@@ -100,3 +111,8 @@ def test_one_code_is_of_one_class_and_has_one_meaning(code: str) -> None:
         assert [place for words, place in meanings.items() if not BOUND.search(words)] == []
     else:
         assert len(meanings) == 1, meanings
+
+
+@pytest.mark.parametrize("code", sorted(codes()))
+def test_a_code_stands_in_a_test(code: str) -> None:
+    assert code in words_of_tests()

@@ -203,3 +203,12 @@ def test_a_set_a_thousand_times_slower_than_the_plant_is_refused() -> None:
     message = r"^actuator\.accel_time_constant_s must be at most 100 times slower than the plant"
     with refused("actuator_too_slow", "actuator.accel_time_constant_s", says=message):
         design(Mode(natural_frequency_rad_s=1.0), slow, NUMZVD)
+
+
+def test_a_search_that_ends_without_a_solution_or_a_proof_is_a_failure(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("design.pipeline.solve", lambda *_: iter(()))
+    says = r"^no solution of numzv was found; that there is none is not proven$"
+    with refused("none_found_nor_excluded", says=says):
+        design(CRANE, THESIS, NUMZV)

@@ -8,6 +8,7 @@ import pytest
 
 from design.analysis.band import largest_in_band
 from design.analysis.high_modes import high_mode_gain
+from design.model.actuators.model import Model
 from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
@@ -55,6 +56,23 @@ def test_the_rim_holds_the_largest_residual_of_the_whole_region(
     grid = worst_of_grid(impulses, actuator, BAND, DAMPING)
     # A grid never finds more, and at a hundredth of the band little less.
     assert grid * (1 - 1e-9) <= found <= grid * 1.002
+
+
+@pytest.mark.parametrize("model", ["superposed", "switched"])
+@pytest.mark.parametrize("damping", [0.1, 0.2, 0.3, 0.45])
+@pytest.mark.parametrize("amplitudes", [(0.25, 0.3, 0.45), (1.0, -1.0, 1.0)])
+def test_a_band_that_ends_at_a_pole_of_both_sets_is_that_of_an_ideal_drive(
+    model: Model, damping: float, amplitudes: tuple[float, ...]
+) -> None:
+    # Equal sets are a common factor of the command and of the step, at their pole too. A band of
+    # 1.5 to 2 has its end there to the bit for some dampings, and then the system is singular.
+    one = SecondOrderSet(natural_frequency_rad_s=2.0, damping_ratio=damping)
+    mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=damping)
+    command = Impulses(times_s=np.array([0.0, 1.0, 3.2]), amplitudes=np.array(amplitudes))
+    for band in ((1.5, 2.0), (2.0, 2.5)):
+        found = largest_in_band(command, mode, SecondOrder(accel=one, decel=one, model=model), band)
+        # Beside the pole both are some 1e12 times larger; their quotient keeps most digits.
+        assert found == pytest.approx(largest_in_band(command, mode, IDEAL, band), rel=1e-9)
 
 
 def test_a_range_of_one_damping_ratio_is_the_band() -> None:

@@ -336,3 +336,17 @@ def test_a_step_behind_a_long_ramp_has_the_edges_of_the_ramp(periods: float) -> 
             assert within.upper_ratio == pytest.approx(upper, abs=2e-5)
         else:
             assert within.upper_ratio is None
+
+
+def test_a_curve_beyond_all_numbers_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
+    # A drive with its pole on the curve comes near: 1e12 times an unshaped step.
+    set_there = SecondOrderSet(natural_frequency_rad_s=2.0, damping_ratio=0.1)
+    drive = SecondOrder(accel=THESIS.accel, decel=set_there)
+    mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=0.1)
+    command = impulses([0.0, 1.0, 3.0], [1.0, -1.0, 1.0])
+    wanted = SensitivityRange(from_ratio=0.5, to_ratio=2.0, points=4)
+    assert 1e9 < sensitivity(command, mode, drive, wanted).residuals[-1] < math.inf
+    module = "design.analysis.sensitivity.evenly_spaced_vectors"
+    monkeypatch.setattr(module, lambda *_: np.array([0.5, np.nan]))
+    with refused("curve_overflows"):
+        sensitivity(command, mode, drive, wanted)

@@ -280,3 +280,22 @@ def test_older_klipper_decays_undamped_humps_by_each_impulse() -> None:
     mode = Mode(natural_frequency_rad_s=2 * math.pi * HERTZ, damping_ratio=0.1)
     left = residual_vibration(older_klipper_impulses("ei", HERTZ, 0.1), mode, Ideal())
     assert left == pytest.approx(0.0355, abs=5e-5)
+
+
+@pytest.mark.parametrize("kind", ["two_hump_ei", "three_hump_ei"])
+def test_a_claim_that_klippers_fit_does_not_keep_is_refused_with_what_it_is(kind: str) -> None:
+    with refused("klipper_breaks_claim", "impulses of row 0", says=r"at most 1 %.*, got '[45]\.\d"):
+        written({"kind": kind, "tolerance": 0.01}, 0.1)
+
+
+def test_impulses_that_are_not_those_in_continuous_time_are_not_fitted() -> None:
+    request = {
+        "plant": {"kind": "mode", "natural_frequency_rad_s": 250.0, "damping_ratio": 0.0},
+        "actuator": {"kind": "ideal"},
+        "shaper": {"kind": "ei"},
+    }
+    head, rows = designed_table(request, {"plant.natural_frequency_rad_s": [250.0]})
+    assert list(KLIPPER.write(head, [rows]))
+    rows.results[0, 1] *= 1 + 1e-6
+    with refused("not_continuous_time", "impulses of row 0"):
+        list(KLIPPER.write(head, [rows]))

@@ -124,7 +124,7 @@ def test_settling_longer_than_the_horizon_is_refused_before_any_search() -> None
     actuator = FirstOrder(accel_time_constant_s=4.0, decel_time_constant_s=4.0)
     with refused(
         "settling_exceeds_duration",
-        says=r"^settling before each switch takes 4\.098 periods in all, more than "
+        says=r"^ramps and settling between switches take 4\.098 periods in all, more than "
         r"max_duration_periods = 3$",
     ):
         unity_magnitude_problem(

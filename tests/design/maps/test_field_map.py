@@ -11,8 +11,9 @@ import pytest
 from design.analysis.residual import residual_vibration
 from design.analysis.residuals_of_many import residuals_of_cases
 from design.fields import Axis
+from design.maps.commands import design_command
 from design.maps.field_map import field_map
-from design.maps.map_case import MapCase, Move
+from design.maps.map_case import MapCase, Move, Recipe
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
@@ -289,3 +290,15 @@ def test_two_axes_over_one_field_and_a_map_too_large_are_refused() -> None:
         field_map(case("numzv"), wide, high)
     with refused("too_many_cells", "x.points", says=r"of a map of at most 500 cells"):
         field_map(case("numzv", move=Move(pulse_s=3.0)), wide)
+
+
+def test_a_pulse_shorter_than_a_mirrored_start_has_no_command() -> None:
+    numzv = SHAPERS["numzv"]
+    start_s = design(CRANE, THESIS, numzv).impulses.duration_s
+    recipe = Recipe(kind=numzv, options=numzv.options(), each=True, designed_for=None)
+    cell = {"plant": CRANE, "actuator": THESIS}
+    moves = [Move(pulse_s=ratio * start_s, stop="mirrored") for ratio in (1.01, 0.99)]
+    command = design_command(recipe, {**cell, "move": moves[0]})
+    assert command.times_s.size == 6
+    with refused("pulse_shorter_than_start", says=rf"^the pulse of {0.99 * start_s:g} s"):
+        design_command(recipe, {**cell, "move": moves[1]})

@@ -20,8 +20,10 @@ from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.settling import settling_time_s
 from design.moves.maneuvers import maneuver, mirrored_stop
+from design.moves.rest_to_rest import WholeCommand
 from design.pipeline import design
 from design.shapers.kind import ShaperKind
+from design.shapers.peak_options import PeakOptions
 from design.shapers.settle_options import SettleOptions
 from tests.design.moves.cranes import (
     MODELS,
@@ -276,3 +278,21 @@ def test_bad_numbers_are_refused_by_name(arguments: dict[str, float], name: str)
     with pytest.raises(InvalidInputError) as caught:
         maneuver(CRANE, THESIS, NUMZVD, **{"speed_m_s": SPEED_M_S, **arguments})  # type: ignore[arg-type]
     assert caught.value.name == name
+
+
+def test_a_whole_move_that_does_not_keep_its_claims_is_a_failure(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pulse = Impulses(times_s=np.array([0.0, 2.0]), amplitudes=np.array([1.0, -1.0]))
+    whole = WholeCommand(command=pulse, joint=True)
+    monkeypatch.setattr("design.moves.maneuvers.over_pulse", lambda *_: whole)
+    left = residual_vibration(pulse, CRANE.mode, THESIS)
+    with refused("move_not_verified", says=rf"of numzv .*: the residual is {left:.3g}, allowed"):
+        maneuver(CRANE, THESIS, NUMZV, speed_m_s=SPEED_M_S, pulse_s=2.0)
+
+
+def test_a_stop_that_no_solution_verifies_is_a_failure(monkeypatch: pytest.MonkeyPatch) -> None:
+    options = PeakOptions(max_velocity_ratio=1.25)
+    monkeypatch.setattr("design.moves.maneuvers.solve", lambda _: iter(()))
+    with refused("stop_not_verified", says="^the stop of numzv was not verified$"):
+        maneuver(CRANE, THESIS, NUMZV, speed_m_s=SPEED_M_S, distance_m=0.8, options=options)

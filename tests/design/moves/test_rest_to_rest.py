@@ -5,11 +5,14 @@ from dataclasses import replace
 import pytest
 
 from design.model.actuators.model import Model
+from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.initial_state import AngleSwing
+from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
 from design.moves.maneuvers import maneuver
 from design.shapers.peak_options import PeakOptions
-from tests.design.moves.cranes import MODELS, NUMZV, NUMZVD, SPEED_M_S, levels
+from tests.design.moves.cranes import MODELS, NUMZV, NUMZVD, SPEED_M_S, UMZVD, levels
 from tests.integration_route import residual_by_integration
 from tests.refusals import refused
 from tests.shaper_table import CRANE, DAMPED, THESIS
@@ -100,3 +103,29 @@ def test_as_one_on_request_and_a_peak_do_not_go_together() -> None:
             joint=True,
             options=PeakOptions(max_velocity_ratio=1.25),
         )
+
+
+def test_a_travel_that_corrections_do_not_meet_is_refused_with_its_length() -> None:
+    # UMZVD knows no drive, and behind these ramps and lags so short a pulse goes nowhere near.
+    lags = [
+        SecondOrderSet(natural_frequency_rad_s=corner, damping_ratio=damping)
+        for corner, damping in ((35.36330870300246, 0.5724842304893382), (61.64, 0.41955))
+    ]
+    drive = RateLimited(
+        accel_limit_m_s2=1.8945662715408,
+        decel_limit_m_s2=2.5815610297326828,
+        speed_m_s=0.3366490493958793,
+        then=SecondOrder(accel=lags[0], decel=lags[1]),
+    )
+    mode = Mode(natural_frequency_rad_s=7.429486068513855)
+    with refused("no_move_of_travel", says=r"whose travel is 0\.0088\d* s times its speed"):
+        maneuver(mode, drive, UMZVD, speed_m_s=drive.speed_m_s, pulse_s=0.1369673093072221)
+
+
+def test_a_move_behind_limits_that_nothing_verifies_is_a_failure(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    limits = RateLimited(accel_limit_m_s2=1.0, decel_limit_m_s2=1.5, speed_m_s=SPEED_M_S)
+    monkeypatch.setattr("design.moves.rest_to_rest.solve", lambda _: iter(()))
+    with refused("ramped_move_not_verified"):
+        maneuver(CRANE, limits, NUMZV, speed_m_s=SPEED_M_S, distance_m=0.05)

@@ -324,3 +324,15 @@ def test_a_tolerance_that_samples_do_not_keep_is_told() -> None:
     assert (
         f"{lost.certificate.claims[-1].value:.4g}, more than the tolerance of 0.05" in told.detail
     )
+
+
+def test_a_residual_that_simulation_does_not_confirm_is_a_failure(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made = design(CRANE, THESIS, SHAPERS["numzv"])
+    found, _ = sampled_design(made, CRANE.mode, THESIS, SAMPLE_S)
+    assert found.residual > 1e-4
+    monkeypatch.setattr("design.sampling.sampled_design.residual_vibration", lambda *_: 0.0)
+    says = rf"differs from its formula: the residual is {found.residual:.3g}, allowed 1e-09$"
+    with refused("sampled_unlike_formula", says=says):
+        sampled_design(made, CRANE.mode, THESIS, SAMPLE_S)

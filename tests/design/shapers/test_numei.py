@@ -294,7 +294,7 @@ def test_no_solution_says_how_far_was_searched() -> None:
         (
             0.11,
             "settling_exceeds_duration",
-            r"^settling before each switch takes [\d.]+ periods in all, more than max_dur",
+            r"^ramps and settling between switches take [\d.]+ periods in all, more than max_dur",
         ),
     ):
         with refused(code, says=message):

@@ -16,6 +16,8 @@ from design.model.plants.registry import Plant
 from design.pipeline import Design, design
 from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import SHAPERS
+from design.solvers.outcome import Outcome, Status
+from design.solvers.unity_band import descent
 from design.types import FloatArray
 from tests.refusals import refused
 from tests.second_route import claims_by_formula
@@ -205,3 +207,16 @@ def test_switches_that_settle_for_longer_than_a_shaper_may_take_are_refused() ->
     kind = SHAPERS["num_si"]
     with refused("switches_exceed_duration"):
         design(CRANE, THESIS, kind, kind.options(settle=True, max_duration_periods=0.1))
+
+
+def test_a_step_over_a_band_that_has_no_time_ends_the_search(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def late(vectors: FloatArray, jacobians: FloatArray, *_: object) -> tuple[Outcome, FloatArray]:
+        unknowns = np.zeros(jacobians.shape[-1] + 1)
+        outcome = Outcome(status=Status.TIME_LIMIT, unknowns=unknowns, iterations=1)
+        return outcome, np.zeros(len(vectors))
+
+    monkeypatch.setattr(descent, "step_over_disks", late)
+    with refused("band_step_past_time"):
+        band_shaper(CRANE, THESIS, 0.18)

@@ -220,3 +220,9 @@ def test_a_number_of_impulses_or_settling_is_refused(options: UnityBandOptions) 
     drive = replace(STRAIGHT, jerk_limit_m_s3=20.0)
     with refused("jerk_not_served", "actuator.jerk_limit_m_s3"):
         design(MODE, drive, NUM_SI, options)
+
+
+def test_two_different_lags_are_refused() -> None:
+    apart = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.05)
+    with refused("jerk_not_served", "actuator.jerk_limit_m_s3"):
+        design(MODE, replace(STRAIGHT, jerk_limit_m_s3=20.0, then=apart), NUM_SI, BAND)

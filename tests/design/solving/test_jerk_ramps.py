@@ -213,3 +213,15 @@ def test_what_has_to_settle_or_differs_in_its_lags_is_refused(kind: str) -> None
     with refused("jerk_not_served", "actuator.jerk_limit_m_s3"):
         options = SHAPERS[kind].options(settle=True)
         design(MODE, DRIVE, SHAPERS[kind], options)
+
+
+@pytest.mark.parametrize("jerk", [0.3, 100.0])
+@pytest.mark.parametrize("kind", ["numzv", "numzvd", "num_ei", "num_2ei", "num_si"])
+def test_what_is_not_served_is_named_however_long_its_ramps_are(kind: str, jerk: float) -> None:
+    # At 0.3 m/s^3 a ramp lasts for more than a period: too long for five switches in three.
+    apart = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.05)
+    drive = replace(DRIVE, jerk_limit_m_s3=jerk)
+    for then, settle in ((apart, False), (apart, True), (drive.then, True)):
+        options = SHAPERS[kind].options(settle=settle)
+        with refused("jerk_not_served", "actuator.jerk_limit_m_s3"):
+            design(MODE, replace(drive, then=then), SHAPERS[kind], options)

@@ -11,11 +11,14 @@ from design.analysis.shortest import excluded_duration_rad
 from design.model.plants.modes import Modes
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
+from design.shapers.specified_insensitivity import BandOptions
+from design.solvers import clarabel
 from design.solvers.budget import Budget
+from design.solving.solve import solve
 from design.types import FloatArray
 from tests.modes_cases import LARGER, PAIR, PAIRS, left_by_formula, made, plant, random_plants
 from tests.refusals import refused
-from tests.shaper_table import IDEAL
+from tests.shaper_table import CRANE, IDEAL
 
 
 def least_violation(subject: Modes, duration_s: float, *, positive: bool) -> float:
@@ -180,3 +183,19 @@ def test_no_random_start_of_slsqp_is_shorter_than_the_bound_of_two_modes(seed: i
 def test_a_search_that_may_do_nothing_finds_no_command() -> None:
     with refused("no_joint_command_found"):
         design(PAIR, IDEAL, SHAPERS["multi_umzv"], None, Budget(most=1.0))
+
+
+def test_a_band_for_which_the_budget_is_too_small_says_so() -> None:
+    si = SHAPERS["si"]
+    wide = si.formulate(si.case((CRANE.mode,), IDEAL, BandOptions(half_width=0.5, tolerance=0.01)))
+    says = r"within 0\.01 from 0\.5 to 1\.5 .*: its budget of 0\.001 million units"
+    with refused("band_search_out_of_budget", says=says):
+        list(solve(wide, Budget(most=1000.0)))
+
+
+def test_a_cone_program_that_has_no_time_is_a_failure_of_its_solver(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(clarabel, "MAX_RUN_S", 0.0)
+    with refused("clarabel_failed", says=r"^clarabel ended with time_limit on a band problem$"):
+        design(CRANE, IDEAL, SHAPERS["si"])

@@ -12,8 +12,11 @@ from design.model.plants.mode import Mode
 from design.pipeline import Design, design
 from design.shapers.numei import NUM_2EI, NUM_EI, HumpOptions
 from design.shapers.numsi import NUM_SI, UnityBandOptions
+from design.solvers.budget import Budget
+from design.solving.solve import solve
 from tests.design.solving.test_ramps import end_s, of_one_set
 from tests.expm_route import outcome
+from tests.refusals import refused
 
 Case = tuple[Mode, RateLimited, HumpOptions]
 
@@ -109,3 +112,12 @@ def test_humps_that_end_after_the_horizon_are_refused() -> None:
     with pytest.raises(InfeasibleDesignError) as caught:
         design(mode, limited, NUM_EI, HumpOptions(tolerance=0.05, max_duration_periods=0.1))
     assert caught.value.code == "ramped_humps_exceed_duration"
+
+
+def test_zeros_for_which_the_budget_is_too_small_are_refused_with_their_places() -> None:
+    mode = Mode(natural_frequency_rad_s=1.0)
+    limited = RateLimited(accel_limit_m_s2=1.0, decel_limit_m_s2=1.0, speed_m_s=1.0)
+    problem = NUM_2EI.formulate(NUM_2EI.case((mode,), limited, HumpOptions(tolerance=0.05)))
+    says = r"without residual at 0\.\d+ and 1\.\d+ of the frequency: its budget of 0\.001 million"
+    with refused("no_ramped_zeros_found", says=says):
+        list(solve(problem, Budget(most=1000.0)))

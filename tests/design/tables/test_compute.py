@@ -17,7 +17,9 @@ from design.errors import DesignError
 from design.fields import Axis
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.model import Model
+from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
+from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
 from design.pipeline import Design, design
 from design.shapers.peak_options import PeakOptions
@@ -31,6 +33,7 @@ from design.tables.compute import compute_rows, compute_with_counts
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL
 from design.tables.specification import TableSpecification
 from tests.patience import PATIENT_S
+from tests.refusals import refused
 from tests.shaper_table import CRANE, THESIS
 from tests.table_cases import random_table
 
@@ -64,6 +67,10 @@ def require_same_as_single(table: TableSpecification) -> int:
             assert rows.status[index] in {INFEASIBLE, FAILED}
             assert rows.reasons[index] == found
             assert np.isnan(rows.results[index]).all()
+            continue
+        if found.impulses.times_s.size != table.impulses:
+            assert rows.status[index] == FAILED
+            assert f"{found.impulses.times_s.size} impulses" in rows.reasons[index]
             continue
         assert rows.status[index] == status_of(found)
         times, duration = found.impulses.times_s, found.impulses.duration_s
@@ -286,3 +293,34 @@ def test_what_the_kernel_does_not_know_runs_through_the_pipeline() -> None:
         rows, counts = compute_with_counts(one, 0, 2)
         assert counts.single == 2
         assert (rows.status == VERIFIED).all()
+
+
+def test_a_row_with_another_number_of_impulses_fails_with_both_numbers() -> None:
+    # Ramps of 2 s are turned midway once they last longer than about a period.
+    limits = RateLimited(accel_limit_m_s2=0.5, decel_limit_m_s2=0.5, speed_m_s=1.0)
+    table = TableSpecification(
+        plant=Mode(natural_frequency_rad_s=1.0),
+        actuator=limits,
+        kind=SHAPERS["numzv"],
+        options=SHAPERS["numzv"].options(),
+        axes=(Axis(path=("plant", "natural_frequency_rad_s"), values=np.array([2.0, 4.0])),),
+        columns=("times_s", "residual"),
+    )
+    rows = compute_rows(table, 0, 2)
+    assert rows.status.tolist() == [VERIFIED, FAILED]
+    assert rows.reasons == {1: "the design has 5 impulses, the table's rows 3"}
+    other = design(Mode(natural_frequency_rad_s=4.0), limits, SHAPERS["numzv"])
+    numbers = np.zeros(1)
+    straight = compute._Table(
+        times_s=np.zeros((1, 3)),
+        amplitudes=np.zeros((1, 3)),
+        natural_frequencies_rad_s=numbers,
+        residuals=numbers,
+        slopes=numbers,
+        designed=np.zeros(1, dtype=bool),
+        for_ideal=np.zeros(1, dtype=bool),
+        wants_slopes=False,
+    )
+    with refused("impulses_unlike_rows"):
+        straight.take(0, Mode(natural_frequency_rad_s=4.0), limits, other)
+    assert not straight.designed.any()

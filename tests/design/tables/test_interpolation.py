@@ -11,10 +11,11 @@ from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from design.tables.interpolation import Interpolant, interpolant
-from design.tables.rows import INFEASIBLE, Rows, TableHead
+from design.tables.rows import INFEASIBLE, Column, Rows, TableHead
 from tests.designed_tables import CRANE, designed_table
 from tests.refusals import refused
 from tests.second_route import claims_by_formula
+from tests.shaper_table import CRANE as CRANE_PLANT
 from tests.shaper_table import THESIS
 
 RANDOM_POINTS = 1_000
@@ -208,3 +209,30 @@ def test_what_cannot_be_interpolated_has_a_code_for_why(crane: tuple[TableHead, 
         interpolant(replace(head, columns=foreign), rows)
     with refused("no_verified_row", "rows"):
         interpolant(head, replace(rows, status=np.full_like(rows.status, INFEASIBLE)))
+
+
+def test_several_modes_and_changing_amplitudes_are_not_interpolated() -> None:
+    modes = [{"natural_frequency_rad_s": w, "damping_ratio": 0.0} for w in (3.5, 9.4)]
+    several = {
+        "plant": {"kind": "modes", "modes": modes},
+        "actuator": {"kind": "ideal"},
+        "shaper": {"kind": "convolved"},
+    }
+    field = "plant.modes.0.natural_frequency_rad_s"
+    with refused("plant_not_interpolated", "plant"):
+        interpolant(*designed_table(several, {field: [3.4, 3.5]}))
+    # Heights of ZV depend on damping: rows of several dampings have them in columns.
+    damped = {**CRANE, "shaper": {"kind": "zv"}}
+    head, rows = designed_table(damped, {"plant.damping_ratio": [0.0, 0.1]})
+    heights = np.array([
+        design(replace(CRANE_PLANT, damping_ratio=z), THESIS, SHAPERS["zv"]).impulses.amplitudes
+        for z in (0.0, 0.1)
+    ])
+    names = [Column(name=f"a{number}", unit="1", kind="result") for number in (1, 2)]
+    last = next(place for place, one in enumerate(head.columns) if one.kind == "status")
+    columns = (*head.columns[:last], *names, *head.columns[last:])
+    with refused("amplitudes_vary", "amplitudes"):
+        interpolant(
+            replace(head, columns=columns, amplitudes=()),
+            replace(rows, results=np.hstack((rows.results, heights))),
+        )

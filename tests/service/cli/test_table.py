@@ -7,12 +7,15 @@ import signal
 import socket
 import subprocess
 import sys
+from argparse import Namespace
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
+from service.cli.table import run_table
+from service.problems import Problem
 from tests.conftest import free_port
 from tests.patience import PATIENT_S
 from tests.processes import until
@@ -257,3 +260,12 @@ def test_a_program_that_was_called_otherwise_since_is_checked_by_its_own_names(
     done = table(spec, "--check", after, "--workers", "1")
     assert done.returncode == 5, done.stderr
     assert "1 differences" in done.stderr
+
+
+def test_a_name_without_a_format_has_a_code(tmp_path: Path) -> None:
+    options = Namespace(
+        request=str(tmp_path / "spec.json"), output=tmp_path / "t.c", check=None, format=None
+    )
+    told = run_table(options, json.dumps(SMALL).encode())
+    assert isinstance(told, Problem)
+    assert (told.code, told.errors[0].pointer) == ("format_unknown", "/format")
