@@ -109,9 +109,9 @@ def test_a_shaper_on_samples_that_leaves_more_than_it_claims_has_a_warning(
         **BASE,
         "actuator": limited if kind == "zvd" else BASE["actuator"],
         "command": {"kind": "step"},
-        "shaper": {"kind": kind, "sample_time_s": 0.2, "sample_tolerance": 0.001},
+        "shaper": {"kind": kind, "sample_time_s": 0.2, "sample_tolerance": 1e-5},
     }
     answer = client.post("/v1/simulations", json=request).json()
-    assert answer["residual"] > 0.001
+    assert answer["residual"] > 1e-5
     assert [one["code"] for one in answer["warnings"]] == [code]
     assert f"{100 * answer['residual']:.4g} %" in answer["warnings"][0]["detail"]
