@@ -145,8 +145,7 @@ class Drive:
         Returns
         -------
         ComplexArray
-            Each times its power of `FREQUENCY_ERROR`: the residual that comes of it there, shape (m,
-            k).
+            Each times its power of `FREQUENCY_ERROR`, shape (m, k).
         """
         if asked.zeros == 0:
             return np.zeros((0, samples.size), dtype=np.complex128)

@@ -131,7 +131,8 @@ def freedoms(
 
     Amplitudes of one sign stay so. Of those of both signs, a command that keeps a tolerance over a
     band, or that goes beyond 0 to 1, stays within its levels. Any other keeps the sum of each
-    negative step, and steps up and down take turns as before: in each of several ways to part the samples.
+    negative step, and steps up and down take turns as before: in each of several ways to part the
+    samples.
 
     Parameters
     ----------
