@@ -1,5 +1,6 @@
 """Clarabel, called directly: the least residual over a band for a given duration, as cones."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -204,29 +205,77 @@ def solve(program: ConeProgram) -> ConeOutcome:
     offset[:, 1], offset[:, 2] = program.offset.real, program.offset.imag
     right.append(offset.ravel())
     cones.extend([clarabel.SecondOrderConeT(CONE_SIZE)] * bands)
+    found = run(np.append(np.zeros(unknowns - 1), 1.0), blocks, right, cones)
+    duals = found.duals[-CONE_SIZE * bands :].reshape(bands, CONE_SIZE)
+    return ConeOutcome(
+        status=found.status,
+        unknowns=found.unknowns[:count],
+        largest=float(found.unknowns[-1]),
+        weights=duals[:, 0],
+        obstacle=-duals[:, 1] + 1j * duals[:, 2],
+        iterations=found.iterations,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Ran:
+    """What Clarabel answers.
+
+    Attributes
+    ----------
+    status
+        What became of the run.
+    unknowns, duals
+        Shapes (n,) and (m,).
+    iterations
+        Iterations of the interior-point method.
+    """
+
+    status: Status
+    unknowns: FloatArray
+    duals: FloatArray
+    iterations: int
+
+
+def run(
+    cost: FloatArray, blocks: Sequence[FloatArray], right: Sequence[FloatArray], cones: list[Any]
+) -> Ran:
+    """Minimise ``cost x`` so that ``right - blocks x`` is in cones.
+
+    Parameters
+    ----------
+    cost
+        Shape (n,).
+    blocks, right
+        Shapes (m_i, n) and (m_i,).
+    cones
+        Clarabel's, as long as the blocks in all.
+
+    Returns
+    -------
+    Ran
+        No claim is made of its exactness.
+    """
+    import clarabel  # noqa: PLC0415 - where it is used, as all solvers
+
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_threads = 1  # programs this small only wait for each other's threads
     settings.time_limit = MAX_RUN_S
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
-    cost = np.append(np.zeros(unknowns - 1), 1.0)
     none = _Columns(
         data=np.zeros(0),
         indices=np.zeros(0, dtype=np.intp),
-        indptr=np.zeros(unknowns + 1, dtype=np.intp),
-        shape=(unknowns, unknowns),
+        indptr=np.zeros(cost.size + 1, dtype=np.intp),
+        shape=(cost.size, cost.size),
     )
     matrix = columns(np.concatenate(blocks))
     found = clarabel.DefaultSolver(
         none, cost, matrix, np.concatenate(right), cones, settings
     ).solve()
-    duals = np.asarray(found.z)[-CONE_SIZE * bands :].reshape(bands, CONE_SIZE)
-    solution = np.asarray(found.x)
-    return ConeOutcome(
+    return Ran(
         status=STATUS.get(str(found.status), Status.FAILED),
-        unknowns=solution[:count],
-        largest=float(solution[-1]),
-        weights=duals[:, 0],
-        obstacle=-duals[:, 1] + 1j * duals[:, 2],
+        unknowns=np.asarray(found.x),
+        duals=np.asarray(found.z),
         iterations=int(found.iterations),
     )

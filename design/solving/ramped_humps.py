@@ -63,25 +63,64 @@ def solve_humps_behind_limits(problem: RampedHumpsProblem, budget: Budget) -> It
     InfeasibleDesignError
         If the humps do not come to their height, or the shaper ends after the horizon.
     """
-    found = _spread(problem, budget)
-    if found.course.end > problem.horizon_rad:
-        raise InfeasibleDesignError(
-            f"the course of the reference with the humps asked ends after "
-            f"{found.course.end / PERIOD_RAD:.6g} periods, later than max_duration_periods and "
-            f"both ramps, {problem.horizon_rad / PERIOD_RAD:.6g} periods in all",
-            code="ramped_humps_exceed_duration",
-        )
+    found, _ = spread(problem, budget)
+    require_humps_in_time(problem, found.course.end)
     yield solution_of(problem, found, "highs")
 
 
-def _spread(problem: RampedHumpsProblem, budget: Budget) -> RampedOptimum:
-    """Return the fastest course whose zeros are where the humps have their height."""
+def require_humps_in_time(problem: RampedHumpsProblem, end_rad: float) -> None:
+    """Check that the shaper ends within the horizon.
+
+    Parameters
+    ----------
+    problem
+        What was looked for.
+    end_rad
+        When it ends [rad].
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If that is after the horizon.
+    """
+    if end_rad > problem.horizon_rad:
+        raise InfeasibleDesignError(
+            f"the course of the reference with the humps asked ends after "
+            f"{end_rad / PERIOD_RAD:.6g} periods, later than max_duration_periods and "
+            f"both ramps, {problem.horizon_rad / PERIOD_RAD:.6g} periods in all",
+            code="ramped_humps_exceed_duration",
+        )
+
+
+def spread(
+    problem: RampedHumpsProblem, budget: Budget
+) -> tuple[RampedOptimum, tuple[float, float]]:
+    """Return the fastest course whose humps have their height.
+
+    Parameters
+    ----------
+    problem
+        The humps, and the limits.
+    budget
+        What the search may do.
+
+    Returns
+    -------
+    tuple of RampedOptimum, and two float
+        Of the courses with its zeros the fastest, and the outer zeros' frequency ratios [-].
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If the humps do not come to their height, or no course has such zeros.
+    """
+    refusal = _none_found(problem)
     places = np.log(np.abs(np.array(problem.zeros) - 1))
     found = _at(problem, places, None, budget)
     missed = _misses(problem, places, found.course)
     for _ in range(MAX_STEPS):
         if np.abs(missed).max() < MET:
-            return found
+            return found, _zeros(places)
         jacobian = np.empty((2, 2))
         for which in range(2):
             beside = places + BESIDE * np.eye(2)[which]
@@ -89,7 +128,7 @@ def _spread(problem: RampedHumpsProblem, budget: Budget) -> RampedOptimum:
             jacobian[:, which] = (_misses(problem, beside, course) - missed) / BESIDE
         step = least_squares(jacobian, -missed)
         if not np.isfinite(step).all():
-            raise _none_found(problem)
+            raise refusal
         step *= FARTHEST_STEP / max(float(np.abs(step).max()), FARTHEST_STEP)
         while True:
             following = _at(problem, places + step, found, budget)
@@ -98,9 +137,9 @@ def _spread(problem: RampedHumpsProblem, budget: Budget) -> RampedOptimum:
                 places, found, missed = places + step, following, there
                 break
             if np.abs(step).max() < MIN_STEP:
-                raise _none_found(problem)
+                raise refusal
             step = step / 2
-    raise _none_found(problem)
+    raise refusal
 
 
 def _none_found(problem: RampedHumpsProblem) -> InfeasibleDesignError:
