@@ -100,6 +100,7 @@ def sample_free(
 
     Examples
     --------
+    >>> import numpy as np
     >>> from design.claims import zeros
     >>> from design.model.actuators.ideal import Ideal
     >>> zv = Impulses(times_s=np.array([0.0, 0.25]), amplitudes=np.array([0.5, 0.5]))
