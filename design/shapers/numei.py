@@ -171,6 +171,7 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
         )
         if follows_one_lag(actuator):
             return alike
+        actuator.require_straight_ramps()
         return UnequalHumpsProblem(alike=alike, designed_for=actuator)
     model = AlternatingHumps(
         humps=humps,

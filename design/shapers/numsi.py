@@ -153,6 +153,7 @@ def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
         )
         if follows_one_lag(actuator):
             return alike
+        actuator.require_straight_ramps()
         return UnequalBandProblem(alike=alike, designed_for=actuator)
     counts = COUNTS if options.impulses is None else (options.impulses,)
     horizon = options.max_duration_periods * PERIOD_RAD

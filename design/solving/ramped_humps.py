@@ -9,13 +9,16 @@ from design.errors import InfeasibleDesignError
 from design.formulations.gaps import PERIOD_RAD
 from design.formulations.ramped_humps import RampedHumpsProblem
 from design.solvers.budget import Budget
+from design.solvers.jerk_ramps.search import JerkOptimum
 from design.solvers.least_squares import least_squares
 from design.solvers.ramps import search
 from design.solvers.ramps.band_optimality import growths, residuals
-from design.solvers.ramps.course import Course
+from design.solvers.ramps.movable import Movable
 from design.solvers.ramps.optimality import RampedOptimum
 from design.solvers.solution import Solution
-from design.solving.ramps import proven_ramps, solution_of
+from design.solving.course_solutions import solution_of
+from design.solving.jerk_ramps import proven_jerk_ramps
+from design.solving.ramps import proven_ramps
 from design.types import FloatArray
 
 MAX_STEPS = 40
@@ -65,7 +68,7 @@ def solve_humps_behind_limits(problem: RampedHumpsProblem, budget: Budget) -> It
     """
     found, _ = spread(problem, budget)
     require_humps_in_time(problem, found.course.end)
-    yield solution_of(problem, found, "highs")
+    yield solution_of(found, problem.natural_frequency_rad_s, "highs")
 
 
 def require_humps_in_time(problem: RampedHumpsProblem, end_rad: float) -> None:
@@ -94,7 +97,7 @@ def require_humps_in_time(problem: RampedHumpsProblem, end_rad: float) -> None:
 
 def spread(
     problem: RampedHumpsProblem, budget: Budget
-) -> tuple[RampedOptimum, tuple[float, float]]:
+) -> tuple[RampedOptimum | JerkOptimum, tuple[float, float]]:
     """Return the fastest course whose humps have their height.
 
     Parameters
@@ -106,7 +109,7 @@ def spread(
 
     Returns
     -------
-    tuple of RampedOptimum, and two float
+    tuple of RampedOptimum or JerkOptimum, and two float
         Of the courses with its zeros the fastest, and the outer zeros' frequency ratios [-].
 
     Raises
@@ -152,14 +155,21 @@ def _none_found(problem: RampedHumpsProblem) -> InfeasibleDesignError:
 
 
 def _at(
-    problem: RampedHumpsProblem, places: FloatArray, near: RampedOptimum | None, budget: Budget
-) -> RampedOptimum:
+    problem: RampedHumpsProblem,
+    places: FloatArray,
+    near: RampedOptimum | JerkOptimum | None,
+    budget: Budget,
+) -> RampedOptimum | JerkOptimum:
     """Return the fastest course with zeros at some places."""
     below, above = _zeros(places)
     seeds = () if near is None else (near.course.switches,)
     ramped = problem.with_zeros(below, above, seeds)
     budget.spend(SOLVE_WORK)
-    found = next(proven_ramps(ramped, search.candidates(ramped, budget), budget), None)
+    found: tuple[RampedOptimum | JerkOptimum, float] | None
+    if ramped.jerk is None:
+        found = next(proven_ramps(ramped, search.candidates(ramped, budget), budget), None)
+    else:
+        found = next(proven_jerk_ramps(ramped, ramped.jerk, budget), None)
     if found is None:
         raise InfeasibleDesignError(
             f"no course of the reference was found without residual at {below:.4g} and "
@@ -175,7 +185,7 @@ def _zeros(places: FloatArray) -> tuple[float, float]:
     return 1 - min(below, 0.99), 1 + above
 
 
-def _misses(problem: RampedHumpsProblem, places: FloatArray, course: Course) -> FloatArray:
+def _misses(problem: RampedHumpsProblem, places: FloatArray, course: Movable) -> FloatArray:
     """Return by how much the humps miss height and place, shape (2,) [-]."""
     pole, tolerance = problem.unit_pole, problem.tolerance
     if problem.humps == 1:
@@ -188,7 +198,7 @@ def _misses(problem: RampedHumpsProblem, places: FloatArray, course: Course) -> 
     return np.log(np.array(heights) / tolerance)
 
 
-def _hump(course: Course, unit_pole: complex, lower: float, upper: float) -> float:
+def _hump(course: Movable, unit_pole: complex, lower: float, upper: float) -> float:
     """Return the height of the hump between two zeros [-]."""
     ratios = np.linspace(lower, upper, HUMP_POINTS)
     highest = int(np.argmax(residuals(course, unit_pole, ratios)))
