@@ -30,7 +30,7 @@ class SampledOut(Wire):
     sample_time_s: float
     method: Annotated[
         str,
-        Field(description="split, exact_positive, unity_on_grid or more_impulses_on_grid."),
+        Field(description="free_amplitudes, unity_on_grid or more_impulses_on_grid."),
     ]
     samples: Annotated[list[int], Field(description="Sample number of each impulse.")]
     continuous_times_s: Annotated[
@@ -54,8 +54,21 @@ class SampledOut(Wire):
     ]
     tried: Annotated[
         list[TriedOut],
+        Field(description="For unity magnitude: the best command of each number of impulses."),
+    ]
+    bound: Annotated[
+        float | None,
         Field(
-            description="For amplitudes of both signs: the best command of each number of impulses."
+            description="What no amplitudes on as many samples can go below: the largest residual "
+            "over the band; 0 where only zeros are claimed; null where nothing is proven [-]."
+        ),
+    ]
+    shorter_bound: Annotated[
+        float | None,
+        Field(
+            description="The same of one sample less; where only zeros are claimed, of the largest "
+            "of the residual and what makes it grow, to each order claimed, at 5 % of error in "
+            "frequency [-]."
         ),
     ]
 
@@ -85,4 +98,6 @@ class SampledOut(Wire):
             nearest_residual=sampled.nearest_residual,
             carried_residual=sampled.carried_residual,
             tried=[TriedOut.from_design(one) for one in sampled.tried],
+            bound=sampled.bound,
+            shorter_bound=sampled.shorter_bound,
         )

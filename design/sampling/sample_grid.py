@@ -158,7 +158,7 @@ def share_on_samples(
     tuple[IntArray, FloatArray]
         Numbers of the samples, increasing, and amplitudes, both of shape (k,).
     """
-    _require_grid(impulses, sample_time_s, impulses.duration_s, "the duration of the shaper")
+    require_grid(impulses, sample_time_s, impulses.duration_s, "the duration of the shaper")
     positions = impulses.times_s / sample_time_s
     on_sample = np.abs(positions - nearest_integers(positions)) <= ON_SAMPLE
     positions = np.where(on_sample, nearest_integers(positions), positions)
@@ -220,11 +220,24 @@ def require_gaps(impulses: Impulses, sample_time_s: float) -> None:
         If the sample time is not > 0, or longer than the shortest gap between two impulses.
     """
     shortest = float(np.min(np.diff(impulses.times_s), initial=math.inf))
-    _require_grid(impulses, sample_time_s, shortest, "the shortest gap between two impulses")
+    require_grid(impulses, sample_time_s, shortest, "the shortest gap between two impulses")
 
 
-def _require_grid(impulses: Impulses, sample_time_s: float, longest_s: float, what: str) -> None:
-    """Raise InvalidInputError for a sample time out of proportion to the shaper."""
+def require_grid(impulses: Impulses, sample_time_s: float, longest_s: float, what: str) -> None:
+    """Check that a sample time is in proportion to the shaper.
+
+    Parameters
+    ----------
+    impulses, sample_time_s
+        The shaper, and the sample time [s].
+    longest_s, what
+        The longest sample time, and what that is [s].
+
+    Raises
+    ------
+    InvalidInputError
+        If the sample time is not > 0, longer than that, or too short for times to keep digits.
+    """
     require_scale("sample_time_s", sample_time_s)
     if impulses.times_s.size > 1 and sample_time_s > longest_s * (1 + ON_SAMPLE):
         raise InvalidInputError(
