@@ -7,6 +7,9 @@ from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
 from design.model.plants.mode import Mode
 
+MAX_EVALUATIONS = 800
+"""Commands judged at most in search of one program behind limits: a second of work or two [-]."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProgramTask:
@@ -22,6 +25,10 @@ class ProgramTask:
         Time between samples [s].
     slope
         Whether the slope of the residual is to be zero too.
+    travel_s
+        Way of the command behind the drive, over the speed [s].
+    evaluations
+        Commands judged at most in a search behind limits [-].
     """
 
     command: Impulses
@@ -30,3 +37,5 @@ class ProgramTask:
     swing: FreeSwing | None
     sample_time_s: float
     slope: bool
+    travel_s: float
+    evaluations: int = MAX_EVALUATIONS

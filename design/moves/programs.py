@@ -30,6 +30,9 @@ MAX_SAMPLES = 1_000_000
 SHORTER = (2 / 3, 1 / 2, 1 / 4)
 """Samples tried, over those asked for, where nothing exact is found on these [-]."""
 
+WAY_OUT_EVALUATIONS = 150
+"""Commands judged at most on each of these, behind limits [-]."""
+
 RESIDUAL: tuple[Quantity, ...] = ("residual",)
 """What every program makes zero."""
 
@@ -116,6 +119,7 @@ def program(
         swing=swing,
         sample_time_s=sample_time_s,
         slope="slope" in claims,
+        travel_s=travel(command, actuator) if _is_to_rest(command) else math.nan,
     )
     played, judged = _played(task)
     numbers = np.rint(played.times_s / sample_time_s).astype(int)
@@ -128,8 +132,7 @@ def program(
     level = np.repeat(np.append(0.0, levels), counts)
     moment = np.repeat(np.append(0.0, moments), counts)
     samples = np.arange(level.size)
-    to_rest = _is_to_rest(command)
-    way_s = travel(played, actuator) if to_rest else math.nan
+    way_s = travel(played, actuator) if _is_to_rest(command) else math.nan
     return Program(
         times_s=sample_time_s * samples,
         velocity_m_s=speed_m_s * level,
@@ -228,13 +231,12 @@ def _warnings(task: ProgramTask, played: Impulses, judged: Judgement) -> Iterato
         )
     if not _is_to_rest(task.command):
         return
-    wanted = travel(task.command, task.actuator)
-    missed = travel(played, task.actuator) - wanted
-    if abs(missed) > DISTANCE_SHARE * abs(wanted):
+    missed = travel(played, task.actuator) - task.travel_s
+    if abs(missed) > DISTANCE_SHARE * abs(task.travel_s):
         yield DesignWarning(
             code="program_distance",
-            detail=f"{on_samples} the program goes {100 * missed / wanted:.3g} % farther than "
-            "its move",
+            detail=f"{on_samples} the program goes {100 * missed / task.travel_s:.3g} % "
+            "farther than its move",
         )
 
 
@@ -243,7 +245,9 @@ def _way_out(task: ProgramTask, between: float) -> str:
     if between > ZERO_LIMITS["residual"]:
         return "A kind of shaper that is designed for this drive would come to less"
     for share in SHORTER:
-        finer = replace(task, sample_time_s=share * task.sample_time_s)
+        finer = replace(
+            task, sample_time_s=share * task.sample_time_s, evaluations=WAY_OUT_EVALUATIONS
+        )
         if task.command.times_s[-1] / finer.sample_time_s >= MAX_SAMPLES:
             break
         if _played(finer)[1].certificate.verified:

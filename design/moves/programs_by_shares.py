@@ -8,7 +8,6 @@ from design.model.impulses import Impulses
 from design.moves.program_task import ProgramTask
 from design.moves.sample_shares import SampleShares, sample_shares
 from design.moves.step_responses import StepResponses, step_responses
-from design.response.closed_form import travel
 from design.solvers.nearest_point import Polyhedron, nearest_point
 from design.types import BoolArray, FloatArray
 
@@ -121,7 +120,7 @@ def _best(
     # A move ends at rest: the way counts from any sample alike.
     w = task.mode.natural_frequency_rad_s
     equations = np.concatenate((groups, w * responses.travel_s[None]))
-    wanted = np.append(shares.totals, w * travel(task.command, task.actuator))
+    wanted = np.append(shares.totals, w * task.travel_s)
     rows = np.concatenate((responses.vectors.real, responses.vectors.imag))
     goals = -np.concatenate((responses.swings.real, responses.swings.imag))
     bounds, least = _bounds(task.command, shares)

@@ -16,7 +16,7 @@ from design.analysis.residual import residual_vectors
 from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses
 from design.model.ramps import ramped
-from design.moves.program_task import ProgramTask
+from design.moves.program_task import MAX_EVALUATIONS, ProgramTask
 from design.moves.programs_by_shares import NO_STEP, SLOPE_SHARE
 from design.moves.step_responses import circle, swinging, with_derivative
 from design.response.closed_form import travel
@@ -70,8 +70,12 @@ def programs_by_times(task: ProgramTask, limits: RateLimited) -> Iterator[Impuls
         Steps on whole samples.
     """
     least: tuple[float, Impulses] | None = None
+    used = 0
     for search in _searches(task, limits):
-        found = search.solved()
+        if used >= task.evaluations and least is not None:
+            break
+        found, evaluated = search.solved(task.evaluations - used)
+        used += evaluated
         if found is None:
             continue
         played, left = found
@@ -101,20 +105,35 @@ class _Search:
             return np.full(5 if self.task.slope else 3, NO_COMMAND)
         return _missing(played, self.task, self.limits)
 
-    def solved(self) -> tuple[Impulses, float] | None:
+    def way_missing(self, at: FloatArray) -> FloatArray:
+        """Return the way that the command of unknowns misses, shape (1,) [rad]."""
+        played = self.command_of(at)
+        if played is None:
+            return np.full(1, NO_COMMAND)
+        return np.array([_way_missing(played, self.task, self.limits)])
+
+    def solved(self, most: int) -> tuple[tuple[Impulses, float] | None, int]:
         """Return the command found, of the exact distance, and its residual or slope.
 
-        None where not even the distance was met.
+        Parameters
+        ----------
+        most
+            Commands that may be judged [-].
+
+        Returns
+        -------
+        tuple
+            None where not even the distance was met; and how many commands were judged.
         """
         bounds = self.lowest, self.highest
-        at, values = newton_in_bounds(self.missing, self.start, *bounds)
+        at, values, evaluated = newton_in_bounds(self.missing, self.start, *bounds, most)
         if np.abs(values).max() > NEARLY_SOLVED:
-            at, way = newton_in_bounds(lambda x: self.missing(x)[:1], at, *bounds)
+            at, way, _ = newton_in_bounds(self.way_missing, at, *bounds, MAX_EVALUATIONS)
             if np.abs(way).max() > NEARLY_SOLVED:
-                return None
+                return None, evaluated
             values = self.missing(at)
         played = self.command_of(at)
-        return None if played is None else (played, float(np.abs(values).max()))
+        return None if played is None else (played, float(np.abs(values).max())), evaluated
 
 
 def _searches(task: ProgramTask, limits: RateLimited) -> Iterator[_Search]:
@@ -197,8 +216,11 @@ def _missing(played: Impulses, task: ProgramTask, limits: RateLimited) -> FloatA
     vectors = vectors + np.exp(poles * since) * accel * swinging(task.swing, mode, ratios)
     left = with_derivative(vectors * decel, ratios) / decel[0]
     left = left * np.array([1.0, SLOPE_SHARE])[: left.size]
-    way = travel(played, limits) - travel(task.command, limits)
-    return np.concatenate(([mode.natural_frequency_rad_s * way], left.real, left.imag))
+    return np.concatenate(([_way_missing(played, task, limits)], left.real, left.imag))
+
+
+def _way_missing(played: Impulses, task: ProgramTask, limits: RateLimited) -> float:
+    return task.mode.natural_frequency_rad_s * (travel(played, limits) - task.travel_s)
 
 
 def newton_in_bounds(
@@ -206,7 +228,8 @@ def newton_in_bounds(
     start: FloatArray,
     lowest: FloatArray,
     highest: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
+    most: int,
+) -> tuple[FloatArray, FloatArray, int]:
     """Return where values are zero near a start, and the values.
 
     Newton's method for fewer equations than unknowns, by the least change; where they are zero
@@ -219,27 +242,31 @@ def newton_in_bounds(
         The values by the unknowns, shapes (k,) and (n,).
     start, lowest, highest
         Where it begins, and the bounds of the unknowns, shape (n,).
+    most
+        Evaluations after which no further step begins [-].
 
     Returns
     -------
-    tuple of ndarray
-        Unknowns and values, shapes (n,) and (k,).
+    tuple
+        Unknowns and values, shapes (n,) and (k,), and the evaluations made.
     """
     at, free = start, lowest < highest
-    values = missing(at)
+    values, evaluated = missing(at), 1
     slopes: FloatArray = np.zeros((values.size, at.size))
     fresh = known = False
     for _ in range(MAX_ITERATIONS):
         before = float(np.abs(values).max())
-        if before <= SOLVED:
+        if before <= SOLVED or evaluated >= most:
             break
         if not known:
             slopes, fresh, known = _slopes(missing, at, values, free), True, True
+            evaluated += int(free.sum())
         step = _newton_step(slopes, at, values, lowest, highest)
         share, tried, now = 1.0, at, values
         while share > SHORTEST_STEP:
             tried = np.clip(at + share * step, lowest, highest)
             now = missing(tried)
+            evaluated += 1
             # Of slopes that were only brought up to date nothing less than a good step is taken.
             if np.abs(now).max() < (before if fresh else GOOD_STEP * before):
                 break
@@ -252,7 +279,7 @@ def newton_in_bounds(
         moved = tried - at
         slopes = slopes + np.outer(now - values - slopes @ moved, moved) / (moved @ moved)
         at, values, fresh = tried, now, False
-    return at, values
+    return at, values, evaluated
 
 
 def _slopes(

@@ -69,6 +69,7 @@ def nearest_point(start: FloatArray, within: Polyhedron) -> FloatArray | None:
     point = _onto(start, equations, wanted)
     if _miss(point, equations, wanted) > EXACT:
         return None
+    span = _independent(equations)
     for _ in range(MAX_STEPS_PER_ROW * len(bounds) + 1):
         short = least - bounds @ point
         short[held] = 0.0
@@ -77,10 +78,7 @@ def nearest_point(start: FloatArray, within: Polyhedron) -> FloatArray | None:
             return _sharpened(start, equations, wanted, bounds[held], least[held], bounds, least)
         cost = 0.0
         while True:
-            rows = np.concatenate((equations, bounds[held]))
-            shares = np.linalg.lstsq(rows.T, bounds[worst])[0]
-            way = bounds[worst] - shares @ rows
-            shares = shares[len(equations) :]
+            way, shares = _way_toward(bounds[worst], span, bounds[held])
             blocking = [
                 costs[i] / shares[i] if shares[i] > EXACT else np.inf for i in range(len(held))
             ]
@@ -108,6 +106,38 @@ def _of_unit_rows(rows: FloatArray, values: FloatArray) -> tuple[FloatArray, Flo
     lengths = np.linalg.norm(rows, axis=1)
     lengths = np.where(lengths > 0, lengths, 1.0)
     return rows / lengths[:, None], values / lengths
+
+
+def _way_toward(
+    row: FloatArray, span: FloatArray, held: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return a row's part across those held, and its shares along the bounds among them.
+
+    A bound on one unknown alone, held, fixes that unknown: it goes, and the rest is small.
+    """
+    alone = (held != 0).sum(axis=1) == 1
+    fixed = np.argmax(held[alone] != 0, axis=1)
+    free = np.ones(row.size, dtype=np.bool_)
+    free[fixed] = False
+    rows = np.concatenate((span, held[~alone]))
+    basis, triangle = np.linalg.qr(rows[:, free].T)
+    along = basis.T @ row[free]
+    way = np.zeros(row.size)
+    way[free] = row[free] - basis @ along
+    # Of orthogonal directions what is left is rounding, which a second pass takes away.
+    way[free] -= basis @ (basis.T @ way[free])
+    by_row = np.linalg.solve(triangle, along)
+    shares = np.zeros(len(held))
+    shares[~alone] = by_row[len(span) :]
+    shares[alone] = (row - by_row @ rows)[fixed] * held[alone, fixed]
+    return way, shares
+
+
+def _independent(rows: FloatArray) -> FloatArray:
+    """Return orthogonal rows that span the same, shape (rank, n)."""
+    _, sizes, across = np.linalg.svd(rows, full_matrices=False)
+    spanning: FloatArray = across[sizes > DEPENDENT * sizes.max(initial=0.0)]
+    return spanning
 
 
 def _onto(point: FloatArray, rows: FloatArray, values: FloatArray) -> FloatArray:
