@@ -1,11 +1,13 @@
 """How early no reference of limited slope and jerk meets its targets: a proven bound.
 
 A reference r starts at rest at 0 and ends at rest, has slopes v from ``-down`` to ``up``, jerks u
-of at most J, and levels from 0 to 1. If it meets ``integral of v kernel_k = g_k`` at T, then
-whatever the c, the function N and the piecewise smooth y of time, with ``R = P + N - y'`` ::
+of at most J, and levels from 0 to 1. If it meets
+``|integral of v kernel_k - g_k| <= V exp(-Re(s_k) T)`` at T, then whatever the c, the function N
+and the piecewise smooth y of time, with ``R = P + N - y'`` ::
 
     P(t) = Re sum conj(c_k) kernel_k(t),    kernel_k(t) = (-t)^o_k exp(-s_k t)
-    Re sum conj(c_k) g_k = integral of v P = integral of v (R + y') - integral of v N
+    Re sum conj(c_k) g_k + V sum |c_k| exp(-Re(s_k) T)
+      >= integral of v P = integral of v (R + y') - integral of v N
       >= - integral of h(R) - J integral of |y| - sum over jumps of y of h(jump)
          - N(T) r(T) - fall of N,    h(q) = max(-up q, down q)
 
@@ -50,6 +52,8 @@ class JerkProof:
         c, shape (m,).
     targets
         g, shape (m,).
+    tolerance
+        V of each: 0 where targets are met exactly [-].
     up, down, jerk
         Steepest slopes of the reference and their largest rate [1/rad], [1/rad^2].
     last
@@ -76,6 +80,7 @@ class JerkProof:
     stages: tuple[int, ...]
     prices: FloatArray
     final: float
+    tolerance: float = 0.0
 
     def _weighted(self, times: FloatArray, integrals: int) -> FloatArray:
         """Return P after so many integrations; -1 is its derivative."""
@@ -125,6 +130,8 @@ class JerkProof:
         costs, _, jumps = self._costs(edges)
         within = edges[:-1] < duration
         wanted = float((self.multipliers.conj() @ self.targets).real)
+        allowed = np.abs(self.multipliers) @ np.exp(-self.poles.real * duration)
+        wanted += self.tolerance * float(allowed)
         levels, falls = self._levels(duration)
         jumped = self._cost(jumps[within]).sum()
         return -float(costs[within].sum()) - float(jumped) - levels * self.last - falls - wanted

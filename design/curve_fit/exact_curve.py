@@ -16,6 +16,8 @@ from design.formulations.formulation import ClosedForm, Convolution, JointProble
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
+from design.formulations.unequal_band import UnequalBandProblem
+from design.formulations.unequal_humps import UnequalHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
@@ -45,7 +47,14 @@ RAMPED_WORK = 1_000.0
 """Work of Newton's method behind limits, from a start nearby [units]."""
 
 UNSERVED = (
-    BandProblem | BandSearch | RampedBandProblem | RampedHumpsProblem | JointProblem | Convolution
+    BandProblem
+    | BandSearch
+    | RampedBandProblem
+    | RampedHumpsProblem
+    | UnequalBandProblem
+    | UnequalHumpsProblem
+    | JointProblem
+    | Convolution
 )
 """Formulations whose amplitudes and their number may change along a range."""
 

@@ -9,6 +9,8 @@ from design.formulations.equations import GapProblem
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
+from design.formulations.unequal_band import UnequalBandProblem
+from design.formulations.unequal_humps import UnequalHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
@@ -100,5 +102,7 @@ Formulation = (
     | RampedBandProblem
     | RampedHumpsProblem
     | UnequalRampsProblem
+    | UnequalBandProblem
+    | UnequalHumpsProblem
     | Convolution
 )

@@ -107,13 +107,13 @@ def ramped_problem(
     """
     w = min(mode.natural_frequency_rad_s for mode in modes)
     rise, fall = (w * ramp_s for ramp_s in actuator.unit_ramps_s)
-    limits, jerk = (actuator.accel_limit_m_s2, actuator.decel_limit_m_s2), actuator.jerk_limit_m_s3
+    steep, jerk = reference_limits(actuator, w)
     poles = [mode.pole_rad_s / w for mode in modes for _ in range(derivatives + 1)]
     return RampedProblem(
         unit_poles=np.array(poles, dtype=np.complex128),
         orders=np.array([float(order) for _ in modes for order in range(derivatives + 1)]),
         targets=np.zeros(len(poles), dtype=np.complex128),
-        ramps_rad=(w * actuator.speed_m_s / limits[0], w * actuator.speed_m_s / limits[1]),
+        ramps_rad=steep,
         last=1.0,
         natural_frequency_rad_s=w,
         horizon_rad=max_duration_periods * PERIOD_RAD + rise + fall,
@@ -121,8 +121,32 @@ def ramped_problem(
         designed_for=actuator,
         seeds=_seeds(modes[0], derivatives, rise, fall) if len(modes) == 1 else (),
         seed_name="umzvd_polynomials" if derivatives else "umzv_polynomials",
-        jerk=None if jerk is None else jerk / actuator.speed_m_s / w**2,
+        jerk=jerk,
     )
+
+
+def reference_limits(
+    actuator: RateLimited, natural_frequency_rad_s: float
+) -> tuple[tuple[float, float], float | None]:
+    """Return the limits of a reference in phases.
+
+    Parameters
+    ----------
+    actuator
+        The limits.
+    natural_frequency_rad_s
+        Turns times into phases [rad/s].
+
+    Returns
+    -------
+    tuple
+        How long it takes up and down as steep as it may be [rad], and the largest rate of its
+        slope, None without a limit [1/rad^2].
+    """
+    w, speed, jerk = natural_frequency_rad_s, actuator.speed_m_s, actuator.jerk_limit_m_s3
+    limits = (actuator.accel_limit_m_s2, actuator.decel_limit_m_s2)
+    steep = (w * speed / limits[0], w * speed / limits[1])
+    return steep, None if jerk is None else jerk / speed / w**2
 
 
 def _seeds(mode: Mode, derivatives: int, rise: float, fall: float) -> tuple[FloatArray, ...]:

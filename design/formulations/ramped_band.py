@@ -1,4 +1,4 @@
-"""Minimum time behind limits to acceleration with a residual within a tolerance over a band.
+"""Minimum time behind limits, those of a reference, with a tolerance over a band.
 
 As in `ramped`, what follows the limits is a common factor: the residual of the course alone is kept
 within the tolerance, and the problem is convex in the slope of the reference.
@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from design.claims import Promise, within
 from design.formulations.gaps import PERIOD_RAD
+from design.formulations.ramped import reference_limits
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
@@ -31,13 +32,15 @@ class RampedBandProblem:
     tolerance
         Largest residual over the band [-].
     ramps_rad
-        How long the reference takes from 0 to 1 and from 1 to 0 [rad].
+        How long the reference takes from 0 to 1 and from 1 to 0, as steep as it may be [rad].
     natural_frequency_rad_s
         It turns phases into times [rad/s].
     horizon_rad
         Latest end [rad].
     designed_for
         The actuator of the claims.
+    jerk
+        Largest rate of its slope; None is no limit [1/rad^2].
     """
 
     unit_pole: complex
@@ -47,6 +50,7 @@ class RampedBandProblem:
     natural_frequency_rad_s: float
     horizon_rad: float
     designed_for: Actuator
+    jerk: float | None = None
 
     @property
     def claims(self) -> tuple[Promise, ...]:
@@ -91,13 +95,15 @@ def ramped_band_problem(
         In phases of the mode.
     """
     w = mode.natural_frequency_rad_s
-    rise, fall = (w * ramp_s for ramp_s in actuator.straight_ramps_s)
+    steep, jerk = reference_limits(actuator, w)
+    rise, fall = (w * ramp_s for ramp_s in actuator.unit_ramps_s)
     return RampedBandProblem(
         unit_pole=mode.pole_rad_s / w,
         band=(1 - half_width, 1 + half_width),
         tolerance=tolerance,
-        ramps_rad=(rise, fall),
+        ramps_rad=steep,
         natural_frequency_rad_s=w,
         horizon_rad=max_duration_periods * PERIOD_RAD + rise + fall,
         designed_for=actuator,
+        jerk=jerk,
     )

@@ -6,7 +6,8 @@ import numpy as np
 
 from design.claims import ZERO_LIMITS, Promise, within
 from design.formulations.gaps import PERIOD_RAD
-from design.formulations.ramped import RampedProblem
+from design.formulations.jerk_move import whole_ramp_rad
+from design.formulations.ramped import RampedProblem, reference_limits
 from design.model.actuators.rate_limited import RateLimited
 from design.model.plants.mode import Mode
 from design.types import FloatArray
@@ -29,13 +30,15 @@ class RampedHumpsProblem:
     tolerance
         Their height [-].
     ramps_rad
-        How long the reference takes from 0 to 1 and from 1 to 0 [rad].
+        How long the reference takes from 0 to 1 and from 1 to 0, as steep as it may be [rad].
     natural_frequency_rad_s
         It turns phases into times [rad/s].
     horizon_rad
         Latest end [rad].
     designed_for
         The actuator of the claims.
+    jerk
+        Largest rate of its slope; None is no limit [1/rad^2].
     """
 
     unit_pole: complex
@@ -46,6 +49,7 @@ class RampedHumpsProblem:
     natural_frequency_rad_s: float
     horizon_rad: float
     designed_for: RateLimited
+    jerk: float | None = None
 
     @property
     def claims(self) -> tuple[Promise, ...]:
@@ -79,11 +83,12 @@ class RampedHumpsProblem:
             last=1.0,
             natural_frequency_rad_s=self.natural_frequency_rad_s,
             horizon_rad=self.horizon_rad,
-            earliest_rad=max(self.ramps_rad[0], PERIOD_RAD / 2),
+            earliest_rad=max(whole_ramp_rad(self.ramps_rad[0], self.jerk), PERIOD_RAD / 2),
             farthest_rad=self.horizon_rad + PERIOD_RAD,
             designed_for=self.designed_for,
             seeds=switches,
             seed_name="humps",
+            jerk=self.jerk,
         )
 
 
@@ -115,14 +120,16 @@ def ramped_humps_problem(
         In phases of the mode.
     """
     w = mode.natural_frequency_rad_s
-    rise, fall = (w * ramp_s for ramp_s in actuator.straight_ramps_s)
+    rise, fall = (w * ramp_s for ramp_s in actuator.unit_ramps_s)
+    steep, jerk = reference_limits(actuator, w)
     return RampedHumpsProblem(
         unit_pole=mode.pole_rad_s / w,
         zeros=zeros,
         humps=humps,
         tolerance=tolerance,
-        ramps_rad=(rise, fall),
+        ramps_rad=steep,
         natural_frequency_rad_s=w,
         horizon_rad=max_duration_periods * PERIOD_RAD + rise + fall,
         designed_for=actuator,
+        jerk=jerk,
     )

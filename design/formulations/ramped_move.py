@@ -7,7 +7,7 @@ import numpy as np
 
 from design.formulations.gaps import PERIOD_RAD
 from design.formulations.jerk_move import highest_level, smooth_pulses, whole_ramp_rad
-from design.formulations.ramped import RampedProblem
+from design.formulations.ramped import RampedProblem, reference_limits
 from design.model.actuators.rate_limited import RateLimited
 from design.model.initial_state import FreeSwing
 from design.model.plants.mode import Mode
@@ -51,13 +51,11 @@ def ramped_move(
         In phases of the mode.
     """
     w = mode.natural_frequency_rad_s
-    rise = w * actuator.speed_m_s / actuator.accel_limit_m_s2
-    fall = w * actuator.speed_m_s / actuator.decel_limit_m_s2
-    travel, jerk = w * travel_s, None
-    if actuator.jerk_limit_m_s3 is None:
+    (rise, fall), jerk = reference_limits(actuator, w)
+    travel = w * travel_s
+    if jerk is None:
         highest = min(1.0, math.sqrt(2 * travel / (rise + fall)))
     else:
-        jerk = actuator.jerk_limit_m_s3 / actuator.speed_m_s / w**2
         highest = highest_level(travel, (rise, fall), jerk)
         jerk /= highest
     rise, fall, travel = highest * rise, highest * fall, travel / highest

@@ -27,6 +27,7 @@ from design.formulations.humps import (
 from design.formulations.lag_parameters import decel_over_accel, lag_parameters, switched_order
 from design.formulations.ramped_humps import ramped_humps_problem
 from design.formulations.seeds import Ratios, Seed
+from design.formulations.unequal_humps import UnequalHumpsProblem
 from design.formulations.unity_magnitude_problem import alternating
 from design.model.actuators.rate_limited import RateLimited, follows_one_lag
 from design.model.actuators.registry import Actuator
@@ -149,7 +150,8 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
     Returns
     -------
     Formulation
-        A problem in gaps and in ratios of frequency.
+        A problem in gaps and in ratios of frequency; one in switches behind limits, unless drives
+        settle.
 
     Raises
     ------
@@ -158,8 +160,8 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
     """
     mode, actuator, options = case.mode, case.actuator, case.options
     name, near, (damping_ratio, tolerance) = _ideal(mode, options.tolerance, humps)
-    if follows_one_lag(actuator) and not options.settle:
-        return ramped_humps_problem(
+    if isinstance(actuator, RateLimited) and not options.settle:
+        alike = ramped_humps_problem(
             mode,
             actuator,
             zeros=(float(near.zeros[0]), float(near.zeros[-1])),
@@ -167,6 +169,10 @@ def numei(case: DesignCase[HumpOptions], *, humps: int) -> Formulation:
             tolerance=options.tolerance,
             max_duration_periods=options.max_duration_periods,
         )
+        if follows_one_lag(actuator):
+            return alike
+        actuator.require_straight_ramps()
+        return UnequalHumpsProblem(alike=alike, designed_for=actuator)
     model = AlternatingHumps(
         humps=humps,
         switched_order=switched_order(actuator),

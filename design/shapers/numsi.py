@@ -16,6 +16,7 @@ from design.formulations.gaps import PERIOD_RAD, settling_gaps_rad
 from design.formulations.lag_parameters import decel_over_accel, lag_parameters, switched_order
 from design.formulations.ramped_band import ramped_band_problem
 from design.formulations.seeds import Seed
+from design.formulations.unequal_band import UnequalBandProblem
 from design.formulations.unity_magnitude_problem import alternating
 from design.model.actuators.rate_limited import RateLimited, follows_one_lag
 from design.model.actuators.registry import Actuator
@@ -127,13 +128,14 @@ def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
     ``|V(r)| <= tolerance`` for every ratio ``r`` of true and nominal frequency within the half
     width of 1, by the actuator's own gains at each pole; in the superposed model or the switched.
     No proof is known that a shorter one does not exist: the problem is not convex. Behind limits
-    that one lag follows it is, over all courses of the reference, and proven.
+    that one lag follows it is, over all courses of the reference, and proven. Behind limits that
+    two lags follow it is that of so many switches as behind one, and ramps turn as well.
 
     Returns
     -------
     Formulation
-        A search over problems, one for each number of impulses; one problem behind limits that one
-        lag follows, if neither their number nor that drives settle is asked for.
+        A search over problems, one for each number of impulses; one problem behind limits, if
+        neither their number nor that drives settle is asked for.
 
     Raises
     ------
@@ -141,14 +143,18 @@ def numsi(case: DesignCase[UnityBandOptions]) -> Formulation:
         If ramps and settling take longer than the longest shaper asked for.
     """
     mode, actuator, options = case.mode, case.actuator, case.options
-    if follows_one_lag(actuator) and not options.settle and options.impulses is None:
-        return ramped_band_problem(
+    if isinstance(actuator, RateLimited) and not options.settle and options.impulses is None:
+        alike = ramped_band_problem(
             mode,
             actuator,
             half_width=options.half_width,
             tolerance=options.tolerance,
             max_duration_periods=options.max_duration_periods,
         )
+        if follows_one_lag(actuator):
+            return alike
+        actuator.require_straight_ramps()
+        return UnequalBandProblem(alike=alike, designed_for=actuator)
     counts = COUNTS if options.impulses is None else (options.impulses,)
     horizon = options.max_duration_periods * PERIOD_RAD
     parameters = lag_parameters(mode, actuator)

@@ -9,13 +9,16 @@ from design.errors import InfeasibleDesignError
 from design.formulations.gaps import PERIOD_RAD
 from design.formulations.ramped_humps import RampedHumpsProblem
 from design.solvers.budget import Budget
+from design.solvers.jerk_ramps.search import JerkOptimum
 from design.solvers.least_squares import least_squares
 from design.solvers.ramps import search
 from design.solvers.ramps.band_optimality import growths, residuals
-from design.solvers.ramps.course import Course
+from design.solvers.ramps.movable import Movable
 from design.solvers.ramps.optimality import RampedOptimum
 from design.solvers.solution import Solution
-from design.solving.ramps import proven_ramps, solution_of
+from design.solving.course_solutions import solution_of
+from design.solving.jerk_ramps import proven_jerk_ramps
+from design.solving.ramps import proven_ramps
 from design.types import FloatArray
 
 MAX_STEPS = 40
@@ -63,25 +66,64 @@ def solve_humps_behind_limits(problem: RampedHumpsProblem, budget: Budget) -> It
     InfeasibleDesignError
         If the humps do not come to their height, or the shaper ends after the horizon.
     """
-    found = _spread(problem, budget)
-    if found.course.end > problem.horizon_rad:
+    found, _ = spread(problem, budget)
+    require_humps_in_time(problem, found.course.end)
+    yield solution_of(found, problem.natural_frequency_rad_s, "highs")
+
+
+def require_humps_in_time(problem: RampedHumpsProblem, end_rad: float) -> None:
+    """Check that the shaper ends within the horizon.
+
+    Parameters
+    ----------
+    problem
+        What was looked for.
+    end_rad
+        When it ends [rad].
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If that is after the horizon.
+    """
+    if end_rad > problem.horizon_rad:
         raise InfeasibleDesignError(
             f"the course of the reference with the humps asked ends after "
-            f"{found.course.end / PERIOD_RAD:.6g} periods, later than max_duration_periods and "
+            f"{end_rad / PERIOD_RAD:.6g} periods, later than max_duration_periods and "
             f"both ramps, {problem.horizon_rad / PERIOD_RAD:.6g} periods in all",
             code="ramped_humps_exceed_duration",
         )
-    yield solution_of(problem, found, "highs")
 
 
-def _spread(problem: RampedHumpsProblem, budget: Budget) -> RampedOptimum:
-    """Return the fastest course whose zeros are where the humps have their height."""
+def spread(
+    problem: RampedHumpsProblem, budget: Budget
+) -> tuple[RampedOptimum | JerkOptimum, tuple[float, float]]:
+    """Return the fastest course whose humps have their height.
+
+    Parameters
+    ----------
+    problem
+        The humps, and the limits.
+    budget
+        What the search may do.
+
+    Returns
+    -------
+    tuple of RampedOptimum or JerkOptimum, and two float
+        Of the courses with its zeros the fastest, and the outer zeros' frequency ratios [-].
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If the humps do not come to their height, or no course has such zeros.
+    """
+    refusal = _none_found(problem)
     places = np.log(np.abs(np.array(problem.zeros) - 1))
     found = _at(problem, places, None, budget)
     missed = _misses(problem, places, found.course)
     for _ in range(MAX_STEPS):
         if np.abs(missed).max() < MET:
-            return found
+            return found, _zeros(places)
         jacobian = np.empty((2, 2))
         for which in range(2):
             beside = places + BESIDE * np.eye(2)[which]
@@ -89,7 +131,7 @@ def _spread(problem: RampedHumpsProblem, budget: Budget) -> RampedOptimum:
             jacobian[:, which] = (_misses(problem, beside, course) - missed) / BESIDE
         step = least_squares(jacobian, -missed)
         if not np.isfinite(step).all():
-            raise _none_found(problem)
+            raise refusal
         step *= FARTHEST_STEP / max(float(np.abs(step).max()), FARTHEST_STEP)
         while True:
             following = _at(problem, places + step, found, budget)
@@ -98,9 +140,9 @@ def _spread(problem: RampedHumpsProblem, budget: Budget) -> RampedOptimum:
                 places, found, missed = places + step, following, there
                 break
             if np.abs(step).max() < MIN_STEP:
-                raise _none_found(problem)
+                raise refusal
             step = step / 2
-    raise _none_found(problem)
+    raise refusal
 
 
 def _none_found(problem: RampedHumpsProblem) -> InfeasibleDesignError:
@@ -113,14 +155,21 @@ def _none_found(problem: RampedHumpsProblem) -> InfeasibleDesignError:
 
 
 def _at(
-    problem: RampedHumpsProblem, places: FloatArray, near: RampedOptimum | None, budget: Budget
-) -> RampedOptimum:
+    problem: RampedHumpsProblem,
+    places: FloatArray,
+    near: RampedOptimum | JerkOptimum | None,
+    budget: Budget,
+) -> RampedOptimum | JerkOptimum:
     """Return the fastest course with zeros at some places."""
     below, above = _zeros(places)
     seeds = () if near is None else (near.course.switches,)
     ramped = problem.with_zeros(below, above, seeds)
     budget.spend(SOLVE_WORK)
-    found = next(proven_ramps(ramped, search.candidates(ramped, budget), budget), None)
+    found: tuple[RampedOptimum | JerkOptimum, float] | None
+    if ramped.jerk is None:
+        found = next(proven_ramps(ramped, search.candidates(ramped, budget), budget), None)
+    else:
+        found = next(proven_jerk_ramps(ramped, ramped.jerk, budget), None)
     if found is None:
         raise InfeasibleDesignError(
             f"no course of the reference was found without residual at {below:.4g} and "
@@ -136,7 +185,7 @@ def _zeros(places: FloatArray) -> tuple[float, float]:
     return 1 - min(below, 0.99), 1 + above
 
 
-def _misses(problem: RampedHumpsProblem, places: FloatArray, course: Course) -> FloatArray:
+def _misses(problem: RampedHumpsProblem, places: FloatArray, course: Movable) -> FloatArray:
     """Return by how much the humps miss height and place, shape (2,) [-]."""
     pole, tolerance = problem.unit_pole, problem.tolerance
     if problem.humps == 1:
@@ -149,7 +198,7 @@ def _misses(problem: RampedHumpsProblem, places: FloatArray, course: Course) -> 
     return np.log(np.array(heights) / tolerance)
 
 
-def _hump(course: Course, unit_pole: complex, lower: float, upper: float) -> float:
+def _hump(course: Movable, unit_pole: complex, lower: float, upper: float) -> float:
     """Return the height of the hump between two zeros [-]."""
     ratios = np.linspace(lower, upper, HUMP_POINTS)
     highest = int(np.argmax(residuals(course, unit_pole, ratios)))

@@ -8,20 +8,21 @@ import numpy as np
 from design.analysis.shortest_ramps import RampedProof, excluded_end_rad
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
-from design.formulations.ramped_humps import RampedHumpsProblem
-from design.model.impulses import Impulses
 from design.solvers.budget import Budget
 from design.solvers.ramps import band_search, search
 from design.solvers.ramps.optimality import RampedOptimum
-from design.solvers.solution import Solution, SolverReport
-from design.solving.distinct_steps import distinct_steps
-from design.solving.jerk_ramps import solve_behind_jerk_limit
+from design.solvers.solution import Solution
+from design.solving.course_solutions import solution_of
+from design.solving.jerk_ramps import solve_band_behind_jerk_limit, solve_behind_jerk_limit
 from design.solving.proven_courses import proven
 from design.solving.ramp_refusals import (
     refuse_without_course,
     require_in_time,
     require_ramps_that_turn,
 )
+
+STRAIGHT_WORK = 400_000.0
+"""What a search without a limit to the jerk may do ahead of one with it [units]."""
 
 
 def solve_behind_limits(problem: RampedProblem, budget: Budget) -> Iterator[Solution]:
@@ -74,6 +75,12 @@ def solve_band_behind_limits(problem: RampedBandProblem, budget: Budget) -> Iter
     InvalidInputError
         If none is found, or certified, and a limit makes a ramp too short to be turned.
     """
+    if problem.jerk is not None:
+        alike, part = replace(problem, jerk=None), budget.part(STRAIGHT_WORK)
+        straight = next(proven_ramps(alike, band_search.candidates(alike, part), part), None)
+        budget.spend(part.done)
+        yield from solve_band_behind_jerk_limit(problem, problem.jerk, straight, budget)
+        return
     yield from _solutions(problem, band_search.candidates(problem, budget), "clarabel", budget)
 
 
@@ -88,13 +95,7 @@ def _solutions(
     for found, bound in proven_ramps(problem, candidates, budget):
         none_found = False
         require_in_time(problem, found.course.end, bound)
-        solution = solution_of(problem, found, name)
-        report = replace(
-            solution.solver,
-            lower_bound_s=bound / problem.natural_frequency_rad_s,
-            gap=1 - bound / found.course.end,
-        )
-        yield replace(solution, solver=report)
+        yield solution_of(found, problem.natural_frequency_rad_s, name, bound)
     # Whoever asks for more has certified none of those.
     require_ramps_that_turn(problem)
     if none_found:
@@ -144,37 +145,4 @@ def _proof(problem: RampedProblem | RampedBandProblem, found: RampedOptimum) -> 
         rests=np.column_stack((course.arrivals[:-1], course.switches[first])),
         turns=course.switches,
         end=course.end,
-    )
-
-
-def solution_of(
-    problem: RampedProblem | RampedBandProblem | RampedHumpsProblem,
-    found: RampedOptimum,
-    name: str,
-) -> Solution:
-    """Return a course as the command that it follows, without a bound.
-
-    Parameters
-    ----------
-    problem, found
-        What was solved, and the course.
-    name
-        What solved its programs.
-
-    Returns
-    -------
-    Solution
-        Steps up and down in turn.
-    """
-    w, course = problem.natural_frequency_rad_s, found.course
-    steps = np.where(np.arange(course.switches.size) % 2 == 0, 1.0, -1.0)
-    return Solution(
-        impulses=distinct_steps(Impulses(times_s=course.switches / w, amplitudes=steps)),
-        solver=SolverReport(
-            name=name,
-            status="solve_succeeded",
-            iterations=found.iterations,
-            seed=found.seed,
-            starts=found.programs,
-        ),
     )

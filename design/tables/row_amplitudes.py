@@ -8,6 +8,8 @@ from design.formulations.formulation import ClosedForm, Convolution, JointProble
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
+from design.formulations.unequal_band import UnequalBandProblem
+from design.formulations.unequal_humps import UnequalHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
@@ -57,7 +59,12 @@ def amplitudes_of(
     formulation = kind.formulate(kind.case((mode,), actuator, options))
     if isinstance(
         formulation,
-        JointProblem | Convolution | RampedProblem | RampedHumpsProblem | UnequalRampsProblem,
+        JointProblem
+        | Convolution
+        | RampedProblem
+        | RampedHumpsProblem
+        | UnequalRampsProblem
+        | UnequalHumpsProblem,
     ):
         raise InvalidInputError(
             "design.shaper.kind",
@@ -66,7 +73,7 @@ def amplitudes_of(
             "with the plant",
             code="impulses_vary_with_plant",
         )
-    if isinstance(formulation, BandProblem | BandSearch | RampedBandProblem):
+    if isinstance(formulation, BandProblem | BandSearch | RampedBandProblem | UnequalBandProblem):
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,

@@ -113,9 +113,9 @@ class RateLimited:
             raise InvalidInputError(
                 "actuator.jerk_limit_m_s3",
                 self.jerk_limit_m_s3,
-                "left out here: behind a limit to the jerk umzv, umzvd, numzv, numzvd, multi_umzv "
-                "and their moves are designed, where one lag follows it and nothing has to settle; "
-                "they are not fitted or interpolated",
+                "left out here: behind it umzv, umzvd, numzv, numzvd, multi_umzv, num_si, num_ei, "
+                "num_2ei and moves are designed, where one lag follows, nothing has to settle and "
+                "no number of impulses is asked for; they are not fitted or interpolated",
                 code="jerk_not_served",
             )
 

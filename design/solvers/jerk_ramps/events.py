@@ -8,6 +8,7 @@ of the jerk at the event ``t_j`` and ``K2'' = kernel``, a functional is ``sum of
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -73,9 +74,22 @@ class EventCourse:
         [rad].
     """
 
+    keeps_order: ClassVar[bool] = False
+    """Whether its events never pass each other: where they do the structure is another."""
+
     groups: tuple[Group, ...]
     limits: Limits
     widths: FloatArray
+
+    @property
+    def structure(self) -> tuple[Group, ...]:
+        """Its groups."""
+        return self.groups
+
+    @property
+    def gaps(self) -> FloatArray:
+        """From one event to the next, shape (n - 1,) [rad]."""
+        return self.widths
 
     @cached_property
     def times(self) -> FloatArray:
@@ -90,6 +104,12 @@ class EventCourse:
     def end(self) -> float:
         """When the course ends [rad]."""
         return float(self.times[-1])
+
+    def end_changes(self) -> FloatArray:
+        """Return the derivatives of the end in each event, shape (n,) [-]."""
+        changes = np.zeros(self.times.size)
+        changes[-1] = 1.0
+        return changes
 
     @cached_property
     def firsts(self) -> tuple[int, ...]:
@@ -140,7 +160,7 @@ class EventCourse:
     def values(self, functionals: Functionals) -> ComplexArray:
         """Return the functionals of the course, shape (m,)."""
         total = np.zeros(functionals.poles.size, dtype=np.complex128)
-        fastest = float(np.abs(functionals.poles).max())
+        fastest = float(np.abs(functionals.poles).max(initial=0.0))
         for number in range(len(self.groups)):
             at, slopes = self.times[self.events_of(number)], self.slopes_of(number)
             jerks, widths = self.jerks_of(number), self.widths_of(number)
@@ -203,17 +223,15 @@ class EventCourse:
         counts = [len(_at_limits(group)) + 2 for group in self.groups]
         return np.cumsum(counts) - 1
 
-    def bends(
-        self, functionals: Functionals, multipliers: ComplexArray, prices: FloatArray
-    ) -> FloatArray:
-        """Return second derivatives of all, weighted.
+    def bends(self, functionals: Functionals, multipliers: ComplexArray) -> FloatArray:
+        """Return the second derivatives of ``Re sum conj(c_k) F_k``.
 
         Parameters
         ----------
-        functionals, multipliers
-            What counts, and the weight of each: ``Re sum conj(c_k) F_k``, shape (m,).
-        prices
-            Weights of the conditions, shape (c,).
+        functionals
+            F.
+        multipliers
+            c, shape (m,).
 
         Returns
         -------
@@ -221,7 +239,11 @@ class EventCourse:
             In two events each, shape (n, n).
         """
         pull = (multipliers.conj() @ functionals.kernels(self.times)).real
-        bends = np.diag(self.jumps * pull)
+        return np.diag(self.jumps * pull)
+
+    def condition_bends(self, prices: FloatArray, /) -> FloatArray:
+        """Return second derivatives of the conditions, by their prices."""
+        bends = np.zeros((self.times.size, self.times.size))
         for number, price in enumerate(prices[self.level_conditions].tolist()):
             events, jumps = self.events_of(number), self.jumps_of(number)
             inner = bends[events, events]

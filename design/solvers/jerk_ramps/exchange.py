@@ -53,7 +53,25 @@ def next_structures(found: Stationary, functionals: Functionals) -> Iterator[Eve
     if course.widths.min() < shortest_rad(course):
         return
     yield from _limits_passed(course)
-    yield from _signs_broken(found, functionals)
+    yield from signs_broken(found, functionals)
+
+
+def within_limits(course: EventCourse) -> list[EventCourse] | None:
+    """Return what keeps an order or a limit that a course passes.
+
+    Parameters
+    ----------
+    course
+        The course.
+
+    Returns
+    -------
+    list of EventCourse, or None
+        At most one, near the course; None where it keeps all.
+    """
+    if course.widths.min() < shortest_rad(course):
+        return [*_without_short_intervals(course)]
+    return [*_limits_passed(course)] or None
 
 
 def shortest_rad(course: EventCourse) -> float:
@@ -162,8 +180,21 @@ def _limits_passed(course: EventCourse) -> Iterator[EventCourse]:
         yield _ordered(course, *best)
 
 
-def _signs_broken(found: Stationary, functionals: Functionals) -> Iterator[EventCourse]:
-    """Yield structures that exchange what breaks a rule of signs, the worst first."""
+def signs_broken(found: Stationary, functionals: Functionals) -> Iterator[EventCourse]:
+    """Yield structures that exchange what breaks a rule of signs.
+
+    Parameters
+    ----------
+    found
+        A course that passes no limit, its multipliers and prices.
+    functionals
+        What counts.
+
+    Yields
+    ------
+    EventCourse
+        Near the course, what breaks its rule most first; none where no rule is broken.
+    """
     course, times = found.course, found.course.times.tolist()
     scale_once = float(np.abs(_weighted(found, functionals.integrals(course.times))).max())
     scale = float(np.abs(_weighted(found, functionals.kernels(course.times))).max())
@@ -207,8 +238,7 @@ def _signs_broken(found: Stationary, functionals: Functionals) -> Iterator[Event
         if wrong_jump > NEGLIGIBLE:
             made.append((wrong_jump, *_joined(course, number)))
         elif wrong_jerk > NEGLIGIBLE:
-            groups = _with(course.groups, number, replace(group, rests=True))
-            made.append((wrong_jerk, groups, [*times[: after + 1], *times[after:]]))
+            made.append((wrong_jerk, *_stays(course, number)))
     for _, groups, events in sorted(made, key=lambda one: -one[0]):
         yield _ordered(course, groups, events)
 
@@ -232,6 +262,32 @@ def without_touches(course: EventCourse) -> Iterator[EventCourse]:
     for number, group in enumerate(course.groups[:-1]):
         if not group.rests:
             yield _ordered(course, *_joined(course, number))
+
+
+def staying(course: EventCourse) -> Iterator[EventCourse]:
+    """Yield a course that stays where it touches 0 or 1, for each touch.
+
+    Parameters
+    ----------
+    course
+        The course.
+
+    Yields
+    ------
+    EventCourse
+        With a stay of no time.
+    """
+    for number, group in enumerate(course.groups[:-1]):
+        if not group.rests:
+            yield _ordered(course, *_stays(course, number))
+
+
+def _stays(course: EventCourse, number: int) -> tuple[tuple[Group, ...], list[float]]:
+    """Return groups and events with a stay at the end of a group in place of a touch."""
+    groups = _with(course.groups, number, replace(course.groups[number], rests=True))
+    after = course.firsts[number] + len(course.groups[number].signs)
+    times = course.times.tolist()
+    return groups, [*times[: after + 1], *times[after:]]
 
 
 def _joined(course: EventCourse, number: int) -> tuple[tuple[Group, ...], list[float]]:

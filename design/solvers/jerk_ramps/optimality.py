@@ -140,7 +140,8 @@ def _conditions(
     m, n, c = functionals.poles.size, course.times.size - 1, prices.size
     system = np.zeros((2 * m + c + n, n + 2 * m + c))
     system[: 2 * m + c, :n] = rows
-    system[2 * m + c :, :n] = course.bends(functionals, multipliers, prices)[1:, 1:]
+    bends = course.bends(functionals, multipliers) + course.condition_bends(prices)
+    system[2 * m + c :, :n] = bends[1:, 1:]
     system[2 * m + c :, n:] = np.vstack((changes.real, changes.imag, limits)).T
     still = (multipliers.conj() @ changes).real + prices @ limits
     still[-1] += 1.0

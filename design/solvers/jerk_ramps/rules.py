@@ -5,7 +5,7 @@ slope ``P + N`` drives the slope into it. Both are linear in multipliers and pri
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -99,7 +99,44 @@ def with_pieces(
     return groups, [*times[: begins + 1], *cuts, *times[begins + 1 :]]
 
 
-def entering_pieces(course: EventCourse, functionals: Functionals) -> Iterator[EventCourse]:
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Weighed:
+    """What of a course has weights, beside its conditions.
+
+    Attributes
+    ----------
+    changes
+        Derivatives in each event after the first, shape (k, n - 1).
+    multipliers
+        Those that a unit of each weight is, shape (k, m).
+    """
+
+    changes: FloatArray
+    multipliers: ComplexArray
+
+
+def targets_of(course: EventCourse, functionals: Functionals) -> Weighed:
+    """Return what is weighed where targets are met.
+
+    Parameters
+    ----------
+    course, functionals
+        The course, and what counts, m of them.
+
+    Returns
+    -------
+    Weighed
+        Real parts first, then imaginary ones, shape (2 m, n - 1).
+    """
+    changes, each = course.changes(functionals)[:, 1:], np.eye(functionals.poles.size)
+    return Weighed(
+        changes=np.vstack((changes.real, changes.imag)), multipliers=np.vstack((each, 1j * each))
+    )
+
+
+def entering_pieces(
+    course: EventCourse, functionals: Functionals, weighed: Weighed
+) -> Iterator[EventCourse]:
     """Yield courses that touch 0 or 1 with the piece more that this takes.
 
     Where a stationary course of as many events as conditions passes 0 or 1, a touch is a condition
@@ -109,19 +146,19 @@ def entering_pieces(course: EventCourse, functionals: Functionals) -> Iterator[E
     ----------
     course
         The stationary course, with its touch as part of its structure: the level is not yet met.
-    functionals
-        What counts.
+    functionals, weighed
+        What counts, and by what its multipliers are made up.
 
     Yields
     ------
     EventCourse
         With pieces of several widths.
     """
-    solved = _all_multipliers(course, functionals)
+    solved = _all_weights(course, weighed)
     if solved is None:
         return
     base, free = solved
-    skipped = 2 * functionals.poles.size
+    skipped = len(weighed.changes)
     for number, group in enumerate(course.groups[:-1]):
         if group.rests:
             continue
@@ -132,7 +169,7 @@ def entering_pieces(course: EventCourse, functionals: Functionals) -> Iterator[E
         if abs(grown) < VANISHING:
             continue
         start = base - (base[second] - base[first]) / grown * direction
-        broken = _first_broken(course, functionals, start, direction, number)
+        broken = _first_broken(course, functionals, weighed, (start, direction), number)
         if broken is None:
             continue
         owner, piece, middle = broken
@@ -150,16 +187,12 @@ def entering_pieces(course: EventCourse, functionals: Functionals) -> Iterator[E
             yield replace(course, groups=groups, widths=widths)
 
 
-def _all_multipliers(
-    course: EventCourse, functionals: Functionals
-) -> tuple[FloatArray, FloatArray] | None:
-    """Return multipliers and prices of a stationary course, and all directions that are free.
+def _all_weights(course: EventCourse, weighed: Weighed) -> tuple[FloatArray, FloatArray] | None:
+    """Return weights, then prices, of a stationary course, and all directions that are free.
 
-    Real parts of the multipliers come first, then imaginary ones and prices. None where the course
-    is not stationary.
+    None where the course is not stationary.
     """
-    changes = course.changes(functionals)[:, 1:]
-    rows = np.vstack((changes.real, changes.imag, course.condition_changes[:, 1:]))
+    rows = np.vstack((weighed.changes, course.condition_changes[:, 1:]))
     ends = np.zeros(rows.shape[1])
     ends[-1] = -1.0
     left, sizes, right = np.linalg.svd(rows.T)
@@ -173,15 +206,15 @@ def _all_multipliers(
 def _first_broken(
     course: EventCourse,
     functionals: Functionals,
-    start: FloatArray,
-    direction: FloatArray,
+    weighed: Weighed,
+    along: tuple[FloatArray, FloatArray],
     touching: int,
 ) -> tuple[int, int, float] | None:
-    """Return group, piece and time at which a rule is broken first along a direction."""
-    m = functionals.poles.size
+    """Return group, piece and time at which a rule is broken first, from a start along."""
+    count = len(weighed.changes)
     of_start, of_direction = (
-        piece_rules(course, one[:m] + 1j * one[m : 2 * m], one[2 * m :], functionals)
-        for one in (start, direction)
+        piece_rules(course, one[:count] @ weighed.multipliers, one[count:], functionals)
+        for one in along
     )
     first: tuple[int, int, float] | None = None
     least = np.inf

@@ -17,7 +17,7 @@ from design.solvers.jerk_ramps.exchange import next_structures, shortest_rad, wi
 from design.solvers.jerk_ramps.following import course_following
 from design.solvers.jerk_ramps.grid import GridCourse, nearest_course, switches_of, work_of
 from design.solvers.jerk_ramps.optimality import NEWTON_STEPS, Stationary, solve_structure
-from design.solvers.jerk_ramps.rules import entering_pieces
+from design.solvers.jerk_ramps.rules import entering_pieces, targets_of
 from design.solvers.ramps.functionals import Functionals
 from design.solvers.ramps.search import (
     CLOSED,
@@ -30,7 +30,7 @@ from design.solvers.ramps.search import (
 )
 from design.solvers.ramps.search import candidates as straight_candidates
 from design.trace import TraceStep
-from design.types import FloatArray
+from design.types import ComplexArray, FloatArray
 
 SHORT_RAD = 0.03
 """Time to the steepest slope within which the course is nearly that without a limit to the jerk
@@ -54,6 +54,8 @@ class JerkOptimum:
     ----------
     found
         The course, its multipliers and prices.
+    functionals, targets, tolerance
+        F, g, shape (m,), and how far each may miss: 0 where targets are met exactly [-].
     iterations
         Steps of Newton's method, of all structures.
     programs
@@ -63,14 +65,22 @@ class JerkOptimum:
     """
 
     found: Stationary
+    functionals: Functionals
+    targets: ComplexArray
+    tolerance: float
     iterations: int
     programs: int
     seed: str
 
     @property
+    def course(self) -> EventCourse:
+        """The course."""
+        return self.found.course
+
+    @property
     def end(self) -> float:
         """When the last ramp ends [rad]."""
-        return self.found.course.end
+        return self.course.end
 
 
 def candidates(problem: RampedProblem, limits: Limits, budget: Budget) -> Iterator[JerkOptimum]:
@@ -168,13 +178,17 @@ class _Search:
             found = self._solve(course, start)
             iterations += NEWTON_STEPS if found is None else found.iterations
             if found is None:
-                waiting += entering_pieces(course, self._functionals)
+                weighed = targets_of(course, self._functionals)
+                waiting += entering_pieces(course, self._functionals, weighed)
                 waiting += without_touches(course)
                 continue
             better = [*next_structures(found, self._functionals)]
             if not better and found.course.widths.min() >= shortest_rad(found.course):
                 yield JerkOptimum(
                     found=found,
+                    functionals=self._functionals,
+                    targets=self._problem.targets,
+                    tolerance=0.0,
                     iterations=iterations,
                     programs=self.programs,
                     seed=start,

@@ -1,10 +1,12 @@
-"""The switches of a grid's course moved to where they leave least over a band, the end kept.
+"""The times of a grid's course moved to where they leave least over a band, the end kept.
 
-A step is a cone program of the residual's vectors, linear in the switches. What that neglects is
+A step is a cone program of the residual's vectors, linear in the times. What that neglects is
 small against the residual's own turn, so that a few steps are as good as many more cells.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Generic
 
 import numpy as np
 
@@ -13,7 +15,7 @@ from design.solvers.budget import Budget
 from design.solvers.clarabel import ConeProgram
 from design.solvers.outcome import Status
 from design.solvers.ramps.band_optimality import band_functionals, residuals
-from design.solvers.ramps.course import Course, Slopes, course_of
+from design.solvers.ramps.movable import AnyCourse, Movable, kept_share
 from design.types import FloatArray
 
 MAX_POLISHED = 12
@@ -31,9 +33,12 @@ GAINED = 1e-4
 KEPT_GAP = 0.8
 """Share of a gap that one step closes at most [-]."""
 
+NEGLIGIBLE = 1e-10
+"""Share of the largest singular value below which what is held is held already [-]."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Polished:
+class Polished(Generic[AnyCourse]):
     """The course of least residual over a band, of its structure and end.
 
     Attributes
@@ -46,31 +51,31 @@ class Polished:
         What the bound of each ratio costs, shape (k,).
     """
 
-    course: Course
+    course: AnyCourse
     largest: float
     weights: FloatArray
 
 
 def polish(
-    course: Course,
+    course: AnyCourse,
+    moved: Callable[[AnyCourse, FloatArray], AnyCourse],
     unit_pole: complex,
     ratios: FloatArray,
-    slopes: Slopes,
     radius: float,
     budget: Budget,
-) -> Polished | None:
-    """Move the switches of a course to where they leave least, its end kept.
+) -> Polished[AnyCourse] | None:
+    """Move the times of a course to where they leave least, its end kept.
 
     Parameters
     ----------
     course
         Where to begin.
+    moved
+        The course within all limits with its times moved, or nearly so.
     unit_pole, ratios
         The mode's pole over its natural frequency, and where residuals count, shape (k,) [-].
-    slopes
-        Limits of the slope.
     radius
-        How far a switch moves in the first step, at most [rad].
+        How far a time moves in the first step, about and at most [rad].
     budget
         The work is counted in it.
 
@@ -87,10 +92,8 @@ def polish(
         if step is None:
             break
         moves, weights = step
-        gaps, closing = np.diff(course.switches), np.diff(moves, prepend=0.0)
-        shrinking = closing < 0
-        share = KEPT_GAP * float(np.min(-gaps[shrinking] / closing[shrinking], initial=2.0))
-        following = course_of(course.switches + np.append(0.0, min(1.0, share) * moves), slopes)
+        share = kept_share(course.gaps, moves, KEPT_GAP)
+        following = moved(course, np.append(0.0, share * moves))
         left = float(residuals(following, unit_pole, ratios).max())
         if left < largest:
             gained = largest - left
@@ -108,18 +111,17 @@ def polish(
 
 
 def _step(
-    course: Course, unit_pole: complex, ratios: FloatArray, radius: float, budget: Budget
+    course: Movable, unit_pole: complex, ratios: FloatArray, radius: float, budget: Budget
 ) -> tuple[FloatArray, FloatArray] | None:
-    """Return the step of the switches after the first that keeps the end, and the weights."""
+    """Return the step of the times after the first that keeps the end, and the weights."""
     functionals = band_functionals(unit_pole, ratios)
     turn = np.exp(functionals.poles * course.end)
-    changes = turn[:, None] * course.changes(functionals)[:, 1:]
-    ends = course.end_changes()[1:]
-    # The last switch always moves the end: it makes up for what the others do to it.
-    makes_up = -ends[:-1] / ends[-1]
+    ways = _ways_that_keep_the_end(course)
+    if not ways.size:
+        return None
     program = ConeProgram(
         offset=turn * course.values(functionals),
-        rows=radius * (changes[:, :-1] + np.multiply.outer(changes[:, -1], makes_up)),
+        rows=radius * turn[:, None] * course.changes(functionals)[:, 1:] @ ways,
         lowest=-1.0,
         highest=1.0,
         unit_sum=False,
@@ -128,5 +130,13 @@ def _step(
     budget.spend(clarabel.work_of(program, outcome))
     if outcome.status is not Status.SOLVE_SUCCEEDED:
         return None
-    moves = radius * outcome.unknowns
-    return np.append(moves, makes_up @ moves), outcome.weights
+    return radius * ways @ outcome.unknowns, outcome.weights
+
+
+def _ways_that_keep_the_end(course: Movable) -> FloatArray:
+    """Return how the times after the first may move, shape (n - 1, f): end and structure stay."""
+    held = np.vstack((course.condition_changes, course.end_changes()))[:, 1:]
+    _, sizes, directions = np.linalg.svd(held)
+    rank = int(np.count_nonzero(sizes > NEGLIGIBLE * sizes.max(initial=0.0)))
+    ways: FloatArray = directions[rank:].T
+    return ways

@@ -1,7 +1,9 @@
 """How the fastest course over a band may lie: a cone program over grids of time and ratio."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Generic
 
 import numpy as np
 
@@ -14,11 +16,12 @@ from design.solvers.outcome import Status
 from design.solvers.ramps.band_optimality import (
     BandPoint,
     band_functionals,
-    find_weights,
+    point_at,
     residuals,
 )
 from design.solvers.ramps.band_polish import polish
 from design.solvers.ramps.course import Course, Slopes, course_of
+from design.solvers.ramps.movable import AnyCourse
 from design.solvers.ramps.structure import GridCourse, count_cells, switches_of
 from design.types import FloatArray
 
@@ -27,7 +30,7 @@ DIPS = 24
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BandCourse:
+class BandCourse(Generic[AnyCourse]):
     """The course on a grid with the least residual over a band.
 
     Attributes
@@ -35,22 +38,42 @@ class BandCourse:
     largest
         The largest residual on the grid [-].
     course
-        The course.
+        The course of its switches.
+    cell
+        Distance of two times of the grid [rad].
     ratios
         Grid of the band, ascending, shape (k,) [-].
-    weights
-        What each one's bound costs, shape (k,).
     """
 
     largest: float
-    course: GridCourse
+    course: AnyCourse
+    cell: float
     ratios: FloatArray
-    weights: FloatArray
+
+
+def ratios_of(problem: RampedBandProblem, duration: float) -> FloatArray:
+    """Return a grid of the band, fine against the turn of a duration.
+
+    Parameters
+    ----------
+    problem
+        The band.
+    duration
+        Length of a course [rad].
+
+    Returns
+    -------
+    FloatArray
+        Ascending, edges included, shape (k,) [-].
+    """
+    lower, upper = problem.band
+    turns = (upper - lower) * duration / math.pi
+    return np.linspace(lower, upper, MIN_RATIOS + math.ceil(RATIOS_PER_PEAK * turns))
 
 
 def least_course(
     problem: RampedBandProblem, slopes: Slopes, duration: float, fineness: float, budget: Budget
-) -> BandCourse | None:
+) -> BandCourse[Course] | None:
     """Return the course of a duration of least residual over the band.
 
     Parameters
@@ -69,9 +92,7 @@ def least_course(
     BandCourse or None
         None where Clarabel finds none: no course is as short.
     """
-    lower, upper = problem.band
-    turns = (upper - lower) * duration / math.pi
-    ratios = np.linspace(lower, upper, MIN_RATIOS + math.ceil(RATIOS_PER_PEAK * turns))
+    ratios = ratios_of(problem, duration)
     functionals = band_functionals(problem.unit_pole, ratios)
     cells = count_cells(functionals, duration, fineness)
     cell = duration / cells
@@ -92,25 +113,30 @@ def least_course(
     if outcome.status is not Status.SOLVE_SUCCEEDED:
         return None
     levels = np.concatenate(([0.0], outcome.unknowns, [1.0]))
-    return BandCourse(
-        largest=outcome.largest,
-        course=GridCourse(violation=0.0, levels=levels, cell=cell),
-        ratios=ratios,
-        weights=outcome.weights,
-    )
+    grid_course = GridCourse(violation=0.0, levels=levels, cell=cell)
+    course = course_of(switches_of(grid_course, slopes), slopes)
+    if course.switches.size < 3:  # noqa: PLR2004 - a ramp alone has nothing to solve
+        dipped = _dipped(problem, slopes, duration, ratios)
+        course = course if dipped is None else dipped
+    return BandCourse(largest=outcome.largest, course=course, cell=cell, ratios=ratios)
 
 
 def start_of(
-    problem: RampedBandProblem, slopes: Slopes, found: BandCourse, budget: Budget
-) -> tuple[BandPoint, float] | None:
-    """Read switches and touching peaks off the grids.
+    problem: RampedBandProblem,
+    found: BandCourse[AnyCourse],
+    moved: Callable[[AnyCourse, FloatArray], AnyCourse],
+    budget: Budget,
+) -> tuple[BandPoint[AnyCourse], float] | None:
+    """Polish the course of a grid and find the peaks that touch.
 
     Parameters
     ----------
-    problem, slopes
-        The band, and the limits of the slope.
+    problem
+        The band.
     found
         What the cone program found.
+    moved
+        The course within all limits with its times moved, or nearly so.
     budget
         The work is counted in it.
 
@@ -119,20 +145,7 @@ def start_of(
     tuple of BandPoint and float, or None
         A start for Newton's method, and its largest residual [-]; None where there is none.
     """
-    course = course_of(switches_of(found.course, slopes), slopes)
-    if course.switches.size < 3:  # noqa: PLR2004 - a ramp alone leaves nothing to solve
-        dipped = _dipped(problem, slopes, found)
-        if dipped is None:
-            return None
-        course = dipped
-    polished = polish(
-        course,
-        problem.unit_pole,
-        found.ratios,
-        slopes,
-        found.course.cell,
-        budget,
-    )
+    polished = polish(found.course, moved, problem.unit_pole, found.ratios, found.cell, budget)
     if polished is None:
         return None
     ratios, _ = clusters(found.ratios, polished.weights, PRESENT_WEIGHT)
@@ -140,21 +153,17 @@ def start_of(
     low_edge = ratios < found.ratios[:2].mean()
     high_edge = ratios > found.ratios[-2:].mean()
     ratios[low_edge], ratios[high_edge] = found.ratios[0], found.ratios[-1]
-    point = BandPoint(
-        course=polished.course,
-        ratios=ratios,
-        inner=~(low_edge | high_edge),
-        weights=np.maximum(find_weights(polished.course, problem.unit_pole, ratios), 0.0),
-    )
-    return point, polished.largest
+    inner = ~(low_edge | high_edge)
+    return point_at(polished.course, problem.unit_pole, ratios, inner), polished.largest
 
 
-def _dipped(problem: RampedBandProblem, slopes: Slopes, found: BandCourse) -> Course | None:
+def _dipped(
+    problem: RampedBandProblem, slopes: Slopes, duration: float, ratios: FloatArray
+) -> Course | None:
     """Return the ramp with one dip, of the same end and least residual.
 
     It is shorter than a cell of the grid, which shows no switch.
     """
-    duration = found.course.cell * (found.course.levels.size - 1)
     dip = (duration - 1 / slopes.up) / (1 + slopes.down / slopes.up)
     earliest, latest = dip * slopes.down / slopes.up, 1 / slopes.up
     if dip <= 0 or earliest >= latest:
@@ -163,5 +172,4 @@ def _dipped(problem: RampedBandProblem, slopes: Slopes, found: BandCourse) -> Co
         course_of(np.array([0.0, begin, begin + dip]), slopes)
         for begin in np.linspace(earliest, latest, DIPS + 2)[1:-1].tolist()
     ]
-    pole, ratios = problem.unit_pole, found.ratios
-    return min(courses, key=lambda one: float(residuals(one, pole, ratios).max()))
+    return min(courses, key=lambda one: float(residuals(one, problem.unit_pole, ratios).max()))

@@ -7,6 +7,7 @@ moving one of them moves the group's arrival, and nothing after that.
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import ClassVar
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
@@ -50,7 +51,12 @@ class Course:
     rises
         By how much the level changes in each: the times of a short one say it with few digits,
         shape (n,) [-].
+    limits
+        Limits of the slope.
     """
+
+    keeps_order: ClassVar[bool] = True
+    """Whether its switches never pass each other."""
 
     switches: FloatArray
     groups: IntArray
@@ -61,11 +67,40 @@ class Course:
     ends: FloatArray
     slopes: FloatArray
     rises: FloatArray
+    limits: Slopes
 
     @property
     def end(self) -> float:
         """When the last ramp ends [rad]."""
         return float(self.arrivals[-1])
+
+    @property
+    def structure(self) -> int:
+        """Number of its switches."""
+        return self.switches.size
+
+    @property
+    def gaps(self) -> FloatArray:
+        """From one switch to the next, shape (n - 1,) [rad]."""
+        return np.diff(self.switches)
+
+    def moved(self, moves: FloatArray) -> "Course":
+        """Return the course with its switches moved, shape (n,) [rad]."""
+        return course_of(self.switches + moves, self.limits)
+
+    @property
+    def conditions(self) -> FloatArray:
+        """What is not met of its structure: nothing, by any switches, shape (0,)."""
+        return np.zeros(0)
+
+    @property
+    def condition_changes(self) -> FloatArray:
+        """Their derivatives in each switch, shape (0, n)."""
+        return np.zeros((0, self.switches.size))
+
+    def condition_bends(self, _: FloatArray, /) -> FloatArray:
+        """Return their second derivatives, weighted: none, shape (n, n)."""
+        return np.zeros((self.switches.size, self.switches.size))
 
     def values(self, functionals: Functionals) -> ComplexArray:
         """Return the functionals of the course, shape (m,)."""
@@ -165,4 +200,5 @@ def course_of(switches: FloatArray, slopes: Slopes) -> Course:
         ends=ends,
         slopes=steep,
         rises=rises,
+        limits=slopes,
     )

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.solvers.least_squares import least_squares
+from design.solvers.least_squares import evened_least_squares, least_squares
 from design.solvers.ramps.course import Course, Slopes, course_of
 from design.solvers.ramps.functionals import Functionals
 from design.types import ComplexArray, FloatArray
@@ -30,9 +30,6 @@ FARTHEST_STEP_RAD = 0.5
 MET = 1e-10
 """Largest miss of a target that counts as none, beside what the rounding of switches makes, over
 the unshaped step [-]."""
-
-SMALLEST = 1e-200
-"""Size of a row or column of zeros [-]."""
 
 MIN_GAP_RAD, MIN_GAP_RAMPS = 1e-9, 1e-3
 """Switches closer than this, or than this share of the shorter ramp, are one [rad], [-]."""
@@ -174,9 +171,4 @@ def _newton_step(
     matrix[2 * m :, n:] = np.hstack((changes.real.T, changes.imag.T))
     still = (multipliers.conj() @ changes).real + course.end_changes()[1:]
     values = np.concatenate((missed.real, missed.imag, still))
-    # Rows and columns of one size: with short ramps some are a million times as large as others.
-    rows = 1 / np.abs(matrix).max(axis=1, initial=SMALLEST)
-    matrix *= rows[:, None]
-    columns = 1 / np.abs(matrix).max(axis=0, initial=SMALLEST)
-    step: FloatArray = columns * least_squares(matrix * columns, -rows * values, 1e-13)
-    return step
+    return evened_least_squares(matrix, -values, 1e-13)

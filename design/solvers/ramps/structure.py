@@ -21,9 +21,8 @@ PRESENT = 0.05
 POSSIBLE = 1e-9
 """Violation that counts as none, over the unshaped step [-]."""
 
-PROGRAM_WORK = 3000.0
-CELL_WORK = 2.0
-"""Work of a linear program, and of each of its cells and equations [units]."""
+PROGRAM_WORK, CELL_WORK, PAIR_WORK = 1500.0, 25.0, 0.033
+"""Work of a linear program, of each of its cells, and of each pair of them [units]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -95,10 +94,10 @@ def work_of(functionals: Functionals, duration: float, fineness: float) -> float
     Returns
     -------
     float
-        Work by the number of cells and functionals [units].
+        Work by the number of cells: the simplex method takes as many iterations [units].
     """
     cells = count_cells(functionals, duration, fineness)
-    return PROGRAM_WORK + CELL_WORK * 2 * functionals.poles.size * cells
+    return PROGRAM_WORK + CELL_WORK * cells + PAIR_WORK * cells**2
 
 
 def nearest_course(

@@ -5,38 +5,28 @@ switches, and what is left is smooth in them. SLSQP minimises the end; Newton's 
 is left down to rounding, along the bounds that hold.
 """
 
-import math
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
 
 from design.solvers.least_squares import least_squares
 from design.solvers.ramps.unequal_course import TwoLags, UnequalCourse
+from design.solvers.ramps.unequal_structure import HOLDS, Structure, earliest
 from design.types import BoolArray, FloatArray
 
 MAX_ITERATIONS = 60
 """Of SLSQP; four are usual."""
-
-CHANGE = 1e-11
-"""Change of the end at which SLSQP stops [rad]."""
 
 POLISHING_STEPS = 12
 
 STRUCTURES_NEAR = 2
 """Structures that are tried near a command: a ramp that arrives there may be turned here."""
 
-HOLDS = 1e-7
-"""Distance from a bound that counts as none [rad]."""
-
 MENDED = 1e-4
 """Largest miss that Newton's method is to mend [-]."""
 
 MET = 1e-11
 """Largest miss of a target that counts as none, over the unshaped step [-]."""
-
-FARTHEST = 2.5
-"""Latest switch that is tried, over the last at the start or a period [-]."""
 
 AT_BOUND_RAD = 1e-5
 """A gap as near to its shortest is the shortest [rad]."""
@@ -71,57 +61,26 @@ class ProgramEnd:
 
 
 class _Program:
-    """Functions of the switches after the first, and their derivatives."""
+    """What is missed over one structure."""
 
     def __init__(self, lags: TwoLags, switches: FloatArray, arrived: BoolArray) -> None:
-        self._lags, self._arrived = lags, arrived
-        self._at, self._course = switches[1:], lags.of(switches, arrived)
-        self._scales = np.exp(lags.poles.real * self._course.end)
+        self.structure = Structure(lags, switches, arrived)
+        self._targets = lags.targets
+        self._scales = np.exp(lags.poles.real * self.structure.end(switches[1:]))
         self._swinging = lags.poles != 0
-        self._high = np.arange(switches.size - 1) % 2 == 0
-        self._each = np.eye(switches.size)
-
-    def course(self, at: FloatArray) -> UnequalCourse:
-        if not np.array_equal(at, self._at):
-            self._at = at.copy()
-            self._course = self._lags.of(np.append(0.0, at), self._arrived)
-        return self._course
-
-    def end(self, at: FloatArray) -> float:
-        return self.course(at).end
-
-    def end_changes(self, at: FloatArray) -> FloatArray:
-        return self.course(at).end_changes[-1, 1:]
 
     def misses(self, at: FloatArray) -> FloatArray:
-        missed = (self.course(at).values - self._lags.targets) * self._scales
+        missed = (self.structure.course(at).values - self._targets) * self._scales
         return np.concatenate((missed.real, missed.imag[self._swinging]))
 
     def miss_changes(self, at: FloatArray) -> FloatArray:
-        changes = self.course(at).changes[:, 1:] * self._scales[:, None]
+        changes = self.structure.course(at).changes[:, 1:] * self._scales[:, None]
         return np.concatenate((changes.real, changes.imag[self._swinging]))
-
-    def room(self, at: FloatArray) -> FloatArray:
-        """Return how far gaps are from 0, then rests and levels from their bounds."""
-        course = self.course(at)
-        rests = course.switches[1:] - course.ends[:-1]
-        below = self._lags.ceiling - course.levels[:-1]
-        below = np.where(self._high, below, course.levels[:-1])
-        kinks = np.where(self._arrived[:-1], rests, below)
-        return np.concatenate((np.diff(course.switches), kinks))
 
     def is_met(self, at: FloatArray, miss: float) -> bool:
         """Return whether all targets are met within a miss, and all bounds hold."""
         within = float(np.abs(self.misses(at)).max()) < miss
-        return within and float(self.room(at).min(initial=1.0)) > -HOLDS
-
-    def room_changes(self, at: FloatArray) -> FloatArray:
-        course = self.course(at)
-        rests = self._each[1:] - course.end_changes[:-1]
-        changes = course.level_changes[:-1]
-        below = np.where(self._high[:, None], -changes, changes)
-        kinks = np.where(self._arrived[:-1, None], rests, below)
-        return np.concatenate((np.diff(self._each, axis=0), kinks))[:, 1:]
+        return within and float(self.structure.room(at).min(initial=1.0)) > -HOLDS
 
 
 def solve_program(lags: TwoLags, switches: FloatArray, arrived: BoolArray) -> ProgramEnd:
@@ -141,34 +100,18 @@ def solve_program(lags: TwoLags, switches: FloatArray, arrived: BoolArray) -> Pr
     ProgramEnd
         A local optimum, or where the search for one ended.
     """
-    from scipy.optimize import minimize  # noqa: PLC0415 - takes longer to import than a design
-
     program = _Program(lags, switches, arrived)
-    latest = FARTHEST * max(float(switches[-1]), 2 * math.pi)
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")
-        found = minimize(
-            program.end,
-            switches[1:],
-            jac=program.end_changes,
-            method="SLSQP",
-            bounds=[(0.0, latest)] * (switches.size - 1),
-            constraints=[
-                {"type": "eq", "fun": program.misses, "jac": program.miss_changes},
-                {"type": "ineq", "fun": program.room, "jac": program.room_changes},
-            ],
-            options={"maxiter": MAX_ITERATIONS, "ftol": CHANGE},
-        )
-    at: FloatArray = np.asarray(found.x, dtype=np.float64)
-    room = program.room(at)
+    structure = program.structure
+    at, iterations = earliest(structure, "eq", program.misses, program.miss_changes, MAX_ITERATIONS)
+    room = structure.room(at)
     if program.is_met(at, MENDED):
         at = _polished(program, at, room < HOLDS)
-        room = program.room(at)
+        room = structure.room(at)
     return ProgramEnd(
-        course=program.course(at),
+        course=structure.course(at),
         is_solved=program.is_met(at, MET),
         at_kinks=room[switches.size - 1 :] < HOLDS,
-        iterations=int(found.nit),
+        iterations=iterations,
     )
 
 
@@ -194,7 +137,7 @@ def solve_near(lags: TwoLags, switches: FloatArray) -> UnequalCourse | None:
             break
         at = _polished(program, start[1:], np.zeros(2 * start.size - 2, dtype=np.bool_))
         if program.is_met(at, MET):
-            return program.course(at)
+            return program.structure.course(at)
         arrived = lags.of(np.append(0.0, np.maximum.accumulate(at))).arrived
     end = solve_program(lags, switches, arrived)
     return end.course if end.is_solved and not end.at_kinks.any() else None
@@ -253,8 +196,8 @@ def _polished(program: _Program, at: FloatArray, held: BoolArray) -> FloatArray:
         if np.abs(misses).max() < MET / 100:
             break
         if misses.size + held.sum() <= at.size:
-            misses = np.concatenate((misses, program.room(at)[held]))
-            changes = np.concatenate((changes, program.room_changes(at)[held]))
+            misses = np.concatenate((misses, program.structure.room(at)[held]))
+            changes = np.concatenate((changes, program.structure.room_changes(at)[held]))
         step = least_squares(changes, misses, 1e-13)
         if not np.isfinite(step).all():
             break

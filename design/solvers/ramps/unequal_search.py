@@ -7,7 +7,10 @@ from there on, or may rest. Two switches that meet are dropped, and where as man
 one lag do not do, two more are tried.
 """
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -46,12 +49,34 @@ class UnequalOptimum:
     course
         Its course.
     iterations, programs
-        Of SLSQP, and how often it was started.
+        Of its programs, and how many there were.
     """
 
     course: UnequalCourse
     iterations: int
     programs: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Stage:
+    """What is solved on the way from one lag to two.
+
+    Attributes
+    ----------
+    lags
+        Those of the stage.
+    solve
+        From switches and the structure, shape (n,) each, to where its program ends.
+    method
+        What solves it.
+    iteration_work
+        Work of an iteration [units].
+    """
+
+    lags: TwoLags
+    solve: Callable[[FloatArray, BoolArray], ProgramEnd]
+    method: str
+    iteration_work: float
 
 
 def fastest_from(
@@ -73,8 +98,52 @@ def fastest_from(
     UnequalOptimum or None
         None where no command was found that meets the targets.
     """
-    search = _Search(problem, budget)
-    found = search.solve(1.0, switches) or search.follow(switches)
+
+    def stage(share: float) -> Stage:
+        lags = TwoLags(led(problem, share))
+        return Stage(
+            lags=lags,
+            solve=partial(solve_program, lags),
+            method="slsqp",
+            iteration_work=ITERATION_WORK,
+        )
+
+    return fastest_by_stages(stage, switches, problem.natural_frequency_rad_s, budget)
+
+
+def fastest_by_stages(
+    stage: Callable[[float], Stage],
+    switches: FloatArray,
+    natural_frequency_rad_s: float,
+    budget: Budget,
+    near: float = math.inf,
+) -> UnequalOptimum | None:
+    """Return the command that ends first, from the one behind one lag.
+
+    Parameters
+    ----------
+    stage
+        From the share of the way to what is solved there.
+    switches
+        The switches behind one lag, ascending from 0, shape (n,) [rad].
+    natural_frequency_rad_s
+        Turns phases into times [rad/s].
+    budget
+        What the search may do.
+    near
+        End, over that behind one lag, beyond which the way there is followed all the same [-].
+
+    Returns
+    -------
+    UnequalOptimum or None
+        None where no command was found that keeps what is asked.
+    """
+    search = _Search(stage, natural_frequency_rad_s, budget)
+    found = search.solve(1.0, switches)
+    if found is None or found.end > near * stage(0.0).lags.of(switches).end:
+        followed = search.follow(switches)
+        if found is None or (followed is not None and followed.end < found.end):
+            found = followed
     if found is None:
         return None
     return UnequalOptimum(course=found, iterations=search.iterations, programs=search.programs)
@@ -83,14 +152,17 @@ def fastest_from(
 class _Search:
     """The parts of one search, which count their work and note their steps."""
 
-    def __init__(self, problem: UnequalRampsProblem, budget: Budget) -> None:
-        self._problem, self._budget = problem, budget
+    def __init__(
+        self, stage: Callable[[float], Stage], natural_frequency_rad_s: float, budget: Budget
+    ) -> None:
+        self._stage, self._budget = stage, budget
+        self._natural_frequency_rad_s = natural_frequency_rad_s
         self.iterations = self.programs = 0
 
     def solve(self, share: float, switches: FloatArray) -> UnequalCourse | None:
         """Return the best command near some switches, of one to two lags by a share."""
-        lags = TwoLags(_led(self._problem, share))
-        arrived = lags.of(switches).arrived
+        stage = self._stage(share)
+        arrived = stage.lags.of(switches).arrived
         best: UnequalCourse | None = None
         tried: set[bytes] = set()
         waiting = [(switches, arrived)]
@@ -101,14 +173,14 @@ class _Search:
             if structure.tobytes() in tried:
                 continue
             tried.add(structure.tobytes())
-            end = self._program(lags, start, structure)
+            end = self._program(stage, start, structure)
             better = end.is_solved and (best is None or end.course.end < best.end * (1 - FASTER))
             if better:
                 best, waiting = end.course, []
             if better or best is None:
                 at = np.maximum.accumulate(end.course.switches)
                 waiting += [(at, flipped) for flipped in _flipped(structure, end.at_kinks)]
-        return None if best is None else _without_meeting(lags, best)
+        return None if best is None else _without_meeting(stage.lags, best)
 
     def follow(self, switches: FloatArray) -> UnequalCourse | None:
         """Return the command that is led to from one lag, with more switches where they are due."""
@@ -131,8 +203,7 @@ class _Search:
 
     def _with_pair(self, share: float, switches: FloatArray) -> UnequalCourse | None:
         """Return the best command with two switches more."""
-        lags = TwoLags(_led(self._problem, share))
-        last = lags.of(switches).end
+        last = self._stage(share).lags.of(switches).end
         best: UnequalCourse | None = None
         for place in np.linspace(0, last, PAIRS + 2)[1:-1].tolist():
             if self._budget.spent:
@@ -143,27 +214,40 @@ class _Search:
                 best = found
         return best
 
-    def _program(self, lags: TwoLags, switches: FloatArray, arrived: BoolArray) -> ProgramEnd:
-        end = solve_program(lags, switches, arrived)
+    def _program(self, stage: Stage, switches: FloatArray, arrived: BoolArray) -> ProgramEnd:
+        end = stage.solve(switches, arrived)
         self.programs += 1
         self.iterations += end.iterations
-        self._budget.spend(ITERATION_WORK * (end.iterations + 1))
+        self._budget.spend(stage.iteration_work * (end.iterations + 1))
         self._budget.note(
             TraceStep(
                 stage="solve",
-                method="slsqp",
+                method=stage.method,
                 start="one_lag",
                 outcome="solve_succeeded" if end.is_solved else "failed",
                 iterations=end.iterations,
-                duration_s=end.course.end / self._problem.natural_frequency_rad_s,
+                duration_s=end.course.end / self._natural_frequency_rad_s,
                 detail=f"{switches.size} switches",
             )
         )
         return end
 
 
-def _led(problem: UnequalRampsProblem, share: float) -> UnequalRampsProblem:
-    """Return the problem with its braking set led from the other by a share."""
+def led(problem: UnequalRampsProblem, share: float) -> UnequalRampsProblem:
+    """Return the problem with its braking set led from the other by a share.
+
+    Parameters
+    ----------
+    problem
+        Behind two lags.
+    share
+        Of the way [-].
+
+    Returns
+    -------
+    UnequalRampsProblem
+        Behind the accelerating one alone at 0.
+    """
     if share == 1:
         return problem
     weights = np.array([0.0, share])

@@ -68,7 +68,7 @@ def test_derivatives_are_those_of_small_differences(switches: list[float]) -> No
     course = course.moved(away)
     multipliers = rng.normal(size=4) + 1j * rng.normal(size=4)
     prices = rng.normal(size=course.conditions.size)
-    bends = course.bends(FUNCTIONALS, multipliers, prices)
+    bends = course.bends(FUNCTIONALS, multipliers) + course.condition_bends(prices)
     small = 1e-6
 
     def moved(event: int, by: float) -> EventCourse:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from design.solvers.least_squares import least_squares
+from design.solvers.least_squares import evened_least_squares, least_squares
 from design.solvers.ramps.course import Slopes
 from design.solvers.ramps.functionals import Functionals
 from design.solvers.ramps.optimality import solve_conditions
@@ -13,6 +13,13 @@ from tests.acceptance.random_answers import verdict
 def test_the_shortest_of_the_nearest_is_returned() -> None:
     found = least_squares(np.array([[1.0, 1.0], [2.0, 2.0]]), np.array([1.0, 3.0]))
     np.testing.assert_allclose(found, [0.7, 0.7], rtol=1e-14)
+
+
+def test_rows_and_columns_of_other_sizes_lose_no_digits() -> None:
+    # The smallest singular value is 1e-20 of the largest, and none of rounding.
+    matrix = np.array([[1e10, 1e-10], [1e10, -1e-10]])
+    found = evened_least_squares(matrix, np.array([3.0, 1.0]))
+    np.testing.assert_allclose(found, [2e-10, 1e10], rtol=1e-14)
 
 
 @pytest.mark.parametrize("bad", [np.inf, -np.inf, np.nan])
