@@ -8,6 +8,7 @@ stops that follows the old command up to there and the new one from there on.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -31,6 +32,9 @@ LEVEL_REACHES = ((1, 0), (1, 1), (2, 1), (3, 3))
 
 NO_COMMAND = 1e3
 """What a command without steps is taken to miss [-]."""
+
+MAX_COURSES = 4096
+"""Courses remembered: of two commands that differ in one step, those before it are the same [-]."""
 
 MAX_ITERATIONS = 24
 """Newton's steps at most [-]."""
@@ -347,9 +351,9 @@ def played_at(positions: FloatArray, task: ProgramTask, limits: RateLimited) -> 
             sent[sample] = new
             continue
         share = 1 - (position - sample)
-        before = {at: level for at, level in sent.items() if at < sample}
+        before = tuple((at, sent[at]) for at in sorted(sent) if at < sample)
         under = [
-            _stopping_level({**before, sample: level}, sample + 1, task.sample_time_s, limits)
+            _stopping_level((*before, (sample, level)), sample + 1, task.sample_time_s, limits)
             for level in (old, new)
         ]
         level = min(max(under[0] + share * (under[1] - under[0]), 0.0), highest)
@@ -362,23 +366,24 @@ def played_at(positions: FloatArray, task: ProgramTask, limits: RateLimited) -> 
     return _command(numbers, np.array([sent[number] for number in numbers.tolist()]), task)
 
 
+@lru_cache(maxsize=MAX_COURSES)
 def _stopping_level(
-    sent: dict[int, float], sample: int, sample_time_s: float, limits: RateLimited
+    sent: tuple[tuple[int, float], ...], sample: int, sample_time_s: float, limits: RateLimited
 ) -> float:
     """Return where a reference stops that brakes from a sample on [-]."""
-    numbers = sorted(sent)
+    numbers, goals = zip(*sent, strict=True)
     if limits.jerk_limit_m_s3 is None:
         rise, fall = (sample_time_s / ramp_s for ramp_s in limits.unit_ramps_s)
         level = 0.0
-        for number, after in pairwise([*numbers, sample]):
-            goal, lasting = sent[number], after - number
+        for goal, (number, after) in zip(goals, pairwise([*numbers, sample]), strict=True):
+            lasting = after - number
             level = (
                 min(goal, level + rise * lasting)
                 if goal > level
                 else max(goal, level - fall * lasting)
             )
         return level
-    heights = np.diff([sent[number] for number in numbers], prepend=0.0)
+    heights = np.diff(goals, prepend=0.0)
     if not heights.any():
         return 0.0
     course = ramped(Impulses(times_s=sample_time_s * np.array(numbers), amplitudes=heights), limits)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from design.analysis.ramp_figures import end_of_reference
 from design.claims import Quantity
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
@@ -15,6 +16,7 @@ from design.moves.maneuvers import Maneuver, maneuver
 from design.moves.programs import Program, program
 from design.shapers.registry import SHAPERS
 from tests import expm_route
+from tests.jerk_route import integrate_jerk_limited
 from tests.refusals import refused
 
 MODE = Mode(natural_frequency_rad_s=2 * np.pi, damping_ratio=0.02)
@@ -82,6 +84,21 @@ def test_a_period_of_few_samples_has_an_exact_program(hertz: float, kind: str) -
     played = expm_route.outcome(as_steps(found, 0.4), mode, Ideal())
     assert played.residual < 1e-12
     assert not found.warnings
+
+
+@pytest.mark.parametrize("sample_time_s", [0.008, 0.05])
+def test_nothing_remains_behind_a_limit_to_the_jerk(sample_time_s: float) -> None:
+    drive = RateLimited(
+        accel_limit_m_s2=1.6, decel_limit_m_s2=2.0, speed_m_s=0.4, jerk_limit_m_s3=30.0
+    )
+    move = move_of(MODE, drive, "numzv")
+    found = program(move.command, MODE, drive, 0.4, sample_time_s)
+    assert not found.warnings
+    steps = as_steps(found, 0.4)
+    end_s = end_of_reference(steps, drive) + 0.01
+    deflection, rate, velocity, _ = integrate_jerk_limited(steps, MODE, drive, end_s)
+    assert np.hypot(MODE.natural_frequency_rad_s * deflection, rate) < 1e-8
+    assert abs(velocity) < 1e-8
 
 
 def test_a_program_is_for_the_drive_given_also_where_the_move_is_not() -> None:
