@@ -77,9 +77,15 @@ class ProgramOut(Wire):
 
     times_s: list[float]
     velocity_m_s: Annotated[
-        list[float], Field(description="Mean velocity over the sample that follows [m/s].")
+        list[float], Field(description="Velocity, held over the sample that follows [m/s].")
     ]
-    position_m: Annotated[list[float], Field(description="Position of the command, exact [m].")]
+    position_m: Annotated[
+        list[float],
+        Field(description="Position at each sample, linear between two of them [m]."),
+    ]
+    distance_m: Annotated[
+        float, Field(description="Travel of the actuator as it is played, signed [m].")
+    ]
     residual: Annotated[
         float,
         Field(
@@ -95,6 +101,7 @@ class ProgramOut(Wire):
             times_s=program.times_s.tolist(),
             velocity_m_s=program.velocity_m_s.tolist(),
             position_m=program.position_m.tolist(),
+            distance_m=program.distance_m,
             residual=program.residual,
         )
 

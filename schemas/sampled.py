@@ -61,8 +61,7 @@ class SampledOut(Wire):
     method: Annotated[
         str,
         Field(
-            description="split, exact_positive, unity_on_grid, search_on_off or "
-            "more_impulses_on_grid."
+            description="free_amplitudes, unity_on_grid, search_on_off or more_impulses_on_grid."
         ),
     ]
     samples: Annotated[list[int], Field(description="Sample number of each impulse.")]
@@ -91,8 +90,23 @@ class SampledOut(Wire):
     tried: Annotated[
         list[TriedOut],
         Field(
-            description="For amplitudes of both signs: the shaper's impulses at the best samples, "
-            "where each has one, then what searches with more impulses found."
+            description="For unity magnitude: the shaper's impulses at the best samples, where "
+            "each has one, then what searches with more impulses found."
+        ),
+    ]
+    bound: Annotated[
+        float | None,
+        Field(
+            description="What no amplitudes on as many samples can go below: the largest residual "
+            "over the band; 0 where only zeros are claimed; null where nothing is proven [-]."
+        ),
+    ]
+    shorter_bound: Annotated[
+        float | None,
+        Field(
+            description="The same of one sample less; where only zeros are claimed, of the largest "
+            "of the residual and what makes it grow, to each order claimed, at 5 % of error in "
+            "frequency [-]."
         ),
     ]
     search: Annotated[
@@ -127,4 +141,6 @@ class SampledOut(Wire):
             carried_residual=sampled.carried_residual,
             tried=[TriedOut.from_design(one) for one in sampled.tried],
             search=None if sampled.searched is None else SearchedOut.from_design(sampled.searched),
+            bound=sampled.bound,
+            shorter_bound=sampled.shorter_bound,
         )

@@ -20,6 +20,7 @@ from design.recommendations.choices import Choice
 from design.recommendations.requirements import Question
 from design.sampling.left import cuts_ramps
 from design.sampling.sampled_design import SAMPLE_TOLERANCE, sampled_design
+from design.sampling.sampled_free import has_free_amplitudes, may_be_between_levels
 from design.shapers.several_modes import FREQUENCIES_PER_RADIAN, impulses_of
 from design.solvers.budget import Budget
 
@@ -51,8 +52,8 @@ MAX_WORK_PER_SHAPER = 2_000_000
 DESIGN_WORK = 20_000.0
 """Work of a design and its judgement, without a search [units]."""
 
-SAMPLED_WORK, UNITY_SAMPLED_WORK, CUT_SAMPLED_WORK = 30_000.0, 400_000.0, 2_000_000.0
-"""Work of bringing a shaper to samples: of one sign, of both, with ramps that are cut [units]."""
+UNITY_SAMPLED_WORK, CUT_SAMPLED_WORK = 400_000.0, 2_000_000.0
+"""Work of bringing unity magnitude to samples, and with ramps that are cut [units]."""
 
 MAX_CONVOLVED_IMPULSES = 130
 """Impulses of a convolved shaper that is asked, at most: three modes with five each [-]."""
@@ -318,13 +319,17 @@ def design_choice(choice: Choice, question: Question, budget: Budget) -> Designe
     budget.spend(DESIGN_WORK)
     found = design(plant, actuator, choice.kind, options, budget)
     if asked.sample_time_s is not None:
-        budget.spend(_work_of_samples(found, actuator, asked.sample_time_s))
+        between_levels = may_be_between_levels(choice.kind)
+        if not has_free_amplitudes(found.impulses, between_levels=between_levels):
+            budget.spend(_work_of_samples(found, actuator, asked.sample_time_s))
         found, _ = sampled_design(
             found,
-            modes[0],
+            modes,
             actuator,
             asked.sample_time_s,
             tolerance=SAMPLE_TOLERANCE,
+            between_levels=between_levels,
+            budget=budget,
         )
     budget.spend(_work_of_worst(found, question))
     return Designed(
@@ -336,9 +341,7 @@ def design_choice(choice: Choice, question: Question, budget: Budget) -> Designe
 
 
 def _work_of_samples(found: Design, actuator: Actuator, sample_time_s: float) -> float:
-    """Return the work of bringing a design to samples [units]."""
-    if found.impulses.amplitudes.min() > 0:
-        return SAMPLED_WORK
+    """Return the work of bringing unity magnitude to samples [units]."""
     cut = cuts_ramps(found.impulses, actuator, sample_time_s)
     return CUT_SAMPLED_WORK if cut else UNITY_SAMPLED_WORK
 

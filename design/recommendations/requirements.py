@@ -213,15 +213,13 @@ def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) ->
                 code="requirement_said_by_plant",
             )
         band = plant.band
-    if isinstance(plant, Modes):
-        for name in ("damping", "sample_time_s"):
-            if getattr(requirements, name) is not None:
-                raise InvalidInputError(
-                    name,
-                    getattr(requirements, name),
-                    "left out for a plant of several modes",
-                    code="requirement_of_one_mode",
-                )
+    if isinstance(plant, Modes) and requirements.damping is not None:
+        raise InvalidInputError(
+            "damping",
+            requirements.damping,
+            "left out for a plant of several modes",
+            code="requirement_of_one_mode",
+        )
     modes = plant.modes
     if requirements.damping is not None:
         modes = (_in_the_middle(modes[0], requirements.damping),)

@@ -224,23 +224,19 @@ def require_gaps(impulses: Impulses, sample_time_s: float) -> None:
 
 
 def require_grid(impulses: Impulses, sample_time_s: float, longest_s: float, what: str) -> None:
-    """Check that a sample time is in proportion to a shaper.
+    """Check that a sample time is in proportion to the shaper.
 
     Parameters
     ----------
-    impulses
-        The shaper.
-    sample_time_s
-        Sample time [s].
-    longest_s
-        What it may be at most [s].
-    what
-        What that is, in words.
+    impulses, sample_time_s
+        The shaper, and the sample time [s].
+    longest_s, what
+        The longest sample time, and what that is [s].
 
     Raises
     ------
     InvalidInputError
-        If the sample time is not > 0, longer than that, or too short for the digits of times.
+        If the sample time is not > 0, longer than that, or too short for times to keep digits.
     """
     require_scale("sample_time_s", sample_time_s)
     if impulses.times_s.size > 1 and sample_time_s > longest_s * (1 + ON_SAMPLE):

@@ -1,14 +1,13 @@
 """Impulses whose times lie on the sample grid of a controller.
 
 A shaper that falls between two samples cannot be given as designed. Rounding it costs most of what
-it was designed for; positive shapers can be made exact again by their amplitudes, those of unity
-magnitude only as good as whole samples allow (`design.sampling.unity_grid`). All of it is for one
-mode.
+it was designed for; where amplitudes are free they can keep it (`design.sampling.free_amplitudes`),
+those of unity magnitude are only as good as whole samples allow (`design.sampling.unity_grid`).
 """
 
 import math
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -17,11 +16,10 @@ from design.analysis.residual import residual_vibration
 from design.analysis.workable import require_workable
 from design.checks import require_between, require_scale
 from design.claims import Quantity
-from design.errors import InfeasibleDesignError, InvalidInputError
+from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
-from design.sampling.exact_positive import exact_positive, is_of_one_sign
 from design.sampling.left import Band, residuals_of_many
 from design.sampling.more_impulses import is_unity, more_impulses_on_grid
 from design.sampling.on_off_search import Searched, search_on_off
@@ -36,10 +34,8 @@ from design.sampling.sample_grid import (
 )
 from design.sampling.unity_grid import unity_on_grid
 
-Method = Literal[
-    "exact_positive", "split", "unity_on_grid", "search_on_off", "more_impulses_on_grid"
-]
-"""How a shaper was brought to the grid: the name of the function here that did it."""
+Method = Literal["free_amplitudes", "unity_on_grid", "search_on_off", "more_impulses_on_grid"]
+"""How a shaper was brought to the grid: the module or function here that did it."""
 
 MAX_DURATION_PERIODS = 3.0
 """Longest command that is searched for a kind that says nothing of it, as kinds that do where
@@ -96,8 +92,11 @@ class Sampled:
         What they leave with each rounding error carried on [-]; None where that brings two of them
         to one sample too.
     tried
-        For amplitudes of both signs its own impulses at the best samples, if these have one for
-        each, then what searches with more impulses found.
+        For amplitudes of unity magnitude its own impulses at the best samples, if these have one
+        for each, then what searches with more impulses found.
+    bound, shorter_bound
+        What no command on as many samples, or on one less, can go below, as of `FreeAmplitudes`
+        [-]; None where nothing is proven.
     searched
         What a search of all commands of level 0 or 1 proves; None where none was needed.
     """
@@ -111,7 +110,9 @@ class Sampled:
     nearest_residual: float | None
     carried_residual: float | None
     tried: tuple[Tried, ...]
-    searched: Searched | None
+    bound: float | None = None
+    shorter_bound: float | None = None
+    searched: Searched | None = None
 
     @property
     def samples(self) -> tuple[int, ...]:
@@ -130,14 +131,13 @@ def sample(
     band: Band | None = None,
     max_duration_periods: float = MAX_DURATION_PERIODS,
 ) -> Sampled:
-    """Bring a shaper to a sample grid by the method that suits it.
+    """Bring a shaper of unity magnitude to a sample grid.
 
-    Amplitudes of one sign that claim a zero are solved for (`exact_positive`), or where no
-    amplitudes do it, or nothing is claimed, shared (`split`). Others are kept (`unity_on_grid`);
-    where unity magnitude then has a residual above the tolerance, or an impulse has no sample, the
-    shortest command of level 0 or 1 within it is searched, or the one of least residual
-    (`search_on_off`, and on grids too fine for that `more_impulses_on_grid`). For a band the
-    samples are chosen by what is left over it, and no impulses are added.
+    The amplitudes are kept (`unity_on_grid`); where they then have a residual above the tolerance,
+    or an impulse has no sample, the shortest command of level 0 or 1 within it is searched, or the
+    one of least residual (`search_on_off`, and on grids too fine for that
+    `more_impulses_on_grid`). For a band the samples are chosen by what is left over it, and no
+    impulses are added. Free amplitudes are solved for by `sample_free`.
 
     Parameters
     ----------
@@ -146,8 +146,8 @@ def sample(
     mode, actuator
         The plant's mode and its drive.
     sample_time_s
-        Sample time, > 0, at most the shortest gap between two impulses; for amplitudes of one
-        sign the whole duration, where a search is served half a period [s].
+        Sample time, > 0, at most the shortest gap between two impulses, or where a search is
+        served half a period [s].
     claims
         What the shaper makes zero; ``slope`` stands for the residual besides.
     tolerance
@@ -172,41 +172,69 @@ def sample(
     Examples
     --------
     >>> from design.model.actuators.ideal import Ideal
-    >>> zv = Impulses(times_s=np.array([0.0, 0.25]), amplitudes=np.array([0.5, 0.5]))
+    >>> umzv = Impulses(times_s=np.array([0.0, 0.0833, 0.1667]), amplitudes=np.array([1.0, -1, 1]))
     >>> two_hertz = Mode(natural_frequency_rad_s=4 * np.pi)
-    >>> sampled = sample(zv, two_hertz, Ideal(), 0.1, ("residual",))
-    >>> sampled.method, sampled.samples, sampled.residual < 1e-12
-    ('exact_positive', (0, 2, 3), True)
+    >>> sampled = sample(umzv, two_hertz, Ideal(), 0.02, ("residual",))
+    >>> sampled.method, sampled.samples
+    ('unity_on_grid', (0, 4, 8))
     """
     require_workable(mode, actuator)
-    method: Method
-    tried: tuple[Tried, ...] = ()
-    searched = None
-    if not is_of_one_sign(impulses):
-        method, found, tried, searched = _of_unity(
-            impulses,
-            mode,
-            actuator,
-            sample_time_s,
-            slope="slope" in claims,
-            tolerance=tolerance,
-            band=band,
-            max_duration_periods=max_duration_periods,
-        )
-    else:
-        method, found = "split", split(impulses, sample_time_s)
-        if claims:
-            try:
-                found = exact_positive(
-                    impulses, mode, actuator, sample_time_s, slope="slope" in claims
-                )
-                method = "exact_positive"
-            except InfeasibleDesignError:
-                pass  # the split stands, and the residual says what it is worth
+    method, found, tried, searched = _of_unity(
+        impulses,
+        mode,
+        actuator,
+        sample_time_s,
+        slope="slope" in claims,
+        tolerance=tolerance,
+        band=band,
+        max_duration_periods=max_duration_periods,
+    )
+    return replace(
+        compared(impulses, found, (mode,), actuator, sample_time_s, method=method, tried=tried),
+        searched=searched,
+    )
+
+
+def compared(
+    impulses: Impulses,
+    found: Impulses,
+    modes: tuple[Mode, ...],
+    actuator: Actuator,
+    sample_time_s: float,
+    *,
+    method: Method,
+    tried: tuple[Tried, ...] = (),
+) -> Sampled:
+    """Return a shaper on samples beside what other ways to get there leave.
+
+    Parameters
+    ----------
+    impulses, found
+        The shaper between the samples, and on them.
+    modes, actuator
+        The plant's modes, of which the largest residual counts, and the drive.
+    sample_time_s
+        Sample time, > 0 [s].
+    method, tried
+        How it was found.
+
+    Returns
+    -------
+    Sampled
+        Without bounds.
+
+    Raises
+    ------
+    InvalidInputError
+        If the sample time breaks its rule.
+    """
+
+    def residual(command: Impulses) -> float:
+        return max(residual_vibration(command, mode, actuator) for mode in modes)
 
     def residual_by(way: Callable[[Impulses, float], Impulses]) -> float | None:
         try:
-            return residual_vibration(way(impulses, sample_time_s), mode, actuator)
+            return residual(way(impulses, sample_time_s))
         except InvalidInputError:
             return None  # the sample time serves the shaper, but not this way
 
@@ -214,13 +242,12 @@ def sample(
         impulses=found,
         sample_time_s=sample_time_s,
         method=method,
-        residual=residual_vibration(found, mode, actuator),
-        continuous_residual=residual_vibration(impulses, mode, actuator),
+        residual=residual(found),
+        continuous_residual=residual(impulses),
         split_residual=residual_by(split),
         nearest_residual=residual_by(nearest),
         carried_residual=residual_by(round_with_carry),
         tried=tried,
-        searched=searched,
     )
 
 

@@ -12,13 +12,21 @@ from design.analysis.judge import Judgement, judge
 from design.analysis.residual import residual_vibration
 from design.analysis.residuals_of_many import residual_curve
 from design.analysis.warnings import DesignWarning
-from design.claims import ZERO_LIMITS, Promise, within
-from design.errors import SolverFailedError
+from design.claims import ZERO_LIMITS, Promise
+from design.errors import InvalidInputError, SolverFailedError
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
+from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.pipeline import Design
+from design.sampling.left import Band
 from design.sampling.sampled import MAX_DURATION_PERIODS, Sampled, sample
+from design.sampling.sampled_free import (
+    has_free_amplitudes,
+    require_two_a_period,
+    sample_free,
+)
+from design.solvers.budget import Budget
 
 SAMPLE_TOLERANCE = 0.01
 """What a shaper on samples may leave before impulses are added, where nothing else is said: a fifth
@@ -43,33 +51,41 @@ by the square of that: the rest is room for longer ones.
 
 def sampled_design(
     continuous: Design,
-    mode: Mode,
+    modes: Mode | tuple[Mode, ...],
     actuator: Actuator,
     sample_time_s: float,
     *,
     tolerance: float | None = None,
     max_duration_periods: float = MAX_DURATION_PERIODS,
+    between_levels: bool = False,
+    budget: Budget | None = None,
 ) -> tuple[Design, Sampled]:
     """Return a design brought to a sample grid, with a separate certificate.
 
-    The residual of a sampled shaper, at the nominal frequency and over the band of the shaper's own
-    claim if it has one, is computed by formula; the judge recomputes it by simulation, for the
-    actuator of the shaper's own certificate. One that holds for an ideal actuator only does so on
-    samples, and a warning has the figure with the one given. Another says where the residual is
-    above what the shaper claims, or for one that claims zero, above the sample tolerance.
+    Free amplitudes keep what the shaper claims; those of unity magnitude take the best samples. The
+    residual of a sampled shaper, at the nominal frequency and over the bands of the shaper's own
+    claims, is computed by formula; the judge recomputes it by simulation, for the actuator of the
+    shaper's own certificate. One that holds for an ideal actuator only does so on samples, and a
+    warning has the figure with the one given. Another says where the residual is above what the
+    shaper claims, or for one that claims zero, above the sample tolerance.
 
     Parameters
     ----------
     continuous
         The shaper between the samples.
-    mode, actuator
-        The plant's mode and its drive.
+    modes, actuator
+        The plant's modes, or its only one, and the drive.
     sample_time_s
-        Sample time, bounded as in `sample` [s].
+        Sample time, at most half a period, and bounded as in `sample` and `sample_free` [s].
     tolerance
         What unity magnitude may leave before impulses are added, 0 to 1 [-]; None adds none.
     max_duration_periods
         Longest command that is searched then [undamped periods].
+    between_levels
+        Whether a command of level 0 or 1 may as well be between them, as of
+        `may_be_between_levels`.
+    budget
+        The work of programs is counted in it.
 
     Returns
     -------
@@ -81,31 +97,40 @@ def sampled_design(
     Raises
     ------
     InvalidInputError
-        As `sample` does.
+        As `sample` and `sample_free` do, and for several modes of unity magnitude.
+    InfeasibleDesignError
+        If no free amplitudes keep what the shaper claims.
     SolverFailedError
         If simulation does not confirm the residual that the formula gives.
     """
-    kept = claim_over_band(continuous.certificate)
-    sampled = sample(
-        continuous.impulses,
-        mode,
-        actuator,
-        sample_time_s,
-        zeros_of(continuous.certificate),
-        tolerance=tolerance,
-        band=None if kept is None else kept.band,
-        max_duration_periods=max_duration_periods,
-    )
+    modes = (modes,) if isinstance(modes, Mode) else modes
     certified_for: Actuator = Ideal() if continuous.for_ideal else actuator
-    own = residual_vibration(sampled.impulses, mode, certified_for)
-    asked: tuple[Promise, ...] = (
-        Promise(quantity="residual", limit=own * (1 + AGREEMENT) + ZERO_LIMITS["residual"]),
-    )
-    if kept is not None and kept.band is not None:
-        ratios = np.linspace(*kept.band, CHECKED_IN_BAND)
-        largest = float(residual_curve(sampled.impulses, mode, certified_for, ratios).max())
-        asked = (*asked, within(largest * (1 + BAND_AGREEMENT), kept.band))
-    judged = judge(sampled.impulses, (mode,), certified_for, asked, name="the sampled shaper")
+    require_two_a_period(continuous.impulses, modes, sample_time_s)
+    kept = claim_over_band(continuous.certificate)
+    if has_free_amplitudes(continuous.impulses, between_levels=between_levels):
+        sampled = sample_free(
+            continuous.impulses,
+            [promise_of(claim) for claim in continuous.certificate.claims],
+            modes,
+            actuator,
+            sample_time_s,
+            designed_for=certified_for,
+            budget=budget,
+        )
+    else:
+        require_one_mode(modes, sample_time_s)
+        sampled = sample(
+            continuous.impulses,
+            modes[0],
+            actuator,
+            sample_time_s,
+            zeros_of(continuous.certificate),
+            tolerance=tolerance,
+            band=None if kept is None else kept.band,
+            max_duration_periods=max_duration_periods,
+        )
+    asked = _found_by_formula(sampled.impulses, modes, certified_for, continuous)
+    judged = judge(sampled.impulses, modes, certified_for, asked, name="the sampled shaper")
     if not judged.certificate.verified:
         raise SolverFailedError(
             f"the sampled shaper differs from its formula: {shortfall_of(judged.certificate)}",
@@ -114,16 +139,62 @@ def sampled_design(
     proven = replace(
         continuous,
         impulses=sampled.impulses,
-        residuals=(sampled.residual,),
+        residuals=tuple(residual_vibration(sampled.impulses, mode, actuator) for mode in modes),
         certificate=judged.certificate,
         warnings=(
             *_ideal_actuator_warnings(continuous, sampled),
             *_sample_warnings(continuous, sampled, judged, tolerance),
-            *drive_warnings(sampled.impulses, (mode,), actuator),
+            *drive_warnings(sampled.impulses, modes, actuator),
             *_longer_on_samples(continuous, sampled),
         ),
     )
     return proven, sampled
+
+
+def promise_of(claim: Claim) -> Promise:
+    """Return what a claim promised."""
+    return Promise(quantity=claim.quantity, limit=claim.limit, mode=claim.mode, band=claim.band)
+
+
+def require_one_mode(modes: tuple[Mode, ...], sample_time_s: float) -> None:
+    """Check that unity magnitude is asked of one mode only.
+
+    Parameters
+    ----------
+    modes, sample_time_s
+        The plant's modes, and the sample time [s].
+
+    Raises
+    ------
+    InvalidInputError
+        If there are several.
+    """
+    if len(modes) > 1:
+        raise InvalidInputError(
+            "sample_time_s",
+            sample_time_s,
+            "left out for unity magnitude in several modes, which has no amplitudes to solve for; "
+            "multi_zv and convolved of positive shapers have",
+            code="samples_of_one_mode",
+        )
+
+
+def _found_by_formula(
+    command: Impulses, modes: tuple[Mode, ...], actuator: Actuator, continuous: Design
+) -> tuple[Promise, ...]:
+    """Return the residuals that a formula finds, for the judge: nominal, and over the bands."""
+    asked = []
+    for number, mode in enumerate(modes):
+        own = residual_vibration(command, mode, actuator)
+        limit = own * (1 + AGREEMENT) + ZERO_LIMITS["residual"]
+        asked.append(Promise(quantity="residual", limit=limit, mode=number))
+    for claim in continuous.certificate.claims:
+        if claim.band is not None:
+            ratios = np.linspace(*claim.band, CHECKED_IN_BAND)
+            curve = residual_curve(command, modes[claim.mode], actuator, ratios)
+            limit = float(curve.max()) * (1 + BAND_AGREEMENT)
+            asked.append(replace(promise_of(claim), limit=limit))
+    return tuple(asked)
 
 
 def _ideal_actuator_warnings(continuous: Design, sampled: Sampled) -> Iterator[DesignWarning]:
@@ -141,15 +212,21 @@ def _sample_warnings(
     continuous: Design, sampled: Sampled, judged: Judgement, tolerance: float | None
 ) -> Iterator[DesignWarning]:
     """Yield what of the shaper's claims is lost on samples."""
-    kept, over_band = claim_over_band(continuous.certificate), claim_over_band(judged.certificate)
-    if kept is not None and over_band is not None:
-        if over_band.value > kept.limit * (1 + BAND_AGREEMENT):
+    limits: dict[tuple[int, Band | None], float] = {
+        (claim.mode, claim.band): claim.limit
+        for claim in continuous.certificate.claims
+        if claim.band is not None
+    }
+    for claim in judged.certificate.claims:
+        limit = limits.get((claim.mode, claim.band))
+        if limit is not None and claim.value > limit * (1 + BAND_AGREEMENT):
             yield DesignWarning(
                 code="tolerance_not_kept",
-                detail=f"on samples the residual over the band is up to {over_band.value:.4g}, "
-                f"more than the tolerance of {kept.limit:g}: take a shorter sample time, or design "
+                detail=f"on samples the residual over the band is up to {claim.value:.4g}, "
+                f"more than the tolerance of {limit:g}: take a shorter sample time, or design "
                 "for a smaller tolerance",
             )
+    if limits:
         return
     claimed = [
         claim.limit
@@ -204,11 +281,16 @@ def claims_on_samples(continuous: Design, tolerance: float | None) -> tuple[Clai
 def _longer_on_samples(continuous: Design, sampled: Sampled) -> Iterator[DesignWarning]:
     """Yield that impulses were added, where they take longer."""
     before_s = continuous.impulses.duration_s
-    if (
-        sampled.nearest_residual is not None
-        and len(sampled.tried) > 1
-        and sampled.impulses.duration_s > LONGER * before_s
-    ):
+    if sampled.impulses.duration_s <= LONGER * before_s:
+        return
+    if sampled.method == "free_amplitudes":
+        if sampled.impulses.duration_s > before_s + sampled.sample_time_s:
+            yield DesignWarning(
+                code="longer_on_samples",
+                detail=f"what the shaper claims takes {sampled.impulses.duration_s:.4g} s on "
+                f"samples, in place of {before_s:.4g} s between them: take a shorter sample time",
+            )
+    elif sampled.nearest_residual is not None and len(sampled.tried) > 1:
         own = sampled.tried[0]
         yield DesignWarning(
             code="longer_on_samples",

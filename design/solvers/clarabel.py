@@ -170,7 +170,8 @@ class _Columns:
         return int(self.data.size)
 
 
-def _columns(matrix: FloatArray) -> _Columns:
+def columns(matrix: FloatArray) -> _Columns:
+    """Return a matrix in compressed columns."""
     held = matrix.T != 0
     column, row = np.nonzero(held)
     starts = np.concatenate(([0], np.cumsum(np.bincount(column, minlength=matrix.shape[1]))))
@@ -311,7 +312,7 @@ def run(
         indptr=np.zeros(cost.size + 1, dtype=np.intp),
         shape=(cost.size, cost.size),
     )
-    matrix = _columns(np.concatenate(blocks))
+    matrix = columns(np.concatenate(blocks))
     found = clarabel.DefaultSolver(
         none, cost, matrix, np.concatenate(right), cones, settings
     ).solve()

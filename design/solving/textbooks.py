@@ -108,12 +108,16 @@ def textbook_shapers(
     Returns
     -------
     tuple of Textbook
-        The ramp shaped; of a single mode also each shaper's steps.
+        The ramp shaped; of a single mode also each shaper's steps. None of a kind that a mode is
+        too damped for.
     """
     rise_s, _ = actuator.unit_ramps_s
-    names = (POSITIVE[derivatives], UNITY[derivatives])
-    found = [_shaped(modes, actuator, names[0], step(), rise_s, end_s)]
-    for name in names if len(modes) == 1 else ():
+    positive, unity = (
+        [names[derivatives]] if _exists(names[derivatives], modes) else []
+        for names in (POSITIVE, UNITY)
+    )
+    found = [_shaped(modes, actuator, name, step(), rise_s, end_s) for name in positive]
+    for name in (*positive, *unity) if len(modes) == 1 else ():
         command = waiting(_designed(name, modes[0]), actuator)
         last_s = end_of_reference(command, actuator)
         found.append(
@@ -145,8 +149,11 @@ def textbook_moves(
     Returns
     -------
     tuple of Textbook
-        One: a trapezoid, or a triangle that does not reach full speed, convolved.
+        One: a trapezoid, or a triangle that does not reach full speed, convolved; none if the mode
+        is too damped for its shaper.
     """
+    if not _exists(POSITIVE[derivatives], (mode,)):
+        return ()
     unshaped = unshaped_move(actuator, travel_s)
     unshaped_s = end_of_reference(unshaped, actuator)
     return (_shaped((mode,), actuator, POSITIVE[derivatives], unshaped, unshaped_s, end_s),)
@@ -235,6 +242,10 @@ def _shaped(
         residual=left,
         earlier=1 - end_s / last_s,
     )
+
+
+def _exists(name: str, modes: tuple[Mode, ...]) -> bool:
+    return all(mode.damping_ratio <= SHAPERS[name].damping.most for mode in modes)
 
 
 def _designed(name: str, mode: Mode) -> Impulses:

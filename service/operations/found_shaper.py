@@ -1,17 +1,22 @@
 """The shaper of a request, designed and on samples where they are asked for."""
 
-from design.errors import InvalidInputError
+from dataclasses import replace
+
 from design.model.actuators.registry import Actuator
-from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
 from design.pipeline import Design, design
+from design.ranges import worst_over
 from design.sampling.sampled import MAX_DURATION_PERIODS, Sampled
-from design.sampling.sampled_design import sampled_design
+from design.sampling.sampled_design import require_one_mode, sampled_design
+from design.sampling.sampled_free import may_be_between_levels
 from design.shapers.options import ShaperOptions
 from schemas.base import name_field
 from schemas.samples import grid_tolerance
 from schemas.shapers import ShaperIn
+
+UNITY_OF_SEVERAL = ("multi_umzv", "umzv", "umzvd")
+"""Kinds, or what is convolved, whose impulses are of unity magnitude for several modes."""
 
 
 def found_shaper(
@@ -65,7 +70,7 @@ def on_samples(
     found
         The design between the samples.
     plant
-        The plant, of one mode.
+        The plant, of one mode or several, or over a range.
     actuator
         The actuator.
     shaper
@@ -82,37 +87,41 @@ def on_samples(
     ------
     InvalidInputError
         If the sample time does not suit the shaper.
+    InfeasibleDesignError
+        If no amplitudes on samples keep what the shaper claims.
     SolverFailedError
         If simulation does not confirm the residual on samples.
     """
     with name_field("shaper"):
-        return sampled_design(
+        designed, sampled = sampled_design(
             found,
-            plant.mode,
+            plant.modes,
             actuator,
             sample_time_s,
             tolerance=grid_tolerance(shaper),
+            between_levels=may_be_between_levels(shaper.shaper_kind()),
             max_duration_periods=getattr(shaper, "max_duration_periods", MAX_DURATION_PERIODS),
         )
+    if isinstance(plant, Scheduled):
+        worst = worst_over(plant, designed.impulses, actuator)
+        designed = replace(designed, worst_in_range=worst)
+    return designed, sampled
 
 
-def require_one_mode(plant: Plant, sample_time_s: float) -> None:
-    """Check that a plant has one mode of one frequency, as samples need.
+def require_sampled(plant: Plant, shaper: ShaperIn) -> None:
+    """Check that the modes can be shaped on samples, where asked.
 
     Parameters
     ----------
-    plant, sample_time_s
-        What moves, and the sample time of the controller [s].
+    plant, shaper
+        What moves, and the shaper on the wire.
 
     Raises
     ------
     InvalidInputError
-        If the plant has several modes, or one over a range.
+        If unity magnitude is to leave nothing in several modes.
     """
-    if isinstance(plant, Modes | Scheduled):
-        raise InvalidInputError(
-            "shaper.sample_time_s",
-            sample_time_s,
-            "left out for a plant of several modes or of a range",
-            code="samples_of_one_mode",
-        )
+    base = getattr(shaper, "base", shaper.kind)
+    if shaper.sample_time_s is not None and base in UNITY_OF_SEVERAL:
+        with name_field("shaper"):
+            require_one_mode(plant.modes, shaper.sample_time_s)

@@ -2,6 +2,7 @@
 
 from typing import Literal
 
+from design.analysis.claims_found import zeros_of
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.moves.maneuvers import Maneuver, maneuver
@@ -26,7 +27,13 @@ def whole_move(request: ManeuverRequest) -> ManeuverResponse:
     if request.sample_time_s is not None:
         signed = move.direction * move.speed_m_s
         played = program(
-            move.command, plant.mode, actuator, signed, request.sample_time_s, move.swing
+            move.command,
+            plant.mode,
+            actuator,
+            signed,
+            request.sample_time_s,
+            move.swing,
+            zeros_of(move.certificate),
         )
     return ManeuverResponse.from_design(request.shaper.kind, move, played, version())
 

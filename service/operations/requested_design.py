@@ -13,7 +13,7 @@ from schemas.base import name_field
 from schemas.design_request import DesignRequest
 from schemas.sampled import SampledOut
 from service.operations.fit import read_fit
-from service.operations.found_shaper import on_samples, require_one_mode
+from service.operations.found_shaper import on_samples, require_sampled
 from service.operations.subject import subject_of
 
 
@@ -57,7 +57,7 @@ def requested_design(request: DesignRequest) -> RequestedDesign:
     kind = request.shaper.shaper_kind()
     sample_time_s = request.shaper.sample_time_s
     if sample_time_s is not None:
-        require_one_mode(plant, sample_time_s)
+        require_sampled(plant, request.shaper)
     trace: list[TraceStep] = []
     budget = Budget(trace=trace if request.trace else None)
     try:

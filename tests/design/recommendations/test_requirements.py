@@ -64,8 +64,6 @@ def test_equal_modes_and_what_several_modes_do_not_take_are_refused() -> None:
     one = Mode(natural_frequency_rad_s=3.5)
     with refused("modes_too_near", "modes.1"):
         asked(Modes(modes=(one, one)))
-    with refused("requirement_of_one_mode", "sample_time_s"):
-        asked(TWO_MODES, sample_time_s=0.01)
     with refused("requirement_of_one_mode", "damping"):
         asked(TWO_MODES, damping=(0.0, 0.1))
     hook = Scheduled(first=Pendulum(cable_length_m=0.7), last=Pendulum(cable_length_m=1.0))

@@ -6,13 +6,14 @@ from dataclasses import replace
 import numpy as np
 
 from design.analysis.residual import residual_vibration
-from design.claims import Quantity
+from design.claims import Quantity, zeros
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
 from design.pipeline import design
+from design.sampling.free_amplitudes import free_on_samples
 from design.shapers.registry import SHAPERS
 from tests.shaper_table import THESIS
 
@@ -43,6 +44,17 @@ def positive_shaper(mode: Mode, steps: int) -> Impulses:
     heights = [math.comb(steps - 1, index) * decay**index for index in range(steps)]
     total = sum(heights)
     return shaper([half_s * index for index in range(steps)], [a / total for a in heights])
+
+
+def exact(
+    impulses: Impulses,
+    mode: Mode,
+    actuator: Actuator,
+    sample_time_s: float,
+    claims: tuple[Quantity, ...] = RESIDUAL,
+) -> Impulses:
+    """Return amplitudes on samples that make all that is claimed zero."""
+    return free_on_samples(impulses, zeros(claims), (mode,), actuator, sample_time_s).impulses
 
 
 def designed(kind: str, plant: Plant, actuator: Actuator) -> Impulses:

@@ -18,10 +18,10 @@ from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.pipeline import design
-from design.sampling.exact_positive import exact_positive
 from design.sampling.sample_grid import nearest, round_with_carry, split
 from design.sampling.sampled import Sampled, sample
 from design.sampling.sampled_design import sampled_design
+from design.sampling.sampled_free import sample_free
 from design.sampling.unity_grid import unity_on_grid
 from design.shapers.registry import SHAPERS
 from tests.design.sampling.on_samples import (
@@ -33,6 +33,7 @@ from tests.design.sampling.on_samples import (
     WITH_SLOPE,
     assert_on_grid,
     designed,
+    exact,
     percent,
     positive_shaper,
     shaper,
@@ -46,10 +47,9 @@ from tests.shaper_table import CRANE, THESIS
 
 def test_zv_on_the_grid_leaves_the_published_residuals() -> None:
     zv = positive_shaper(PRINTER, 2)
-    exact = exact_positive(zv, PRINTER, Ideal(), SAMPLE_S)
     assert percent(split(zv, SAMPLE_S)) == pytest.approx(0.583, abs=5e-4)
     assert percent(nearest(zv, SAMPLE_S)) == pytest.approx(3.00, abs=5e-3)
-    assert percent(exact) <= 100 * EXACT
+    assert percent(exact(zv, PRINTER, Ideal(), SAMPLE_S)) <= 100 * EXACT
 
 
 def test_umzv_on_the_grid_leaves_the_published_residuals() -> None:
@@ -183,8 +183,6 @@ def test_a_single_step_stays_a_step() -> None:
         unity_on_grid(step, PRINTER, Ideal(), 0.25, slope=True),
     ):
         assert found.times_s.tolist() == [0.25]
-    with refused("no_positive_on_samples", says="residual and the slope zero"):
-        exact_positive(shaper([0.0], [1.0]), PRINTER, Ideal(), 0.25, slope=True)
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -213,13 +211,11 @@ def test_many_commands_at_once_are_each_command_by_itself(seed: int) -> None:
 
 
 @pytest.mark.parametrize("actuator", [THESIS, SWITCHED], ids=["superposed", "switched"])
-@pytest.mark.parametrize("kind", ["zv", "zvd", "numzvd"])
+@pytest.mark.parametrize("kind", ["numzv", "numzvd"])
 def test_scaling_time_scales_the_times_and_nothing_else(kind: str, actuator: SecondOrder) -> None:
     mode = CRANE.mode
-    impulses = (
-        designed(kind, CRANE, actuator) if kind == "numzvd" else positive_shaper(mode, len(kind))
-    )
-    claims = RESIDUAL if kind == "zv" else WITH_SLOPE
+    impulses = designed(kind, CRANE, actuator)
+    claims = RESIDUAL if kind == "numzv" else WITH_SLOPE
     found = sample(impulses, mode, actuator, 0.01, claims)
     scaled = sample(
         # By a power of two, which does not round.
@@ -258,9 +254,10 @@ def test_a_shaper_on_the_grid_stays_as_it_is() -> None:
 def test_a_sample_time_must_be_positive(value: float) -> None:
     zv = positive_shaper(PRINTER, 2)
     umzv = designed("umzv", PRINTER, Ideal())
-    for impulses in (zv, umzv):
-        with refused("not_positive", "sample_time_s"):
-            sample(impulses, PRINTER, Ideal(), value, RESIDUAL)
+    with refused("not_positive", "sample_time_s"):
+        sample(umzv, PRINTER, Ideal(), value, RESIDUAL)
+    with refused("not_positive", "sample_time_s"):
+        sample_free(zv, zeros(RESIDUAL), (PRINTER,), Ideal(), value)
     with refused("not_positive", "sample_time_s"):
         nearest(zv, value)
     with refused("not_positive", "sample_time_s"):
@@ -299,7 +296,7 @@ def test_where_commands_are_searched_a_sample_may_be_half_a_period() -> None:
 def test_a_sample_time_must_not_drown_in_rounding() -> None:
     zv = positive_shaper(PRINTER, 2)
     with refused("sample_time_too_short", "sample_time_s", says=r"at least 6\.85789e-08"):
-        sample(zv, PRINTER, Ideal(), 1e-9, RESIDUAL)
+        sample_free(zv, zeros(RESIDUAL), (PRINTER,), Ideal(), 1e-9)
 
 
 @pytest.mark.parametrize("actuator", [Ideal(), THESIS], ids=["ideal", "thesis"])

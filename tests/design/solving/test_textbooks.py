@@ -109,11 +109,23 @@ def test_short_ramps_bring_the_steps_of_unity_magnitude_near_the_fastest() -> No
     assert found["zv", "steps"].earlier == pytest.approx(1 / 3, abs=1e-4)  # T/3 beside T/2
 
 
-@pytest.mark.parametrize("damping", [0.0, 0.2, 0.5, 0.9])
+@pytest.mark.parametrize("damping", [0.0, 0.2, 0.5, 0.9, 0.95, 0.97, 0.98, 0.99])
 @pytest.mark.parametrize("derivatives", [0, 1])
-def test_every_damping_that_is_served_has_textbooks(damping: float, derivatives: int) -> None:
+def test_any_damping_has_the_textbooks_that_exist_there(damping: float, derivatives: int) -> None:
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=damping)
-    assert textbook_shapers((mode,), DRIVE, derivatives=derivatives, end_s=1.0)
+    kinds = {1: ("zvd", "umzvd"), 0: ("zv", "umzv")}[derivatives]
+    exist = {name for name in kinds if damping <= SHAPERS[name].damping.most}
+    found = textbook_shapers((mode,), DRIVE, derivatives=derivatives, end_s=1.0)
+    assert {one.shaper for one in found} == exist
+    moves = textbook_moves(mode, DRIVE, derivatives=derivatives, travel_s=9.0, end_s=1.0)
+    assert {one.shaper for one in moves} == exist & {kinds[0]}
+
+
+@pytest.mark.parametrize("damping", [0.95, 0.97])
+@pytest.mark.parametrize("kind", ["zv", "zvd", "numzv"])
+def test_a_design_needs_no_textbook(kind: str, damping: float) -> None:
+    mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=damping)
+    assert design(mode, DRIVE, SHAPERS[kind]).certificate.verified
 
 
 def test_several_modes_have_a_ramp_shaped_for_each() -> None:

@@ -150,3 +150,58 @@ def test_a_map_holds_the_impulses_on_the_samples(client: httpx.Client) -> None:
     design = client.post("/v1/designs", json=request).json()
     mapped = client.post("/v1/maps", json={**request, **AXES}).json()
     assert mapped["residual"][0][0] == pytest.approx(design["residual"], rel=1e-9)
+
+
+@pytest.mark.parametrize("shaper", [{"kind": "convolved"}, {"kind": "multi_zv"}])
+def test_several_modes_are_shaped_on_samples(client: httpx.Client, shaper: dict[str, Any]) -> None:
+    modes = [
+        {"natural_frequency_rad_s": 2.513274122871834, "damping_ratio": 0.02},  # .4 Hz
+        {"natural_frequency_rad_s": 8.168140899333462, "damping_ratio": 0.015},  # 1.3 Hz
+    ]
+    request = {
+        "plant": {"kind": "modes", "modes": modes},
+        "actuator": {"kind": "ideal"},
+        "shaper": {**shaper, "sample_time_s": 0.1},
+    }
+    body = client.post("/v1/designs", json=request).json()
+    assert body["sampled"]["method"] == "free_amplitudes"
+    assert [claim["value"] < 1e-12 for claim in body["certificate"]["claims"]] == [True, True]
+    assert body["sampled"]["samples"][-1] <= 18
+    assert body["warnings"] == []
+
+
+def test_a_range_is_kept_on_samples(client: httpx.Client) -> None:
+    plant = {
+        "kind": "scheduled",
+        "plant": {"kind": "pendulum", "cable_length_m": 1.0},
+        "over": "cable_length_m",
+        "from": 0.7,
+        "to": 1.0,
+    }
+    for shaper in ({"kind": "si"}, {"kind": "si", "amplitudes": "negative"}):
+        request = {
+            "plant": plant,
+            "actuator": {"kind": "ideal"},
+            "shaper": {**shaper, "sample_time_s": 0.05},
+        }
+        body = client.post("/v1/designs", json=request).json()
+        over_range = body["certificate"]["claims"][-1]
+        assert over_range["value"] <= 0.05
+        assert body["sampled"]["bound"] == pytest.approx(over_range["value"], rel=1e-4)
+        assert body["sampled"]["shorter_bound"] > 0.05
+    unity = client.post(
+        "/v1/designs", json={**request, "shaper": {"kind": "umzv", "sample_time_s": 0.05}}
+    )
+    assert unity.json()["sampled"]["method"] in ("unity_on_grid", "search_on_off")
+
+
+@pytest.mark.parametrize(
+    ("sample_time_s", "code"), [(0.07, "sample_time_too_long"), (1e-9, "sample_time_too_short")]
+)
+def test_a_sample_time_is_between_a_millionth_of_the_shaper_and_half_the_period(
+    client: httpx.Client, sample_time_s: float, code: str
+) -> None:
+    shaper = {"kind": "zvd", "sample_time_s": sample_time_s}
+    answer = client.post("/v1/designs", json={**PRINTER, "shaper": shaper})
+    (error,) = answer.json()["errors"]
+    assert (error["pointer"], error["code"]) == ("/shaper/sample_time_s", code)

@@ -1,0 +1,304 @@
+"""Amplitudes on a given number of samples: the least violation of claims, or the nearest zeros."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from design.model.impulses import Impulses
+from design.sampling.asked import Asked, Drive
+from design.sampling.freedom import Freedom, freedoms
+from design.solvers import sample_program
+from design.solvers.budget import Budget
+from design.solvers.outcome import Status
+from design.solvers.sample_program import SampleOutcome, SampleProgram
+from design.types import BoolArray, ComplexArray, FloatArray
+
+ACCURACY = 1e-7
+"""Share by which a peak may be above those of a program: its own accuracy [-]."""
+
+EXACT = 1e-13
+"""Largest equation that counts as zero: a few hundred roundings of terms of size one [-]."""
+
+ABSENT = (1e-6, 1e-7, 1e-8, 1e-9)
+"""How near to a bound an unknown of a program is there; nearer where too few are then left [-]."""
+
+MIN_STEP = 1e-10
+"""Step that is none: `Impulses` would take it for one that does not accelerate [-]."""
+
+TURN_RAD = 0.6
+"""Turn of the first impulse from one ratio of a program to the next [rad]."""
+
+FINER = 8
+"""How many times closer peaks are looked for."""
+
+MIN_RATIOS = 7
+"""Ratios of a band, at least."""
+
+MAX_RATIOS = 600
+"""Ratios of a band beyond which no more are added."""
+
+MAX_SETS = 4
+"""How often steps are left out that would begin a set, and are none."""
+
+ROUNDS = 3
+"""Corrections by which equations come to hold to rounding."""
+
+Ratios = list[list[FloatArray]]
+"""Ratios of frequency at which each band of each mode is bounded."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """The least violation on a number of samples, and of what program."""
+
+    program: SampleProgram
+    outcome: SampleOutcome
+    freedom: Freedom
+
+    @property
+    def value(self) -> float:
+        """Violation over the limits; infinite without such a command."""
+        return self.outcome.value if self.outcome.status is Status.SOLVE_SUCCEEDED else math.inf
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClaimsOnSamples:
+    """A shaper, what is asked of it on samples, and the drive."""
+
+    impulses: Impulses
+    asked: tuple[Asked, ...]
+    drive: Drive
+    budget: Budget
+
+    @property
+    def positions(self) -> FloatArray:
+        """Times of the shaper from its first impulse on, shape (n,) [samples]."""
+        times = self.impulses.times_s
+        places: FloatArray = (times - times[0]) / self.drive.sample_time_s
+        return places
+
+    @property
+    def largest_tolerance(self) -> float | None:
+        """The largest tolerance asked; None where only zeros are [-]."""
+        limits = [limit for one in self.asked for _, limit in one.bands]
+        limits += [one.nominal for one in self.asked if one.nominal is not None]
+        return max(limits, default=None)
+
+    def freedoms(self, last: int) -> list[Freedom]:
+        """Return what amplitudes may be on samples, likeliest first."""
+        band = any(one.bands for one in self.asked)
+        return list(freedoms(self.impulses, self.positions, last, band=band))
+
+    def least(self, freedom: Freedom, *, decide: bool = False) -> Found:
+        """Return the least violation of what is asked.
+
+        Of the zeros where nothing else is.
+
+        Parameters
+        ----------
+        freedom
+            What amplitudes may be.
+        decide
+            Whether it ends as soon as it is known that the claims cannot be kept.
+
+        Returns
+        -------
+        Found
+            Its value is over the limits; it is of all frequencies of the bands, unless it is above
+            1 and was to decide.
+        """
+        ratios: Ratios = [
+            [np.linspace(*band, self._count(one, band, freedom)) for band, _ in one.bands]
+            for one in self.asked
+        ]
+        while True:
+            program = self._program(freedom, ratios)
+            outcome = sample_program.solve(program)
+            self.budget.spend(outcome.work)
+            found = Found(program, outcome, freedom)
+            if not math.isfinite(found.value) or (decide and outcome.bound > 1.0):
+                return found
+            most = max((each.size for own in ratios for each in own), default=0)
+            if most > MAX_RATIOS or not self._add_peaks(freedom, ratios, found):
+                return found
+
+    def _count(self, one: Asked, band: tuple[float, float], freedom: Freedom) -> int:
+        turn = abs(one.mode.pole_rad_s) * self.drive.sample_time_s * float(freedom.samples[-1])
+        return MIN_RATIOS + math.ceil(turn * (band[1] - band[0]) / TURN_RAD)
+
+    def _add_peaks(self, freedom: Freedom, ratios: Ratios, found: Found) -> bool:
+        """Add ratios at which a tolerance is passed; return whether there were any."""
+        amplitudes = freedom.base + freedom.matrix @ found.outcome.unknowns
+        added = False
+        for one, own in zip(self.asked, ratios, strict=True):
+            for index, (band, limit) in enumerate(one.bands):
+                grid = np.linspace(*band, FINER * self._count(one, band, freedom) + 1)
+
+                def curve(at: FloatArray, one: Asked = one) -> FloatArray:
+                    rows = self._vectors(one, at, freedom)
+                    return np.abs(rows @ amplitudes)
+
+                peaks = _peaks(curve, grid)
+                above = peaks[curve(peaks) > found.value * limit * (1 + ACCURACY)]
+                together = np.union1d(own[index], above)
+                added = added or together.size > own[index].size
+                own[index] = together
+        return added
+
+    def _vectors(self, one: Asked, ratios: FloatArray, freedom: Freedom) -> ComplexArray:
+        at = ratios.astype(np.complex128)
+        return self.drive.vectors(one.mode, at, freedom.samples, freedom.signs)
+
+    def _zeros(self, freedom: Freedom) -> ComplexArray:
+        rows = [self.drive.zero_rows(one, freedom.samples, freedom.signs) for one in self.asked]
+        together: ComplexArray = np.concatenate(rows)
+        return together
+
+    def _program(self, freedom: Freedom, ratios: Ratios) -> SampleProgram:
+        rows: list[ComplexArray] = []
+        limits: list[FloatArray] = []
+        for one, own in zip(self.asked, ratios, strict=True):
+            for (_, limit), each in zip(one.bands, own, strict=True):
+                rows.append(self._vectors(one, each, freedom))
+                limits.append(np.full(each.size, limit))
+            if one.nominal is not None:
+                rows.append(self._vectors(one, np.ones(1), freedom))
+                limits.append(np.full(1, one.nominal))
+        zeros = self._zeros(freedom)
+        if not rows:  # what misses zero is what counts
+            return _program(freedom, zeros, np.ones(len(zeros)), zeros[:0], None)
+        return _program(freedom, np.concatenate(rows), np.concatenate(limits), zeros, None)
+
+    def nearest_zero(self, freedom: Freedom) -> tuple[Freedom, FloatArray] | None:
+        """Return amplitudes of all zeros, near the linear split.
+
+        Parameters
+        ----------
+        freedom
+            What amplitudes may be.
+
+        Returns
+        -------
+        tuple of Freedom and FloatArray, or None
+            The samples that may have steps, and amplitudes on them, shape (k,); None if no such
+            amplitudes were found.
+        """
+        amplitudes = self._nearest(freedom)
+        if amplitudes is None or freedom.signs is None or not self.drive.passes_state_on:
+            return None if amplitudes is None else (freedom, amplitudes)
+        # Which set is in force goes by the steps there are: without those that begin no set.
+        begun = freedom
+        for _ in range(MAX_SETS):
+            begun = begun.restricted(_in_force(begun.signs, amplitudes))
+            amplitudes = self._nearest(begun)
+            if amplitudes is None:
+                break
+            if _in_force(begun.signs, amplitudes).all():
+                return begun, amplitudes
+        begun = freedom.with_beginnings()
+        amplitudes = self._nearest(begun)
+        return None if amplitudes is None else (begun, amplitudes)
+
+    def _nearest(self, freedom: Freedom) -> FloatArray | None:
+        zeros = self._zeros(freedom)
+        cost = freedom.cost / max(1.0, float(np.abs(freedom.cost).max()))
+        program = _program(freedom, zeros[:0], np.zeros(0), zeros, cost)
+        outcome = sample_program.solve(program)
+        self.budget.spend(outcome.work)
+        if outcome.status is not Status.SOLVE_SUCCEEDED:
+            return None
+        return polished(program, freedom, outcome.unknowns)
+
+
+def _program(
+    freedom: Freedom,
+    bounded: ComplexArray,
+    limits: FloatArray,
+    zeros: ComplexArray,
+    cost: FloatArray | None,
+) -> SampleProgram:
+    return SampleProgram(
+        bounded=bounded @ freedom.matrix,
+        bounded_offset=bounded @ freedom.base,
+        limits=limits,
+        zero=zeros @ freedom.matrix,
+        zero_offset=zeros @ freedom.base,
+        equal=freedom.equal,
+        right=freedom.right,
+        below=freedom.below,
+        most=freedom.most,
+        highest=freedom.highest,
+        cost=cost,
+    )
+
+
+def _in_force(signs: FloatArray | None, amplitudes: FloatArray) -> BoolArray:
+    """Return which samples are not before the first step of their own set, shape (k,)."""
+    if signs is None:
+        return np.ones(amplitudes.size, dtype=np.bool_)
+    runs = np.cumsum(np.diff(signs, prepend=signs[0]) != 0)
+    begun: BoolArray = np.zeros(amplitudes.size, dtype=np.bool_)
+    for run in range(int(runs[-1]) + 1):
+        own = runs == run
+        begun[own] = np.maximum.accumulate(amplitudes[own] != 0)
+    return begun
+
+
+def _peaks(curve: Callable[[FloatArray], FloatArray], ratios: FloatArray) -> FloatArray:
+    """Return ends and peaks of a curve, each by the parabola through three points."""
+    values = curve(ratios)
+    before, here, after = values[:-2], values[1:-1], values[2:]
+    inner = np.flatnonzero((here >= before) & (here >= after))
+    rise, bend = (before - after)[inner], (before - 2 * here + after)[inner]
+    flat = bend == 0
+    move = np.where(flat, 0.0, rise / np.where(flat, 1.0, 2 * bend))
+    places = ratios[inner + 1] + (ratios[1] - ratios[0]) * np.clip(move, -1.0, 1.0)
+    found: FloatArray = np.concatenate((ratios[:1], places, ratios[-1:]))
+    return found
+
+
+def polished(
+    program: SampleProgram, freedom: Freedom, unknowns: FloatArray, largest: float = math.inf
+) -> FloatArray | None:
+    """Return amplitudes whose equations hold to rounding.
+
+    Unknowns at a bound, within the accuracy of the program, stay there; the others take the
+    smallest change that solves the equations.
+
+    Parameters
+    ----------
+    program, freedom
+        The program and what it is of.
+    unknowns
+        Its solution, shape (n,).
+    largest
+        What its bounded vectors may be over their limits, at most [-].
+
+    Returns
+    -------
+    FloatArray or None
+        Shape (k,), of their signs; None where the equations do not hold.
+    """
+    equations = np.concatenate((program.equal, program.zero.real, program.zero.imag))
+    sides = np.concatenate((program.right, -program.zero_offset.real, -program.zero_offset.imag))
+    for absent in ABSENT:
+        low, high = unknowns < absent, unknowns > program.highest - absent
+        values = np.where(low, 0.0, np.where(high, program.highest, unknowns))
+        kept = ~(low | high)
+        for _ in range(ROUNDS):
+            missing = sides - equations @ values
+            values[kept] += np.linalg.lstsq(equations[:, kept], missing)[0]
+        vectors = np.abs(program.bounded @ values + program.bounded_offset)
+        if (
+            np.abs(equations @ values - sides).max(initial=0.0) <= EXACT
+            and (values >= 0).all()
+            and (values <= program.highest).all()
+            and (program.below @ values <= program.most + EXACT).all()
+            and (vectors <= largest * program.limits).all()
+        ):
+            amplitudes = freedom.base + freedom.matrix @ values
+            steps: FloatArray = np.where(np.abs(amplitudes) > MIN_STEP, amplitudes, 0.0)
+            return steps
+    return None
