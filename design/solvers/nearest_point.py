@@ -59,7 +59,7 @@ def nearest_point(start: FloatArray, within: Polyhedron) -> FloatArray | None:
     >>> half_plane = Polyhedron(
     ...     equations=np.ones((1, 2)), wanted=np.ones(1), bounds=np.eye(2), least=np.zeros(2)
     ... )
-    >>> nearest_point(np.array([2.0, -3.0]), half_plane).round(12).tolist()
+    >>> nearest_point(np.array([2.0, 0.5]), half_plane).round(12).tolist()
     [1.0, 0.0]
     """
     equations, wanted = _of_unit_rows(within.equations, within.wanted)

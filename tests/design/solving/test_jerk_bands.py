@@ -98,7 +98,7 @@ def test_without_limit_to_the_jerk_the_end_is_that_of_straight_ramps() -> None:
     assert abs(later[2]) < 2e-6
 
 
-@pytest.mark.parametrize(("mode", "drive", "options"), with_jerk(17, 30))
+@pytest.mark.parametrize(("mode", "drive", "options"), with_jerk(17, 12))
 def test_random_drives_are_solved_with_a_bound(
     mode: Mode, drive: RateLimited, options: UnityBandOptions
 ) -> None:

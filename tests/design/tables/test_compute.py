@@ -109,7 +109,7 @@ def test_a_row_of_any_compiled_shaper_equals_the_single_design(
 def test_a_row_that_lets_each_step_settle_equals_the_single_design(kind: str, model: Model) -> None:
     options = SHAPERS[kind].options(settle=True, max_duration_periods=4.0)
     require_same_as_single(
-        random_table(20, 6, order=2, model=model, kind=kind, options=options, poles=(3.0, 9.0))
+        random_table(8, 6, order=2, model=model, kind=kind, options=options, poles=(3.0, 9.0))
     )
 
 
