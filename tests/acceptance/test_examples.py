@@ -34,7 +34,7 @@ def test_figure_5_of_the_thesis_is_printed_and_drawn(tmp_path: Path) -> None:
     command = [sys.executable, str(EXAMPLES[1]), str(picture)]
     printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     left = [float(line.rsplit(" %", 1)[0].split()[-1]) for line in printed.splitlines()[1:]]
-    assert left == [0.0, 0.58, 0.58, 0.58, 0.0, 33.61, 33.61, 0.24]
+    assert left == [0.0, 0.58, 0.58, 0.58, 0.0, 33.61, 33.61, 0.76]
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 

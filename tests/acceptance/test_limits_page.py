@@ -21,6 +21,7 @@ from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.moves.maneuvers import maneuver
 from design.pipeline import design
+from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import SHAPERS
 from design.solving.textbooks import figures_beside_textbooks, textbook_shapers, unshaped_move
 from tests.refusals import refused
@@ -34,14 +35,38 @@ DRIVE = RateLimited(accel_limit_m_s2=0.3, decel_limit_m_s2=0.4, speed_m_s=1.0)
 PERIOD_S = 2 * math.pi * math.sqrt(9 / 9.81)
 WHOLE = RateLimited(accel_limit_m_s2=1 / PERIOD_S, decel_limit_m_s2=0.4, speed_m_s=1.0)
 
-GIVEN = {"9", "1", "0.3", "0.4", "12", "0.9", "1.1", "5", "0.1", "0.0"}
+GIVEN = {"9", "1", "0.3", "0.4", "12", "0.9", "1.1", "5", "10", "0.1", "0.0"}
 """What the page asks: the crane, its moves, by how much its frequency is off, and zeros."""
+
+JERKS = (None, 0.3, 0.1)
+"""Limits to the jerk of the second table [m/s³]."""
+
+OF_JERK = {
+    "`numzv`": ("numzv", None),
+    "`num_si`, 5 % over ±10 %": ("num_si", UnityBandOptions(tolerance=0.05, half_width=0.1)),
+    "`num_ei`": ("num_ei", None),
+    "`num_2ei`": ("num_2ei", None),
+}
+"""Its rows: kinds and their parameters."""
 
 
 @cache
 def figures(kind: str) -> RampFigures:
     found = design(CRANE, DRIVE, SHAPERS[kind])
     return figures_beside_textbooks(found.impulses, CRANE.modes, DRIVE, found.certificate.claims)
+
+
+@cache
+def ends_by_jerk() -> dict[str, list[float]]:
+    """Return when the last ramps end without limit to the jerk and with each [s]."""
+    drives = [replace(DRIVE, jerk_limit_m_s3=jerk) for jerk in JERKS]
+    return {
+        label: [
+            end_of_reference(design(CRANE, drive, SHAPERS[kind], options).impulses, drive)
+            for drive in drives
+        ]
+        for label, (kind, options) in OF_JERK.items()
+    }
 
 
 def move_end_s(distance_m: float, *, joint: bool) -> float:
@@ -89,6 +114,8 @@ def facts() -> set[str]:
         design(CRANE, Ideal(), SHAPERS["zv"]).impulses.duration_s,
         unshaped_ramp_residual(CRANE.mode, DRIVE),
         *(one.ramp_end_s for found in (numzv, numzvd) for one in found.textbooks),
+        replace(DRIVE, jerk_limit_m_s3=0.3).unit_ramps_s[0],
+        *(end_s for row in ends_by_jerk().values() for end_s in row),
     ]  # fmt: skip
     one_digit = [
         1 / 0.4, damped_steps(), off_by(0.9), off_by(1.1),
@@ -129,6 +156,9 @@ def test_the_table_is_what_the_answer_compares() -> None:
             ]
             for one in found.textbooks
         ]
+    expected += [
+        [label, *(f"{end_s:.3f}" for end_s in row)] for label, row in ends_by_jerk().items()
+    ]
     assert rows == expected
 
 
