@@ -20,7 +20,7 @@ class Expressions:
     objective
         To be minimised: the duration [rad].
     equations
-        To be zero, as many as unknowns.
+        To be zero, as many as unknowns or fewer.
     """
 
     unknowns: Symbolic

@@ -19,8 +19,8 @@ class UnityMagnitude:
     impulses
         Number of impulses, odd.
     derivatives
-        How many derivatives of the vibration in the plant's frequency vanish too; the impulses
-        must be ``2 * derivatives + 3``, so that equations match unknowns.
+        How many derivatives of the vibration in the plant's frequency vanish too. Equations match
+        unknowns with ``2 * derivatives + 3`` impulses; with more there is a choice.
     switched_order
         Order of the lags of a switched actuator, 1 or 2; 0 for superposed steps of any order.
     ramped

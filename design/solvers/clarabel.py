@@ -180,6 +180,29 @@ def columns(matrix: FloatArray) -> _Columns:
     )
 
 
+def factors(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return two factors of a matrix, of the smallest rank to rounding.
+
+    Vectors of neighbouring frequencies are nearly alike: few combinations of the unknowns make all
+    of them. Between these few a program is sparse, and by orders faster.
+
+    Parameters
+    ----------
+    vectors
+        Shape (k, n).
+
+    Returns
+    -------
+    tuple of two FloatArray
+        Shapes (k, r) and (r, n).
+    """
+    if vectors.size == 0:
+        return np.zeros((len(vectors), 0)), np.zeros((0, vectors.shape[1]))
+    left, values, right = np.linalg.svd(vectors, full_matrices=False)
+    rank = int((values > NEGLIGIBLE * values[0]).sum())
+    return left[:, :rank], values[:rank, None] * right[:rank]
+
+
 def solve(program: ConeProgram) -> ConeOutcome:
     """Solve one cone program.
 
@@ -196,12 +219,9 @@ def solve(program: ConeProgram) -> ConeOutcome:
     import clarabel  # noqa: PLC0415 - where it is used, as all solvers
 
     bands, count = program.rows.shape
-    # Vectors of neighbouring frequencies are nearly alike: a few dozen combinations y of the
-    # unknowns make all of them. Between these few the program is sparse, and by orders faster.
-    vectors = np.concatenate((program.rows.real, program.rows.imag))
-    left, values, right_vectors = np.linalg.svd(vectors, full_matrices=False)
-    rank = int((values > NEGLIGIBLE * values[0]).sum())
-    combined, combining = left[:, :rank], values[:rank, None] * right_vectors[:rank]
+    # y are a few dozen combinations of the unknowns.
+    combined, combining = factors(np.concatenate((program.rows.real, program.rows.imag)))
+    rank = len(combining)
     between = 0 if program.levels is None else count
     unknowns = count + between + rank + 1  # x, levels, y, v
     others = unknowns - count
@@ -281,7 +301,12 @@ class Ran:
 
 
 def run(
-    cost: FloatArray, blocks: Sequence[FloatArray], right: Sequence[FloatArray], cones: list[Any]
+    cost: FloatArray,
+    blocks: Sequence[FloatArray],
+    right: Sequence[FloatArray],
+    cones: list[Any],
+    *,
+    tolerance: float = TOLERANCE,
 ) -> Ran:
     """Minimise ``cost x`` so that ``right - blocks x`` is in cones.
 
@@ -293,6 +318,8 @@ def run(
         Shapes (m_i, n) and (m_i,).
     cones
         Clarabel's, as long as the blocks in all.
+    tolerance
+        Of the gap and of the constraints [-].
 
     Returns
     -------
@@ -305,7 +332,7 @@ def run(
     settings.verbose = False
     settings.max_threads = 1  # programs this small only wait for each other's threads
     settings.time_limit = MAX_RUN_S
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = tolerance
     none = _Columns(
         data=np.zeros(0),
         indices=np.zeros(0, dtype=np.intp),

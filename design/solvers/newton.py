@@ -75,7 +75,7 @@ class _Equations:
     def __call__(
         self, unknowns: FloatArray, parameters: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Return equations, shape (m, n), and Jacobians, shape (m, n, n), for m <= LANES."""
+        """Return equations, shape (m, e), and Jacobians, shape (m, e, n), for m <= LANES."""
         count = len(unknowns)
         self._unknowns[:count] = unknowns
         self._parameters[:count] = parameters

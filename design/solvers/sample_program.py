@@ -4,18 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.solvers.clarabel import ENTRY_WORK, NEGLIGIBLE, PROGRAM_WORK, STATUS, columns
+from design.solvers.clarabel import CONE_SIZE, ENTRY_WORK, PROGRAM_WORK, factors, run
 from design.solvers.outcome import Status
 from design.types import ComplexArray, FloatArray
 
-CONE_SIZE = 3
-"""A bound, and the two parts of the vector that it bounds."""
-
 TOLERANCE = 1e-10
 """Of the gap and of the constraints: what is left is made zero afterwards [-]."""
-
-MAX_RUN_S = 10.0
-"""Where Clarabel ends a run [s]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -96,10 +90,7 @@ def solve(program: SampleProgram) -> SampleOutcome:
 
     size = program.highest.size
     by_value = program.cost is None
-    # Vectors of neighbouring frequencies are nearly alike: few combinations of the unknowns make
-    # all of them. Between these few the program is sparse, and by orders faster.
-    vectors = np.concatenate((program.bounded.real, program.bounded.imag))
-    parts, combining = _combined(vectors)
+    parts, combining = factors(np.concatenate((program.bounded.real, program.bounded.imag)))
     rank = len(combining)
     bounds = program.limits.size
     width = size + rank + by_value
@@ -148,31 +139,14 @@ def solve(program: SampleProgram) -> SampleOutcome:
         clarabel.NonnegativeConeT(2 * size),
         *([clarabel.ZeroConeT(rank)] if rank else []),
     ]
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    settings.max_threads = 1  # programs this small only wait for each other's threads
-    settings.time_limit = MAX_RUN_S
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
-    none = columns(np.zeros((objective.size, objective.size)))
-    found = clarabel.DefaultSolver(none, objective, columns(matrix), right, kinds, settings).solve()
-    status = STATUS.get(str(found.status), Status.FAILED)
-    unknowns = np.asarray(found.x)
+    found = run(objective, [matrix], [right], kinds, tolerance=TOLERANCE)
     return SampleOutcome(
-        status=status,
-        unknowns=np.clip(unknowns[:size], 0.0, program.highest),
-        value=float(objective @ unknowns),
-        bound=_bound(program, np.asarray(found.z)) if by_value else -np.inf,
-        work=PROGRAM_WORK + ENTRY_WORK * np.count_nonzero(matrix) * int(found.iterations),
+        status=found.status,
+        unknowns=np.clip(found.unknowns[:size], 0.0, program.highest),
+        value=float(objective @ found.unknowns),
+        bound=_bound(program, found.duals) if by_value else -np.inf,
+        work=PROGRAM_WORK + ENTRY_WORK * np.count_nonzero(matrix) * found.iterations,
     )
-
-
-def _combined(vectors: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return two factors of a matrix, (k, r) and (r, n), of the smallest rank r to rounding."""
-    if vectors.size == 0:
-        return np.zeros((len(vectors), 0)), np.zeros((0, vectors.shape[1]))
-    left, values, right = np.linalg.svd(vectors, full_matrices=False)
-    rank = int((values > NEGLIGIBLE * values[0]).sum())
-    return left[:, :rank], values[:rank, None] * right[:rank]
 
 
 def _bound(program: SampleProgram, duals: FloatArray) -> float:
