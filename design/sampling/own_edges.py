@@ -1,8 +1,8 @@
-"""The band that a shaper of humps really keeps, and what of it is lost on samples.
+"""The band in which a shaper is insensitive, and what of it is lost on samples.
 
-Between samples such a shaper claims its tolerance from its first zero to its last; its curve stays
-within it some way beyond. On samples the claim alone would be kept by a shorter shaper that loses
-that part.
+Between samples a shaper of humps claims its tolerance from its first zero to its last; its curve
+stays within it some way beyond. On samples the claim alone would be kept by a shorter shaper that
+loses that part.
 """
 
 from collections.abc import Iterator
@@ -11,16 +11,20 @@ from dataclasses import replace
 import numpy as np
 
 from design.analysis.certificate import Claim
-from design.analysis.insensitivity import insensitivity
+from design.analysis.insensitivity import Insensitivity, insensitivity
 from design.analysis.residuals_of_many import residual_curve
+from design.analysis.sensitivity import SensitivityRange
 from design.analysis.warnings import DesignWarning
 from design.claims import Promise
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 
-NARROWER = 0.95
+NARROWER = 0.9
 """Distance of an edge from 1 on samples, over that between them, that a warning reports [-]."""
+
+USUAL_TOLERANCE = SensitivityRange().tolerance
+"""Residual of the band of a shaper that claims zeros [-]."""
 
 ZERO = 1e-6
 """Residual at the end of a band that is a zero of the curve, and its rounding [-]."""
@@ -60,7 +64,10 @@ def edges_lost(
     modes: tuple[Mode, ...],
     actuator: Actuator,
 ) -> Iterator[DesignWarning]:
-    """Yield what of the band of a shaper of humps is lost on samples.
+    """Yield what is lost of the insensitive band on samples.
+
+    It is the band within the tolerance of a shaper of humps, and within 5 % of one that claims
+    zeros. One that was asked for a band keeps that by its claim.
 
     Parameters
     ----------
@@ -74,28 +81,41 @@ def edges_lost(
     Yields
     ------
     DesignWarning
-        Both bands, where an edge has come nearer by more than 5 % of its distance.
+        Both bands, where an edge has come nearer to 1 by more than a tenth of its distance.
     """
-    for claim in claims:
-        promise = Promise(
-            quantity=claim.quantity, limit=claim.limit, mode=claim.mode, band=claim.band
+    for number, mode in enumerate(modes):
+        tolerance = _tolerance(claims, number, before, mode, actuator)
+        if tolerance is None:
+            continue
+        there = insensitivity(before, mode, actuator, tolerance)
+        here = insensitivity(after, mode, actuator, tolerance)
+        if there is None or here is None or not _is_narrower(here, there):
+            continue
+        where = f" in mode {number}" if len(modes) > 1 else ""
+        yield DesignWarning(
+            code="narrower_on_samples",
+            detail=f"on samples the residual{where} is within {100 * tolerance:.4g} % from "
+            f"{here.searched_from_ratio:.4g} to {here.searched_to_ratio:.4g} of the frequency, "
+            f"between them from {there.searched_from_ratio:.4g} to {there.searched_to_ratio:.4g}: "
+            "take a shorter sample time",
         )
-        wide = to_own_edges(promise, before, modes, actuator)
-        if wide == promise or wide.band is None:
-            continue
-        found = insensitivity(after, modes[claim.mode], actuator, claim.limit)
-        if found is None:
-            continue
-        kept = (found.searched_from_ratio, found.searched_to_ratio)
-        if 1 - kept[0] < NARROWER * (1 - wide.band[0]) or kept[1] - 1 < NARROWER * (
-            wide.band[1] - 1
-        ):
-            yield DesignWarning(
-                code="narrower_on_samples",
-                detail=f"on samples the residual is within {100 * claim.limit:.4g} % from "
-                f"{kept[0]:.4g} to {kept[1]:.4g} of the frequency, between them from "
-                f"{wide.band[0]:.4g} to {wide.band[1]:.4g}: take a shorter sample time",
-            )
+
+
+def _tolerance(
+    claims: tuple[Claim, ...], number: int, before: Impulses, mode: Mode, actuator: Actuator
+) -> float | None:
+    """Return the tolerance of the band in a mode; None where the claim itself is over it all."""
+    over_band = [one for one in claims if one.mode == number and one.band is not None]
+    for claim in over_band:
+        if claim.band is not None and _has_zeros_at(claim.band, before, mode, actuator):
+            return claim.limit
+    return None if over_band else USUAL_TOLERANCE
+
+
+def _is_narrower(here: Insensitivity, there: Insensitivity) -> bool:
+    return 1 - here.searched_from_ratio < NARROWER * (
+        1 - there.searched_from_ratio
+    ) or here.searched_to_ratio - 1 < NARROWER * (there.searched_to_ratio - 1)
 
 
 def _has_zeros_at(
