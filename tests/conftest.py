@@ -63,6 +63,20 @@ class Running:
         return httpx.Client(base_url=self.address, timeout=PATIENT_S, trust_env=False)
 
 
+def changed(**constants: float) -> tuple[str, ...]:
+    """Return the command of a service with some of its constants changed.
+
+    Each is named by its module, with ``__`` for a dot: ``service__jobs__keeping__RESTART_PAUSE_S``.
+    """
+    lines = ["import sys", "from importlib import import_module"]
+    for name, value in constants.items():
+        module, _, constant = name.rpartition("__")
+        found = f"import_module({module.replace('__', '.')!r})"
+        lines.append(f"{found}.{constant}; setattr({found}, {constant!r}, {value!r})")
+    lines.append("from service.__main__ import main; sys.exit(main())")
+    return (sys.executable, "-c", "\n".join(lines))
+
+
 def free_port() -> int:
     with socket.create_server(("127.0.0.1", 0)) as probe:
         port: int = probe.getsockname()[1]
