@@ -214,6 +214,11 @@ class TableHead:
     fit: Fit | None = None
     subject: Subject | None = field(default=None, compare=False)
 
+    @property
+    def on_samples(self) -> bool:
+        """Whether the rows lie on the samples of a controller."""
+        return self.subject is not None and self.subject.grid is not None
+
 
 def subject_of(head: TableHead) -> Subject:
     """Return what the rows of a table are designs of.

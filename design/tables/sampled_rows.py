@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from design.analysis.warnings import DesignWarning
 from design.errors import DesignError, InfeasibleDesignError, InvalidInputError
 from design.pipeline import Design
 from design.sampling.on_grid import design_on_grid
@@ -57,9 +58,7 @@ def sampled_rows(specification: TableSpecification, start: int, stop: int) -> Ro
             reasons[row] = str(error)
             continue
         found[row], sample_times_s[row] = one, np.nan if grid is None else grid.sample_time_s
-        lost = [warning.detail for warning in one.warnings if warning.code == TOLD]
-        if lost:
-            reasons[row] = "; ".join(lost)
+        reasons.update((row, told) for told in told_losses(one.warnings))
     widest = max((one.impulses.times_s.size for one in found.values()), default=0)
     table = empty_rows(len(values), widest, specification.columns, sample_times_s)
     for row, one in found.items():
@@ -72,6 +71,12 @@ def sampled_rows(specification: TableSpecification, start: int, stop: int) -> Ro
         status=np.where(table.designed, table.status(), without).astype(np.int8),
         reasons=reasons,
     )
+
+
+def told_losses(warnings: Iterable[DesignWarning]) -> tuple[str, ...]:
+    """Return in one text, or none, what a design does not keep on samples."""
+    lost = [warning.detail for warning in warnings if warning.code == TOLD]
+    return ("; ".join(lost),) if lost else ()
 
 
 def width_of(columns: tuple[str, ...], rows: Rows) -> int:
