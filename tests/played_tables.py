@@ -36,6 +36,7 @@ KINDS = (
     "sna_zv",
     "convolved",
     "multi_zv",
+    "multi_umzv",
 )
 
 ROWS = 3
@@ -68,7 +69,7 @@ def random_request(number: int) -> dict[str, Any]:
     if rng.random() < 0.4:
         actuator = {"kind": "ideal"}
     mode = {"natural_frequency_rad_s": w, "damping_ratio": float(rng.uniform(0, 0.1))}
-    several = kind in {"convolved", "multi_zv"}
+    several = kind in {"convolved", "multi_zv", "multi_umzv"}
     plant: dict[str, Any] = {"kind": "mode", **mode}
     field = "/plant/natural_frequency_rad_s"
     if several:

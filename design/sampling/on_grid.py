@@ -19,8 +19,8 @@ from design.sampling.sampled_free import may_be_between_levels
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
 
-UNITY_OF_SEVERAL = ("multi_umzv", "umzv", "umzvd")
-"""Kinds, or what is convolved, whose impulses are of unity magnitude for several modes."""
+UNITY_OF_SEVERAL = ("umzv", "umzvd")
+"""What is convolved of unity magnitude for several modes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,7 +127,7 @@ def brought_to_grid(
         actuator,
         grid.sample_time_s,
         tolerance=grid.sample_tolerance,
-        between_levels=may_be_between_levels(kind),
+        between_levels=may_be_between_levels(kind, plant.modes),
         max_duration_periods=getattr(options, "max_duration_periods", MAX_DURATION_PERIODS),
     )
     if isinstance(plant, Scheduled):
