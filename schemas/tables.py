@@ -41,7 +41,7 @@ CHUNK_ROWS = 10_000
 """Rows of a chunk where nothing else is said."""
 
 CHUNK_ROWS_ON_SAMPLES = 100
-"""The same on samples, where a row takes 0.1 s in the mean: a chunk is some 10 s of work."""
+"""The same on samples, where a row takes up to half a second: a chunk is a minute at most."""
 
 NO_POLYNOMIALS_ON_SAMPLES = (
     "on samples times are whole numbers, which no polynomial follows: take the nearest row"
