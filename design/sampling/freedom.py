@@ -125,14 +125,14 @@ def candidates(positions: FloatArray, last: int) -> AnyIntArray:
 
 
 def freedoms(
-    impulses: Impulses, positions: FloatArray, last: int, *, band: bool
+    impulses: Impulses, positions: FloatArray, last: int, *, band: bool, alike: bool = True
 ) -> Iterator[Freedom]:
     """Yield what amplitudes may be on samples 0 to the last.
 
     Amplitudes of one sign stay so. Of those of both signs, a command that keeps a tolerance over a
-    band, or that goes beyond 0 to 1, stays within its levels. Any other keeps the sum of each
-    negative step, and steps up and down take turns as before: in each of several ways to part the
-    samples.
+    band, or that goes beyond 0 to 1, stays within its levels. Any other, and one beyond 1 where
+    steps up and down act differently, keeps the sum of each negative step, and steps up and down
+    take turns as before: in each of several ways to part the samples.
 
     Parameters
     ----------
@@ -142,6 +142,8 @@ def freedoms(
         Number of the last sample.
     band
         Whether a tolerance is kept over a band.
+    alike
+        Whether steps up and down go through one set of the drive.
 
     Yields
     ------
@@ -155,7 +157,7 @@ def freedoms(
         yield _positive(positions, samples)
         return
     lowest, highest = min(0.0, float(levels.min())), max(1.0, float(levels.max()))
-    if band or lowest < -LEVEL or highest > 1 + LEVEL:
+    if band or lowest < -LEVEL or (alike and highest > 1 + LEVEL):
         yield _within_levels(positions, amplitudes, samples, (lowest, highest))
         return
     yield from _patterns(positions, amplitudes, samples)
@@ -245,11 +247,11 @@ def _signed(
         samples=samples,
         base=np.zeros(count),
         matrix=np.diag(signs),
-        highest=np.ones(count),
+        highest=np.full(count, max(1.0, float(np.abs(amplitudes).max()))),
         equal=equal,
         right=np.concatenate(([1.0], -amplitudes[negative])),
         below=levels,
-        most=np.where(signs[ends] > 0, 1.0, 0.0),
+        most=np.where(signs[ends] > 0, max(1.0, float(np.cumsum(amplitudes).max())), 0.0),
         cost=(samples - positions[owner]) ** 2,
         signs=signs,
     )
@@ -286,7 +288,7 @@ def relaxed(impulses: Impulses, last: int) -> Freedom:
         equal=np.array([signs, down]),
         right=np.array([1.0, most - 1.0]),
         below=np.concatenate((levels, -levels)),
-        most=np.concatenate((np.ones(count), np.zeros(count))),
+        most=np.repeat([max(1.0, float(np.cumsum(amplitudes).max())), 0.0], count),
         cost=np.zeros(2 * count),
         signs=signs,
     )

@@ -15,6 +15,7 @@ from design.analysis.warnings import DesignWarning
 from design.claims import ZERO_LIMITS, Promise
 from design.errors import InvalidInputError, SolverFailedError
 from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
@@ -117,6 +118,9 @@ def sampled_design(
             designed_for=certified_for,
             budget=budget,
         )
+        if isinstance(certified_for, RateLimited) and not _keeps_zeros(sampled, continuous):
+            # Ramps of equal steps had kept them; those of steps that are shared do not.
+            continuous, certified_for = replace(continuous, for_ideal=True), Ideal()
     else:
         require_one_mode(modes, sample_time_s)
         sampled = sample(
@@ -149,6 +153,10 @@ def sampled_design(
         ),
     )
     return proven, sampled
+
+
+def _keeps_zeros(sampled: Sampled, continuous: Design) -> bool:
+    return sampled.residual <= ZERO_LIMITS["residual"] or not zeros_of(continuous.certificate)
 
 
 def promise_of(claim: Claim) -> Promise:
