@@ -165,7 +165,9 @@ def freedoms(
 
 def _far(positions: FloatArray, samples: FloatArray) -> FloatArray:
     """Return the square of each place's distance to the nearest impulse."""
-    squares: FloatArray = np.abs(np.subtract.outer(samples, positions)).min(axis=1) ** 2
+    after = np.searchsorted(positions, samples)
+    neighbours = np.clip((after - 1, after), 0, positions.size - 1)
+    squares: FloatArray = np.abs(samples - positions[neighbours]).min(axis=0) ** 2
     return squares
 
 

@@ -99,6 +99,7 @@ def on_samples(
             actuator,
             sample_time_s,
             tolerance=grid_tolerance(shaper),
+            claimed=shaper.sample_tolerance,
             between_levels=may_be_between_levels(shaper.shaper_kind()),
             max_duration_periods=getattr(shaper, "max_duration_periods", MAX_DURATION_PERIODS),
         )

@@ -366,7 +366,12 @@ class OnSamples:
         if search is None or isinstance(drive, RateLimited) or drive.model == "switched":
             return
         samples = search["searched_samples"]
-        promised = {one["quantity"] for one in self.between["certificate"]["claims"]}
+        claims = self.between["certificate"]["claims"]
+        promised = {one["quantity"] for one in claims}
+        bands = {tuple(one["band"]) for one in claims if "band" in one}
+        if len(bands) > 1:
+            return
+        band = next(iter(bands), None)
         listed = min(samples, MAX_LISTED)
         if listed < 2:
             return
@@ -376,11 +381,13 @@ class OnSamples:
             self.shaper["sample_time_s"],
             listed,
             slope="slope" in promised,
+            band=band,
         )
         if search["bound"] > least + AGREE:
             yield f"of {samples} samples none below {search['bound']:.9g}; {least:.9g} is"
         reached = min(one["compared"] for one in self.answer["sampled"]["tried"])
-        if samples >= listed and least < reached - 1e-8 and search["complete"]:
+        # Over a band 17 frequencies are compared here, and more there.
+        if band is None and samples >= listed and least < reached - 1e-8 and search["complete"]:
             tolerance = self.shaper.get("sample_tolerance", SAMPLE_TOLERANCE)
             if least <= tolerance or reached > tolerance:
                 yield f"the best tried leaves {reached:.9g}, one of {listed} samples {least:.9g}"

@@ -96,18 +96,25 @@ def missed(
 
 
 def least_of_level_0_or_1(
-    mode: Mode, actuator: Actuator, sample_time_s: float, samples: int, *, slope: bool
+    mode: Mode,
+    actuator: Actuator,
+    sample_time_s: float,
+    samples: int,
+    *,
+    slope: bool,
+    band: tuple[float, float] | None = None,
 ) -> float:
     """Return what the best of all commands of up to so many samples leaves.
 
-    Behind a drive whose steps add; with ``slope`` 5 % of the slope more.
+    Behind a drive whose steps add; with ``slope`` 5 % of the slope more, of a band the largest.
     """
-    poles = mode.pole_rad_s * np.array([1.0, 1 + DIFFERENCE, 1 - DIFFERENCE])
+    ratios = np.array([1.0, 1 + DIFFERENCE, 1 - DIFFERENCE])
+    poles = mode.pole_rad_s * (ratios if band is None else np.linspace(*band, RATIOS))
     gains = {
         up: np.array([gain_and_slope(actuator, pole, accel=up)[0] for pole in poles.tolist()])
         for up in (True, False)
     }
-    unit = abs(gains[True][0])
+    units = np.abs(gains[True])
     best = math.inf
     for last in range(2, samples + 1):
         free = last - 2
@@ -117,9 +124,13 @@ def least_of_level_0_or_1(
         steps = np.diff(levels, prepend=0, axis=1)
         turns = np.exp(-np.multiply.outer(np.arange(last + 1) * sample_time_s, poles))
         vectors = (steps > 0) @ (turns * gains[True]) - (steps < 0) @ (turns * gains[False])
-        left = np.abs(vectors[:, 0])
-        if slope:
-            left = left + ERROR * np.abs(vectors[:, 1] - vectors[:, 2]) / (2 * DIFFERENCE)
-        decay = math.exp(mode.pole_rad_s.real * last * sample_time_s)
-        best = min(best, float(left.min()) * decay / unit)
+        decays = np.exp(poles.real * last * sample_time_s)
+        if band is None:
+            left = np.abs(vectors[:, 0])
+            if slope:
+                left = left + ERROR * np.abs(vectors[:, 1] - vectors[:, 2]) / (2 * DIFFERENCE)
+            left = left * decays[0] / units[0]
+        else:
+            left = (np.abs(vectors) * decays / units).max(axis=1)
+        best = min(best, float(left.min()))
     return best
