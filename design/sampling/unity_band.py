@@ -27,7 +27,7 @@ MAX_LISTED_IF_CUT, MAX_LISTED_IF_SLOW = 8, 6
 """Samples whose commands are all compared there: 2^6 and 2^4 of them for the longest [-]."""
 
 UNSHAPED = 1.0
-"""What an unshaped step leaves at each frequency [-]."""
+"""Residual of an unshaped step at each frequency [-]."""
 
 LATER = 2
 """Samples that a command may take beyond its end."""
@@ -64,7 +64,7 @@ def unity_over_band(
     band
         Lowest and highest ratio of true and nominal frequency [-].
     tolerance
-        What may be left over the band, >= 0 [-].
+        Largest residual over the band that is wanted, >= 0 [-].
     longest
         Samples of the longest command, >= 2 [-].
 

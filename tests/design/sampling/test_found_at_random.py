@@ -17,6 +17,7 @@ from design.sampling.free_amplitudes import free_on_samples
 from design.sampling.sampled_design import promise_of, sampled_design
 from design.shapers.peak_options import PeakOptions
 from design.shapers.registry import SHAPERS
+from design.shapers.settle_options import SettleOptions
 from design.shapers.several_modes import ConvolvedOptions
 from design.solvers.budget import Budget
 from tests.expm_route import outcome
@@ -80,3 +81,12 @@ def test_a_long_shaper_with_bands_in_several_modes_takes_little_work() -> None:
     assert budget.done < 2e6
     for mode in plant.modes:
         assert outcome(found, mode, Ideal()).residual <= 0.09
+
+
+def test_a_tolerance_on_samples_counts_where_no_impulses_are_added() -> None:
+    mode = Mode(natural_frequency_rad_s=1.621, damping_ratio=0.155)
+    between = design(mode, Ideal(), SHAPERS["numzvd"], SettleOptions(settle=True))
+    for claimed, warned in ((0.0242, False), (None, True)):
+        found, _ = sampled_design(between, mode, Ideal(), 0.1459, claimed=claimed)
+        assert 0.01 < found.residual < 0.0242
+        assert ("tolerance_not_kept" in [one.code for one in found.warnings]) == warned
