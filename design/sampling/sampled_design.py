@@ -116,7 +116,9 @@ def sampled_design(
     kept = claim_over_band(continuous.certificate)
     if has_free_amplitudes(continuous.impulses, between_levels=between_levels):
         sampled = _sample_free(continuous, modes, actuator, sample_time_s, certified_for, budget)
-        if isinstance(certified_for, RateLimited) and not _keeps_zeros(sampled, continuous):
+        if isinstance(certified_for, RateLimited) and not _keeps_claims(
+            sampled.impulses, modes, certified_for, continuous
+        ):
             # Ramps of equal steps had kept them; those of steps that are shared do not.
             continuous, certified_for = replace(continuous, for_ideal=True), Ideal()
     else:
@@ -163,8 +165,17 @@ def sampled_design(
     return proven, sampled
 
 
-def _keeps_zeros(sampled: Sampled, continuous: Design) -> bool:
-    return sampled.residual <= ZERO_LIMITS["residual"] or not zeros_of(continuous.certificate)
+def _keeps_claims(
+    command: Impulses, modes: tuple[Mode, ...], actuator: Actuator, continuous: Design
+) -> bool:
+    """Return whether residuals that a shaper claims are kept on samples."""
+    for claim in continuous.certificate.claims:
+        ratios = np.linspace(*(claim.band or (1.0, 1.0)), CHECKED_IN_BAND if claim.band else 1)
+        curve = residual_curve(command, modes[claim.mode], actuator, ratios)
+        counts = claim.quantity in {"residual", "band"}
+        if counts and curve.max() > claim.limit * (1 + BAND_AGREEMENT):
+            return False
+    return True
 
 
 def _sample_free(
