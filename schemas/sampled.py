@@ -98,7 +98,8 @@ class SampledOut(Wire):
         float | None,
         Field(
             description="What no amplitudes on as many samples can go below: the largest residual "
-            "over the band; 0 where only zeros are claimed; null where nothing is proven [-]."
+            "over the band that the shaper keeps between samples; 0 where only zeros are claimed; "
+            "null where nothing is proven [-]."
         ),
     ]
     shorter_bound: Annotated[

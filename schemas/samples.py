@@ -20,9 +20,29 @@ def grid_tolerance(shaper: ShaperRequest) -> float | None:
 
 def grid_of(shaper: ShaperRequest) -> SampleGrid | None:
     """Return the samples that a shaper is asked for on; None between samples."""
-    if shaper.sample_time_s is None:
-        return None
-    return SampleGrid(sample_time_s=shaper.sample_time_s, sample_tolerance=grid_tolerance(shaper))
+    return None if shaper.sample_time_s is None else grid_at(shaper, shaper.sample_time_s)
+
+
+def grid_at(shaper: ShaperRequest, sample_time_s: float) -> SampleGrid:
+    """Return samples of a time, with what a shaper may leave on them.
+
+    Parameters
+    ----------
+    shaper
+        The shaper on the wire.
+    sample_time_s
+        Sample time [s].
+
+    Returns
+    -------
+    SampleGrid
+        The samples.
+    """
+    return SampleGrid(
+        sample_time_s=sample_time_s,
+        sample_tolerance=grid_tolerance(shaper),
+        claimed=shaper.sample_tolerance,
+    )
 
 
 def continuous_options(shaper: ShaperRequest, reason: str) -> Any:  # noqa: ANN401

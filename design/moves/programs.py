@@ -125,6 +125,7 @@ def program(
     numbers = np.rint(played.times_s / sample_time_s).astype(int)
     held = np.diff(numbers, prepend=0)
     levels = np.cumsum(played.amplitudes)
+    levels[np.abs(levels) < AT_REST] = 0.0
     levels[-1] = _sum(command)
     # Each sample's level, and the way made at it were that its level from the start.
     moments = np.cumsum(played.amplitudes * numbers)

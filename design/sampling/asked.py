@@ -82,8 +82,12 @@ class Drive:
     @property
     def passes_state_on(self) -> bool:
         """Whether a set takes over the state of the one before."""
-        lags = self.actuator.accel_lag, self.actuator.decel_lag
-        return self.actuator.model == "switched" and lags[0] != lags[1]
+        return self.actuator.model == "switched" and not self.has_one_set
+
+    @property
+    def has_one_set(self) -> bool:
+        """Whether steps up and down act alike."""
+        return self.actuator.accel_lag == self.actuator.decel_lag
 
     def vectors(
         self, mode: Mode, ratios: ComplexArray, samples: AnyIntArray, signs: FloatArray | None

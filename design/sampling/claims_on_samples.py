@@ -42,8 +42,12 @@ MAX_RATIOS = 600
 MAX_SETS = 4
 """How often steps are left out that would begin a set, and are none."""
 
-ROUNDS = 3
-"""Corrections by which equations come to hold to rounding."""
+ROUNDS = 4
+"""Corrections by which equations come to hold to rounding, after the first without tiny steps."""
+
+MET = 1 - 2e-6
+"""What is left over its limits from which on they count as kept: what rounding adds afterwards is
+still within them [-]."""
 
 Ratios = list[list[FloatArray]]
 """Ratios of frequency at which each band of each mode is bounded."""
@@ -89,7 +93,8 @@ class ClaimsOnSamples:
     def freedoms(self, last: int) -> list[Freedom]:
         """Return what amplitudes may be on samples, likeliest first."""
         band = any(one.bands for one in self.asked)
-        return list(freedoms(self.impulses, self.positions, last, band=band))
+        alike = self.drive.has_one_set
+        return list(freedoms(self.impulses, self.positions, last, band=band, alike=alike))
 
     def least(self, freedom: Freedom, *, decide: bool = False) -> Found:
         """Return the least violation of what is asked.
@@ -101,13 +106,13 @@ class ClaimsOnSamples:
         freedom
             What amplitudes may be.
         decide
-            Whether it ends as soon as it is known that the claims cannot be kept.
+            Whether it ends as soon as it is known that the claims can, or cannot, be kept.
 
         Returns
         -------
         Found
-            Its value is over the limits; it is of all frequencies of the bands, unless it is above
-            1 and was to decide.
+            Its value is over the limits; it is of all frequencies of the bands, unless it was to
+            decide.
         """
         ratios: Ratios = [
             [np.linspace(*band, self._count(one, band, freedom)) for band, _ in one.bands]
@@ -121,17 +126,18 @@ class ClaimsOnSamples:
             if not math.isfinite(found.value) or (decide and outcome.bound > 1.0):
                 return found
             most = max((each.size for own in ratios for each in own), default=0)
-            if most > MAX_RATIOS or not self._add_peaks(freedom, ratios, found):
+            enough = max(found.value, MET) if decide else found.value
+            if most > MAX_RATIOS or not self._add_peaks(found, ratios, enough):
                 return found
 
     def _count(self, one: Asked, band: tuple[float, float], freedom: Freedom) -> int:
         turn = abs(one.mode.pole_rad_s) * self.drive.sample_time_s * float(freedom.samples[-1])
         return MIN_RATIOS + math.ceil(turn * (band[1] - band[0]) / TURN_RAD)
 
-    def _add_peaks(self, freedom: Freedom, ratios: Ratios, found: Found) -> bool:
-        """Add ratios at which a tolerance is passed; return whether there were any."""
+    def _add_peaks(self, found: Found, ratios: Ratios, enough: float) -> bool:
+        """Add ratios at which enough, over a limit, is passed; return whether there were any."""
+        freedom, added = found.freedom, False
         amplitudes = freedom.base + freedom.matrix @ found.outcome.unknowns
-        added = False
         for one, own in zip(self.asked, ratios, strict=True):
             for index, (band, limit) in enumerate(one.bands):
                 grid = np.linspace(*band, FINER * self._count(one, band, freedom) + 1)
@@ -141,7 +147,7 @@ class ClaimsOnSamples:
                     return np.abs(rows @ amplitudes)
 
                 peaks = _peaks(curve, grid)
-                above = peaks[curve(peaks) > found.value * limit * (1 + ACCURACY)]
+                above = peaks[curve(peaks) > enough * limit * (1 + ACCURACY)]
                 together = np.union1d(own[index], above)
                 added = added or together.size > own[index].size
                 own[index] = together
@@ -290,6 +296,8 @@ def polished(
         for _ in range(ROUNDS):
             missing = sides - equations @ values
             values[kept] += np.linalg.lstsq(equations[:, kept], missing)[0]
+            tiny = kept & (np.abs(values) <= MIN_STEP)
+            values[tiny], kept[tiny] = 0.0, False
         vectors = np.abs(program.bounded @ values + program.bounded_offset)
         if (
             np.abs(equations @ values - sides).max(initial=0.0) <= EXACT

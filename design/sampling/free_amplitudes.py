@@ -17,7 +17,7 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.sampling.asked import Drive, asked_of
-from design.sampling.claims_on_samples import ClaimsOnSamples, Found, polished
+from design.sampling.claims_on_samples import MET, ClaimsOnSamples, Found, polished
 from design.sampling.freedom import MAX_RELAXED, Freedom, relaxed, samples_of
 from design.sampling.sample_grid import ON_SAMPLE, on_samples
 from design.solvers.budget import Budget
@@ -119,8 +119,7 @@ def _within_tolerance(
         return known[last]
 
     def meets(last: int) -> bool:
-        # What rounding adds afterwards is still within the tolerance.
-        return last > 0 and least(last).value <= 1 - 2 * POLISHED
+        return last > 0 and least(last).value <= MET
 
     low, high, step = first - 1, first, 1
     if meets(first):
@@ -135,7 +134,7 @@ def _within_tolerance(
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (low, middle) if meets(middle) else (middle, high)
-    best = least(high)
+    best = problem.least(problem.freedoms(high)[0])
     amplitudes = polished(
         best.program, best.freedom, best.outcome.unknowns, best.value * (1 + POLISHED)
     )

@@ -126,14 +126,15 @@ def candidates(positions: FloatArray, last: int) -> AnyIntArray:
 
 
 def freedoms(
-    impulses: Impulses, positions: FloatArray, last: int, *, band: bool
+    impulses: Impulses, positions: FloatArray, last: int, *, band: bool, alike: bool = True
 ) -> Iterator[Freedom]:
     """Yield what amplitudes may be on samples 0 to the last.
 
     Amplitudes of one sign stay so. Of those of both signs, a command that keeps a tolerance over a
-    band, that goes beyond 0 to 1, or is at 0 or 1 always, stays within its levels.
-    Any other keeps the sum of each negative step, and steps up and down take turns as before: in
-    each of several ways to part the samples.
+    Amplitudes of one sign stay so. Of those of both signs, a command that keeps a tolerance over a
+    band, that goes beyond 0 to 1, or is at 0 or 1 always, stays within its levels. Any other, and
+    one beyond 1 where steps up and down act differently, keeps the sum of each negative step, and
+    steps up and down take turns as before: in each of several ways to part the samples.
 
     Parameters
     ----------
@@ -143,6 +144,8 @@ def freedoms(
         Number of the last sample.
     band
         Whether a tolerance is kept over a band.
+    alike
+        Whether steps up and down go through one set of the drive.
 
     Yields
     ------
@@ -156,7 +159,8 @@ def freedoms(
         yield _positive(positions, samples)
         return
     lowest, highest = min(0.0, float(levels.min())), max(1.0, float(levels.max()))
-    if band or lowest < -LEVEL or highest > 1 + LEVEL or is_unity(impulses):
+    beyond = lowest < -LEVEL or (alike and highest > 1 + LEVEL)
+    if band or beyond or is_unity(impulses):
         yield _within_levels(positions, amplitudes, samples, (lowest, highest))
         return
     yield from _patterns(positions, amplitudes, samples)
@@ -164,7 +168,9 @@ def freedoms(
 
 def _far(positions: FloatArray, samples: FloatArray) -> FloatArray:
     """Return the square of each place's distance to the nearest impulse."""
-    squares: FloatArray = np.abs(np.subtract.outer(samples, positions)).min(axis=1) ** 2
+    after = np.searchsorted(positions, samples)
+    neighbours = np.clip((after - 1, after), 0, positions.size - 1)
+    squares: FloatArray = np.abs(samples - positions[neighbours]).min(axis=0) ** 2
     return squares
 
 
@@ -246,11 +252,11 @@ def _signed(
         samples=samples,
         base=np.zeros(count),
         matrix=np.diag(signs),
-        highest=np.ones(count),
+        highest=np.full(count, max(1.0, float(np.abs(amplitudes).max()))),
         equal=equal,
         right=np.concatenate(([1.0], -amplitudes[negative])),
         below=levels,
-        most=np.where(signs[ends] > 0, 1.0, 0.0),
+        most=np.where(signs[ends] > 0, max(1.0, float(np.cumsum(amplitudes).max())), 0.0),
         cost=(samples - positions[owner]) ** 2,
         signs=signs,
     )
@@ -287,7 +293,7 @@ def relaxed(impulses: Impulses, last: int) -> Freedom:
         equal=np.array([signs, down]),
         right=np.array([1.0, most - 1.0]),
         below=np.concatenate((levels, -levels)),
-        most=np.concatenate((np.ones(count), np.zeros(count))),
+        most=np.repeat([max(1.0, float(np.cumsum(amplitudes).max())), 0.0], count),
         cost=np.zeros(2 * count),
         signs=signs,
     )

@@ -14,6 +14,7 @@ import numpy as np
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
+from design.sampling.every_command import is_listed_exactly
 from design.sampling.halves import list_halves, match_halves
 from design.sampling.left import TIE, cuts_ramps, residuals_of_many
 from design.sampling.sample_grid import AnyIntArray, nearest_integers
@@ -21,6 +22,9 @@ from design.types import FloatArray
 
 MAX_MATCHES = 300
 """The same for commands of more impulses, for each number: the best superposed [-]."""
+
+MAX_COMPARED_BY_THEMSELVES = 60
+"""The same where not even a list has a formula: some three milliseconds each [-]."""
 
 MAX_ADDED_IMPULSES = 6
 """Impulses that are added at most, two at a time, as the command must end at full speed [-]."""
@@ -93,7 +97,8 @@ def more_impulses_on_grid(
             continue
         left_of = partial(_residuals_at, sample_time_s, signs, mode, actuator, slope)
         if one_by_one:
-            samples = samples[:MAX_MATCHES]
+            listed_exactly = is_listed_exactly(actuator)
+            samples = samples[: MAX_MATCHES if listed_exactly else MAX_COMPARED_BY_THEMSELVES]
         left = left_of(samples)
         # Where ramps are cut, thousands of moves would be computed one by one.
         descents = 0 if one_by_one else DESCENTS

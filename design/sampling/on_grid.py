@@ -34,6 +34,8 @@ class SampleGrid:
     sample_tolerance
         What a shaper of unity magnitude may leave before impulses are added, 0 to 1 [-]; None adds
         none.
+    claimed
+        What it then claims to leave at most, 0 to 1 [-]; the sample tolerance if None.
 
     Raises
     ------
@@ -43,6 +45,7 @@ class SampleGrid:
 
     sample_time_s: float
     sample_tolerance: float | None = SAMPLE_TOLERANCE
+    claimed: float | None = None
 
     def __post_init__(self) -> None:
         require_scale("sample_time_s", self.sample_time_s)
@@ -127,6 +130,7 @@ def brought_to_grid(
         actuator,
         grid.sample_time_s,
         tolerance=grid.sample_tolerance,
+        claimed=grid.claimed,
         between_levels=may_be_between_levels(kind, plant.modes),
         max_duration_periods=getattr(options, "max_duration_periods", MAX_DURATION_PERIODS),
     )

@@ -32,6 +32,7 @@ from design.sampling.sample_grid import (
     round_with_carry,
     split,
 )
+from design.sampling.unity_band import unity_over_band
 from design.sampling.unity_grid import unity_on_grid
 
 Method = Literal["free_amplitudes", "unity_on_grid", "search_on_off", "more_impulses_on_grid"]
@@ -129,6 +130,7 @@ def sample(
     *,
     tolerance: float | None = None,
     band: Band | None = None,
+    band_tolerance: float = 0.0,
     max_duration_periods: float = MAX_DURATION_PERIODS,
 ) -> Sampled:
     """Bring a shaper of unity magnitude to a sample grid.
@@ -137,7 +139,8 @@ def sample(
     or an impulse has no sample, the shortest command of level 0 or 1 within it is searched, or the
     one of least residual (`search_on_off`, and on grids too fine for that
     `more_impulses_on_grid`). For a band the samples are chosen by what is left over it, and no
-    impulses are added. Free amplitudes are solved for by `sample_free`.
+    impulses are added, but where two of them have one sample (`unity_over_band`). Free amplitudes
+    are solved for by `sample_free`.
 
     Parameters
     ----------
@@ -155,6 +158,9 @@ def sample(
         with ``slope`` in the claims ``0.05 |dV/d ln w|`` more [-]. None adds none.
     band
         The band of frequencies over which the shaper keeps a tolerance; None where it keeps none.
+    band_tolerance
+        That tolerance, for which the shortest command is searched where impulses have no separate
+        samples [-].
     max_duration_periods
         Longest command that is searched [undamped periods].
 
@@ -168,6 +174,8 @@ def sample(
     InvalidInputError
         If the sample time or tolerance breaks its rule, a set of the actuator is out of
         proportion to the plant, or there are too many impulses to search.
+    InfeasibleDesignError
+        If over a band no command on the samples was found that has less than an unshaped step.
 
     Examples
     --------
@@ -187,6 +195,7 @@ def sample(
         slope="slope" in claims,
         tolerance=tolerance,
         band=band,
+        band_tolerance=band_tolerance,
         max_duration_periods=max_duration_periods,
     )
     return replace(
@@ -260,6 +269,7 @@ def _of_unity(
     slope: bool,
     tolerance: float | None,
     band: Band | None,
+    band_tolerance: float,
     max_duration_periods: float,
 ) -> tuple[Method, Impulses, tuple[Tried, ...], Searched | None]:
     """Return the shortest command within the tolerance, or that of least residual; all tried."""
@@ -275,17 +285,28 @@ def _of_unity(
     if tolerance is not None:
         require_between("sample_tolerance", tolerance, 0.0, 1.0)
         require_scale("sample_time_s", sample_time_s)
-        if band is None and is_unity(impulses):
+        if is_unity(impulses):
             longest = math.floor(max_duration_periods * mode.period_s / sample_time_s + ON_SAMPLE)
-    own = 1.0
+    own, searched = 1.0, None
     if longest < MIN_SEARCHED_SAMPLES or _has_samples(impulses, sample_time_s):
         moved = unity_on_grid(impulses, mode, actuator, sample_time_s, slope=slope, band=band)
         own = add("unity_on_grid", moved)
     else:
         require_grid(impulses, sample_time_s, mode.period_s / 2, "half a period")
-    searched = None
+        if band is not None:
+            moved, searched = unity_over_band(
+                impulses,
+                mode,
+                actuator,
+                sample_time_s,
+                band,
+                tolerance=band_tolerance,
+                longest=longest,
+            )
+            add("search_on_off", moved)
     if (
         tolerance is not None
+        and band is None
         and longest >= MIN_SEARCHED_SAMPLES
         and (not commands or own > tolerance)
     ):

@@ -22,7 +22,7 @@ from design.model.plants.mode import Mode
 from design.pipeline import Design
 from design.sampling.left import Band
 from design.sampling.own_edges import edges_lost, to_own_edges
-from design.sampling.sampled import MAX_DURATION_PERIODS, Sampled, sample
+from design.sampling.sampled import MAX_DURATION_PERIODS, MIN_SEARCHED_SAMPLES, Sampled, sample
 from design.sampling.sampled_free import (
     has_free_amplitudes,
     require_two_a_period,
@@ -58,6 +58,7 @@ def sampled_design(
     sample_time_s: float,
     *,
     tolerance: float | None = None,
+    claimed: float | None = None,
     max_duration_periods: float = MAX_DURATION_PERIODS,
     between_levels: bool = False,
     budget: Budget | None = None,
@@ -81,6 +82,9 @@ def sampled_design(
         Sample time, at most half a period, and bounded as in `sample` and `sample_free` [s].
     tolerance
         What unity magnitude may leave before impulses are added, 0 to 1 [-]; None adds none.
+    claimed
+        Residual from which on a warning reports it, of a shaper that claims zero; the tolerance if
+        None [-].
     max_duration_periods
         Longest command that is searched then [undamped periods].
     between_levels
@@ -101,7 +105,8 @@ def sampled_design(
     InvalidInputError
         As `sample` and `sample_free` do, and for several modes of unity magnitude.
     InfeasibleDesignError
-        If no free amplitudes keep what the shaper claims.
+        If no free amplitudes keep what the shaper claims, or over a band no command on the samples
+        has less than an unshaped step.
     SolverFailedError
         If simulation does not confirm the residual that the formula gives.
     """
@@ -113,6 +118,11 @@ def sampled_design(
     linear = not (between_levels and isinstance(certified_for, RateLimited))
     if has_free_amplitudes(continuous.impulses, between_levels=between_levels and linear):
         sampled = _sample_free(continuous, modes, actuator, sample_time_s, certified_for, budget)
+        if isinstance(certified_for, RateLimited) and not _keeps_claims(
+            sampled.impulses, modes, certified_for, continuous
+        ):
+            # Ramps of equal steps had kept them; those of steps that are shared do not.
+            continuous, certified_for = replace(continuous, for_ideal=True), Ideal()
     else:
         require_one_mode(modes, sample_time_s)
         sampled = sample(
@@ -123,6 +133,7 @@ def sampled_design(
             zeros_of(continuous.certificate),
             tolerance=tolerance,
             band=None if kept is None else kept.band,
+            band_tolerance=0.0 if kept is None else kept.limit,
             max_duration_periods=max_duration_periods,
         )
     asked = _found_by_formula(sampled.impulses, modes, certified_for, continuous)
@@ -139,7 +150,9 @@ def sampled_design(
         certificate=judged.certificate,
         warnings=(
             *_ideal_actuator_warnings(continuous, sampled),
-            *_sample_warnings(continuous, sampled, judged, tolerance),
+            *_sample_warnings(
+                continuous, sampled, judged, tolerance if claimed is None else claimed
+            ),
             *drive_warnings(sampled.impulses, modes, actuator),
             *_longer_on_samples(continuous, sampled),
             *edges_lost(
@@ -152,6 +165,19 @@ def sampled_design(
         ),
     )
     return proven, sampled
+
+
+def _keeps_claims(
+    command: Impulses, modes: tuple[Mode, ...], actuator: Actuator, continuous: Design
+) -> bool:
+    """Return whether residuals that a shaper claims are kept on samples."""
+    for claim in continuous.certificate.claims:
+        ratios = np.linspace(*(claim.band or (1.0, 1.0)), CHECKED_IN_BAND if claim.band else 1)
+        curve = residual_curve(command, modes[claim.mode], actuator, ratios)
+        counts = claim.quantity in {"residual", "band"}
+        if counts and curve.max() > claim.limit * (1 + BAND_AGREEMENT):
+            return False
+    return True
 
 
 def _sample_free(
@@ -267,7 +293,8 @@ def _sample_warnings(
                 code="tolerance_not_kept",
                 detail=f"on samples the residual over the band is up to {claim.value:.4g}, "
                 f"more than the tolerance of {limit:g}: take a shorter sample time, or design "
-                "for a smaller tolerance",
+                "for a smaller tolerance"
+                f"{'' if continuous.for_ideal else _searched_in_words(sampled)}",
             )
     if limits:
         return
@@ -288,7 +315,7 @@ def _sample_warnings(
 def _searched_in_words(sampled: Sampled) -> str:
     """Return what is proven of other commands on the samples."""
     searched = sampled.searched
-    if searched is None:
+    if searched is None or searched.searched < MIN_SEARCHED_SAMPLES:
         return ""
     told = (
         f"; proven: no command of unity magnitude of up to {searched.searched} samples has less "

@@ -3,11 +3,11 @@
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.pipeline import Design, design
-from design.sampling.on_grid import SampleGrid, brought_to_grid, require_served
+from design.sampling.on_grid import brought_to_grid, require_served
 from design.sampling.sampled import Sampled
 from design.shapers.options import ShaperOptions
 from schemas.base import name_field
-from schemas.samples import grid_tolerance
+from schemas.samples import grid_at
 from schemas.shapers import ShaperIn
 
 
@@ -85,7 +85,7 @@ def on_samples(
         If simulation does not confirm the residual on samples.
     """
     kind, options = shaper.shaper_kind(), shaper.options()
-    grid = SampleGrid(sample_time_s=sample_time_s, sample_tolerance=grid_tolerance(shaper))
+    grid = grid_at(shaper, sample_time_s)
     with name_field("shaper"):
         return brought_to_grid(found, plant, actuator, kind, options, grid)
 

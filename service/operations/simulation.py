@@ -13,7 +13,6 @@ from design.pipeline import design
 from design.sampling.sampled_design import claims_on_samples
 from design.shapers.options import ShaperOptions
 from schemas.base import name_field
-from schemas.samples import grid_tolerance
 from schemas.shapers import ShaperIn
 from schemas.simulations import ImpulsesCommand, SimulationRequest, SimulationResponse
 from service.operations.found_shaper import on_samples
@@ -84,7 +83,7 @@ def _shape_command(
 ) -> ShapedCommand:
     found, claims = design(plant, actuator, shaper.shaper_kind(), options), None
     if shaper.sample_time_s is not None:
-        claims = claims_on_samples(found, grid_tolerance(shaper))
+        claims = claims_on_samples(found, shaper.sample_tolerance)
         found, _ = on_samples(found, plant, actuator, shaper, shaper.sample_time_s)
     return shaped_command(command, found, plant.modes, actuator, claims)
 

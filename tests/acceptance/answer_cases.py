@@ -12,8 +12,11 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
+from design.model.plants.spring_mass import SpringMass
 from design.shapers.registry import SHAPERS
 from tests.random_cases import random_actuator, random_options, random_plant
 
@@ -28,8 +31,30 @@ AGREE = 2e-9
 JSON = dict[str, Any]
 
 
-def plant_as_json(plant: Mode | Pendulum) -> JSON:
-    """Return the request's form of a plant of one mode."""
+def plant_as_json(plant: Plant) -> JSON:
+    """Return the request's form of a plant; of a range, as a spring and a mass in a range."""
+    if isinstance(plant, Modes):
+        bare = [plant_as_json(mode) for mode in plant.modes]
+        for one in bare:
+            del one["kind"]
+        return {"kind": "modes", "modes": bare}
+    if isinstance(plant, Scheduled):
+        assert isinstance(plant.first, SpringMass)
+        assert isinstance(plant.last, SpringMass)
+        ends = {"from": plant.first.mass_kg, "to": plant.last.mass_kg}
+        return {
+            "kind": "scheduled",
+            "plant": plant_as_json(plant.first),
+            "over": "mass_kg",
+            **ends,
+        }
+    if isinstance(plant, SpringMass):
+        return {
+            "kind": "spring_mass",
+            "mass_kg": plant.mass_kg,
+            "stiffness_n_m": plant.stiffness_n_m,
+            "damping_ratio": plant.damping_ratio,
+        }
     if isinstance(plant, Pendulum):
         return {
             "kind": "pendulum",
@@ -48,7 +73,9 @@ def actuator_as_json(actuator: Actuator) -> JSON:
     """Return the request's form of an actuator."""
     told: JSON = {"kind": actuator.kind}
     if isinstance(actuator, RateLimited):
-        names = ("accel_limit_m_s2", "decel_limit_m_s2", "speed_m_s")
+        names = ["accel_limit_m_s2", "decel_limit_m_s2", "speed_m_s"]
+        if actuator.jerk_limit_m_s3 is not None:
+            names.append("jerk_limit_m_s3")
         return {
             **told,
             **{name: getattr(actuator, name) for name in names},
@@ -79,6 +106,22 @@ def random_subject(
     actuator = random_actuator(rng, one.mode.natural_frequency_rad_s, served)
     told = {"plant": plant_as_json(one), "actuator": actuator_as_json(actuator)}
     return one.mode, actuator, told
+
+
+def with_jerk_limit(rng: np.random.Generator, actuator: Actuator, share: float) -> Actuator:
+    """Return some drives behind limits with one to the jerk, reached within or beyond a ramp."""
+    if not isinstance(actuator, RateLimited) or rng.random() >= share:
+        return actuator
+    fastest = max(actuator.accel_limit_m_s2, actuator.decel_limit_m_s2)
+    own = fastest**2 / actuator.speed_m_s
+    return dataclasses.replace(
+        actuator, jerk_limit_m_s3=float(own * np.exp(rng.uniform(math.log(0.5), math.log(30))))
+    )
+
+
+def random_sample_time_s(rng: np.random.Generator, period_s: float) -> float:
+    """Draw from a 200th of a period to half of it, by the logarithm."""
+    return float(period_s * np.exp(rng.uniform(math.log(1 / 200), math.log(1 / 2))))
 
 
 def random_shaper(rng: np.random.Generator, name: str) -> JSON:

@@ -1,8 +1,10 @@
-"""Random moves, simulations and recommendations through the wire, each played by another route.
+"""Random answers of several operations through the wire, each played by another route.
 
     python -m tests.acceptance.random_answers moves 5000
     python -m tests.acceptance.random_answers simulations 2000
     python -m tests.acceptance.random_answers recommendations 500
+    python -m tests.acceptance.random_answers samples 5000
+    python -m tests.acceptance.random_answers programs 2000
 
 Requests go in and answers come out as JSON, as over HTTP. What an answer says of the drive given,
 its residual, distance, claims and warnings, is held against `tests.expm_route`. The report counts
@@ -20,20 +22,24 @@ import numpy as np
 from service.dispatch import respond
 from service.problems import INFEASIBLE, INVALID, Problem
 from tests.acceptance.random_kinds import Verdict, report
-from tests.acceptance.random_moves import random_move
+from tests.acceptance.random_moves import random_move, random_program
 from tests.acceptance.random_recommendations import random_recommendation
+from tests.acceptance.random_samples import random_design_on_samples
 from tests.acceptance.random_simulations import random_simulation
 
 OPERATIONS = {
     "moves": ("maneuver", random_move),
-    "simulations": ("simulation", random_simulation),
     "recommendations": ("recommendation", random_recommendation),
+    "simulations": ("simulation", random_simulation),
+    "samples": ("design", random_design_on_samples),
+    "programs": ("maneuver", random_program),
 }
+"""Operations by what is drawn; a new one is last, as its place seeds its cases."""
 
 
 def generator(what: str, number: int) -> np.random.Generator:
     """Return what draws a case, the same in every run."""
-    return np.random.default_rng([sorted(OPERATIONS).index(what), number])
+    return np.random.default_rng([list(OPERATIONS).index(what), number])
 
 
 def verdict(what: str, number: int) -> Verdict:
@@ -50,7 +56,7 @@ def verdict(what: str, number: int) -> Verdict:
         if not isinstance(answer, Problem):
             wrong += faults(json.loads(answer.model_dump_json(by_alias=True)))
         elif answer.kind in {INVALID, INFEASIBLE}:
-            refusal = answer.detail
+            refusal = f"{answer.code}: {answer.detail}"
             asks_for_none = answer.kind is INVALID or answer.code == "pulse_goes_nowhere"
         else:
             wrong.append(f"{answer.kind.name}: {answer.detail}")

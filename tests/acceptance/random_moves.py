@@ -19,6 +19,7 @@ from tests.acceptance.answer_cases import (
     apart,
     full_speed,
     impulses_of,
+    random_sample_time_s,
     random_shaper,
     random_subject,
 )
@@ -72,6 +73,17 @@ def random_move(rng: np.random.Generator) -> tuple[str, JSON, Callable[[JSON], I
     return name, request, faults
 
 
+def random_program(rng: np.random.Generator) -> tuple[str, JSON, Callable[[JSON], Iterator[str]]]:
+    """Draw a move with its program on any samples."""
+    name, request, faults = random_move(rng)
+    plant = request["plant"]
+    w = plant.get("natural_frequency_rad_s")
+    if w is None:
+        w = math.sqrt(plant["gravity_m_s2"] / plant["cable_length_m"])
+    request["sample_time_s"] = random_sample_time_s(rng, 2 * math.pi / w)
+    return name, request, faults
+
+
 def wrong_in_move(
     answer: JSON, mode: Mode, actuator: Actuator, request: JSON, initial: tuple[float, float]
 ) -> Iterator[str]:
@@ -102,6 +114,48 @@ def wrong_in_move(
         if ("program_residual" in codes) != (program["residual"] > NOTHING):
             yield f"a program that leaves {program['residual']:.3g} has warnings {codes}"
         yield from _without_its_figure(answer, "program_residual", program["residual"])
+        yield from _wrong_program(answer, request, steps, mode, actuator, initial)
+
+
+def _wrong_program(
+    answer: JSON,
+    request: JSON,
+    steps: Impulses,
+    mode: Mode,
+    actuator: Actuator,
+    initial: tuple[float, float],
+) -> Iterator[str]:
+    """Yield what is wrong with a program beside its residual."""
+    program, speed = answer["program"], answer.get("speed_m_s", abs(request["speed_m_s"]))
+    sample_time_s = request["sample_time_s"]
+    times, velocity, position = (
+        np.array(program[name]) for name in ("times_s", "velocity_m_s", "position_m")
+    )
+    if np.abs(times / sample_time_s - np.arange(times.size)).max() > 1e-6:
+        yield "is not on its samples"
+    # Positions linear between samples and held velocities are one command.
+    off = np.abs(np.diff(position) - velocity[:-1] * sample_time_s)
+    if off.max(initial=0.0) > 1e-12 * speed * max(float(times[-1]), sample_time_s):
+        yield f"positions are {off.max():.3g} m off the velocities held"
+    if position[0] != 0 or velocity[-1] != 0:
+        yield f"begins at {position[0]!r} m, ends at {velocity[-1]!r} m/s"
+    levels = velocity / answer["direction"] / speed
+    top = max(1.0, float(np.cumsum(answer["command"]["amplitudes"]).max()))
+    if levels.min() < 0 or levels.max() > top + 1e-9:
+        yield f"program has levels {levels.min():.9g} to {levels.max():.9g}"
+    way = answer["direction"] * speed * expm_route.outcome(steps, mode, actuator, initial).travel
+    codes = [one["code"] for one in answer["warnings"]]
+    for told, name in ((program["distance_m"], "program"), (answer["distance_m"], "move")):
+        missed = abs(way - told) > 1e-9 * abs(told)
+        if missed and (name == "program" or "program_distance" not in codes):
+            yield f"the program goes {way!r} m, told of the {name} {told!r}"
+    if any(claim["quantity"] == "slope" for claim in answer["certificate"]["claims"]):
+        slope = _slope(steps, mode, actuator, initial, request)
+        warned = {"program_residual", "program_slope"} & set(codes)
+        if slope > SLOPES_AGREE * 2 and not warned:
+            yield f"program has a slope of {slope:.3g} and warnings {codes}"
+        if slope < ZERO_LIMITS["slope"] / 2 and "program_slope" in codes:
+            yield f"program has a slope of {slope:.3g} and a warning"
 
 
 def _slope(

@@ -14,7 +14,7 @@ from tests.acceptance.random_kinds import report
 COUNTS = {"moves": 150, "simulations": 150, "recommendations": 12}
 
 
-@pytest.mark.parametrize("what", OPERATIONS)
+@pytest.mark.parametrize("what", COUNTS)
 def test_random_answers_are_what_another_route_finds(what: str) -> None:
     found = [verdict(what, number) for number in range(COUNTS[what])]
     assert not any(one.wrong for one in found), "\n".join(report(found))
