@@ -27,7 +27,10 @@ from schemas.warnings import WarningOut, Warnings
 MAX_MAP_AXIS_POINTS = 2000
 
 
-NOT_ON_SAMPLES = "a map holds one sampled shaper; it searches none in every cell and no move"
+NOT_ON_SAMPLES = (
+    "a map holds one sampled shaper; it searches none in every cell and no move; take a table, "
+    "whose rows are designs on samples, or a maneuver with sample_time_s"
+)
 """Why a shaper that is designed in every cell, or for a move, takes no sample time."""
 
 

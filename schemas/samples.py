@@ -3,6 +3,7 @@
 from typing import Any
 
 from design.errors import InvalidInputError
+from design.sampling.on_grid import SampleGrid
 from design.sampling.sampled_design import SAMPLE_TOLERANCE
 from schemas.shaper_request import ShaperRequest
 
@@ -15,6 +16,13 @@ def grid_tolerance(shaper: ShaperRequest) -> float | None:
     if getattr(shaper, "settle", False):
         return None
     return SAMPLE_TOLERANCE if shaper.sample_tolerance is None else shaper.sample_tolerance
+
+
+def grid_of(shaper: ShaperRequest) -> SampleGrid | None:
+    """Return the samples that a shaper is asked for on; None between samples."""
+    if shaper.sample_time_s is None:
+        return None
+    return SampleGrid(sample_time_s=shaper.sample_time_s, sample_tolerance=grid_tolerance(shaper))
 
 
 def continuous_options(shaper: ShaperRequest, reason: str) -> Any:  # noqa: ANN401
@@ -38,7 +46,25 @@ def continuous_options(shaper: ShaperRequest, reason: str) -> Any:  # noqa: ANN4
         If a sample time is given, or a parameter breaks its rule.
     """
     if shaper.sample_time_s is not None:
-        raise InvalidInputError(
-            "sample_time_s", shaper.sample_time_s, f"left out: {reason}", code="kind_not_sampled"
-        )
+        refuse_samples(shaper.sample_time_s, reason)
     return shaper.options()
+
+
+def refuse_samples(sample_time_s: float, reason: str) -> None:
+    """Refuse a sample time where no sample grid is served.
+
+    Parameters
+    ----------
+    sample_time_s
+        As given [s].
+    reason
+        Why not, to be read after "left out: ".
+
+    Raises
+    ------
+    InvalidInputError
+        Always.
+    """
+    raise InvalidInputError(
+        "sample_time_s", sample_time_s, f"left out: {reason}", code="kind_not_sampled"
+    )

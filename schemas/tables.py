@@ -16,7 +16,9 @@ from design.fields import Axis, Path, Spacing, space_evenly
 from design.tables.rows import Subject, TableHead
 from design.tables.specification import (
     COLUMNS,
+    COLUMNS_ON_SAMPLES,
     DEFAULT_COLUMNS,
+    DEFAULT_COLUMNS_ON_SAMPLES,
     MAX_CHUNK_ROWS,
     MAX_ROWS,
     TableSpecification,
@@ -28,14 +30,37 @@ from schemas.base import Wire, name_field
 from schemas.fits import FitIn
 from schemas.plants import PlantIn
 from schemas.pointers import path_of
-from schemas.samples import continuous_options
+from schemas.samples import grid_of, refuse_samples
 from schemas.shapers import ShaperIn
 
 MAX_TABLE_AXIS_POINTS = 10_000_000
 """Points of one axis; its values are held in memory."""
 
 
-NO_TABLE_ON_SAMPLES = "the rows of a table are designs in continuous time"
+CHUNK_ROWS = 10_000
+"""Rows of a chunk where nothing else is said."""
+
+CHUNK_ROWS_ON_SAMPLES = 100
+"""The same on samples, where a row takes up to half a second: a chunk is a minute at most."""
+
+NO_POLYNOMIALS_ON_SAMPLES = (
+    "on samples times are whole numbers, which no polynomial follows: take the nearest row"
+)
+"""Why a table on samples has no fit."""
+
+
+def _on_samples(given: dict[str, Any]) -> bool:
+    """Return whether the design that was validated before has a sample time."""
+    design = given.get("design")
+    return isinstance(design, TableDesign) and design.shaper.sample_time_s is not None
+
+
+def _columns(given: dict[str, Any]) -> list[str]:
+    return list(DEFAULT_COLUMNS_ON_SAMPLES if _on_samples(given) else DEFAULT_COLUMNS)
+
+
+def _chunk_rows(given: dict[str, Any]) -> int:
+    return CHUNK_ROWS_ON_SAMPLES if _on_samples(given) else CHUNK_ROWS
 
 
 class TableDesign(Wire):
@@ -52,9 +77,13 @@ class TableDesign(Wire):
         with name_field("actuator"):
             actuator = self.actuator.to_design()
         with name_field("shaper"):
-            options = continuous_options(self.shaper, NO_TABLE_ON_SAMPLES)
+            options, grid = self.shaper.options(), grid_of(self.shaper)
         return Subject(
-            plant=plant, actuator=actuator, kind=self.shaper.shaper_kind(), options=options
+            plant=plant,
+            actuator=actuator,
+            kind=self.shaper.shaper_kind(),
+            options=options,
+            grid=grid,
         )
 
 
@@ -146,11 +175,22 @@ class TableRequest(Wire):
     columns: Annotated[
         list[str],
         Field(
-            default_factory=lambda: list(DEFAULT_COLUMNS),
-            description=f"One or more of {', '.join(COLUMNS)}.",
+            default_factory=_columns,
+            description=f"One or more of {', '.join(COLUMNS)}; {', '.join(COLUMNS_ON_SAMPLES)} on "
+            f"samples only. If not given, {', '.join(DEFAULT_COLUMNS)}, on samples with "
+            "amplitudes.",
         ),
     ]
-    chunk_rows: Annotated[int, Field(ge=1, le=MAX_CHUNK_ROWS)] = 10_000
+    chunk_rows: Annotated[
+        int,
+        Field(
+            default_factory=_chunk_rows,
+            ge=1,
+            le=MAX_CHUNK_ROWS,
+            description=f"Rows computed and stored at a time; {CHUNK_ROWS} if not given, on "
+            f"samples {CHUNK_ROWS_ON_SAMPLES}.",
+        ),
+    ]
     tolerances: Tolerances = Tolerances()
     fit: Annotated[
         FitIn | None, Field(description="Polynomials, for the formats that hold programs.")
@@ -183,6 +223,9 @@ class TableRequest(Wire):
             )
         with name_field("design"):
             subject = self.design.to_design()
+        if self.fit is not None and subject.grid is not None:
+            with name_field("design"), name_field("shaper"):
+                refuse_samples(subject.grid.sample_time_s, NO_POLYNOMIALS_ON_SAMPLES)
         if self.fit is not None:
             with name_field("fit"):
                 plants_at_ends(subject.plant, self.fit.to_design(self.design.plant.kind))
@@ -195,6 +238,7 @@ class TableRequest(Wire):
             actuator=subject.actuator,
             kind=subject.kind,
             options=subject.options,
+            grid=subject.grid,
             axes=tuple(_axis(number, axis) for number, axis in enumerate(self.axes or ())),
             listed=listed,
             listed_paths=paths,
@@ -244,7 +288,6 @@ def _listed_fields(
 ) -> tuple[tuple[Path, ...], FloatArray]:
     """Return the fields that listed designs vary, in order of appearance, and their values."""
     lines = [dict(_numbers(design, (), number)) for number, design in enumerate(designs)]
-    parts = {"plant": subject.plant, "actuator": subject.actuator, "shaper": subject.options}
     paths = tuple(dict.fromkeys(path for line in lines for path in line))
     if not paths and len(designs) != 1:
         raise InvalidInputError(
@@ -255,7 +298,7 @@ def _listed_fields(
         )
     values = np.empty((len(lines), len(paths)))
     for column, path in enumerate(paths):
-        inner: Any = parts.get(path[0])
+        inner: Any = subject.parts.get(subject.part_of(path))
         for name in path[1:]:
             inner = _inner(inner, name)
         # What a line does not name stays as it is in the design; a wrong name is found later.

@@ -14,6 +14,7 @@ from design.export.reading import READERS, rows_of
 from design.model.impulses import Impulses
 from design.tables.columns import amplitudes_of, times_of
 from design.tables.rows import WITH_DESIGN
+from design.types import FloatArray
 from tests.firmware import klipper_reads, lines_of, reprap_35_reads, reprap_36_reads
 from tests.structured_text import Block
 
@@ -45,6 +46,39 @@ int main(void)
     return 0;
 }}
 """
+
+
+PRINTS_ON_SAMPLES = """
+#include <stdio.h>
+#include "table.h"
+int main(void)
+{{
+    static shapersmith_real memory[{upper}_LINE];
+    static {name}_shaper shaper;
+    size_t row, k;
+    for (row = 0; row < {upper}_ROWS; ++row) {{
+        printf("%d", {name}_status[row]);
+        for (k = 0; k < {upper}_IMPULSES; ++k) {{
+            printf(" %.17g", (double){name}_samples[row][k] * (double){name}_sample_times[row]);
+        }}
+        for (k = 0; k < {upper}_IMPULSES; ++k) {{
+            printf(" %.17g", (double){name}_amplitudes[row][k]);
+        }}
+        {columns}
+        printf("\\n");
+    }}
+    for (row = 0; row < {upper}_ROWS; ++row) {{
+        {name}_start(&shaper, memory, {upper}_LINE, SHAPERSMITH_C(0.0));
+        printf("%d", {name}_set(&shaper, row, {name}_sample_times[row]));
+        for (k = 0; k < {upper}_LINE; ++k) {{
+            printf(" %.17g", (double){name}_step(&shaper, SHAPERSMITH_C(1.0)));
+        }}
+        printf("\\n");
+    }}
+    return 0;
+}}
+"""
+"""Prints the rows of a table on samples, then what each makes of a step on each sample."""
 
 
 class UnreadableError(Exception):
@@ -79,8 +113,10 @@ def read_c(text: bytes, folder: Path) -> list[Held]:
     prints = [f'printf(" %.17g", (double){name}_table[row][{column}]);' for column in columns]
     if len(columns) < 1:
         raise UnreadableError("no columns")
+    on_samples = f" {name}_samples[".encode() in text
+    program = PRINTS_ON_SAMPLES if on_samples else PRINTS
     (folder / "main.c").write_text(
-        PRINTS.format(name=name, upper=name.upper(), columns="\n        ".join(prints))
+        program.format(name=name, upper=name.upper(), columns="\n        ".join(prints))
     )
     made = subprocess.run(
         ["gcc", *FLAGS, "-o", str(folder / "main"), str(folder / "main.c")],
@@ -93,7 +129,8 @@ def read_c(text: bytes, folder: Path) -> list[Held]:
     told = subprocess.run([str(folder / "main")], capture_output=True, text=True, check=True)
     impulses = int(re.findall(rb"_IMPULSES (\d+)", text)[0])
     rows = []
-    for line in told.stdout.splitlines():
+    lines = told.stdout.splitlines()
+    for line in lines[: len(lines) // 2] if on_samples else lines:
         status, *words = line.split()
         numbers = np.array([float(word) for word in words])
         times, amplitudes, told_columns = np.split(numbers, [impulses, 2 * impulses])
@@ -105,10 +142,16 @@ def _row_held(times: ArrayLike, amplitudes: ArrayLike, numbers: ArrayLike, statu
     code = int(status)
     found: tuple[Impulses, ...] = ()
     if code in WITH_DESIGN:
-        given = (np.array(one, dtype=np.float64) for one in (times, amplitudes))
+        given = trimmed(*(np.array(one, dtype=np.float64) for one in (times, amplitudes)))
         found = (Impulses(**dict(zip(("times_s", "amplitudes"), given, strict=True))),)
     listed = np.array(numbers, dtype=np.float64).tolist()
     return Held(impulses=found, numbers=tuple(listed), status=code)
+
+
+def trimmed(times: FloatArray, amplitudes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return impulses without those of no height or number at the end, as on samples."""
+    held = np.flatnonzero((amplitudes != 0) & ~np.isnan(amplitudes))[-1] + 1
+    return times[:held], amplitudes[:held]
 
 
 def read_st(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
@@ -119,9 +162,11 @@ def read_st(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
     try:
         block = Block(program, f"{name}_table")
         while (told := block(row=len(rows)))["status"] != -1:
-            times, amplitudes, columns = (
-                told[key].values for key in ("times_s", "amplitudes", "columns")
-            )
+            amplitudes, columns = (told[key].values for key in ("amplitudes", "columns"))
+            if "samples" in told:
+                times = [told["sample_time_s"] * number for number in told["samples"].values]
+            else:
+                times = told["times_s"].values
             rows.append(_row_held(times, amplitudes, columns, told["status"]))
     except (SyntaxError, ValueError, IndexError, KeyError) as error:
         raise UnreadableError(str(error)) from None

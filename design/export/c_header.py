@@ -24,6 +24,8 @@ from design.export.program import (
     name_of,
     range_of,
 )
+from design.export.sampled_c import sampled_rows_in_c, sampled_shaper_in_c
+from design.export.sampled_program import SampledListing, sampled_listing
 from design.tables.columns import names_of
 from design.tables.rows import Rows, TableHead
 from design.types import FloatArray
@@ -179,16 +181,20 @@ def write_c(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     rows = listing(head, runs)
     # A title or a reason must not end the comment.
     top = comment(head, rows, {"*/": "* /"})
+    sampled = sampled_listing(head, rows) if head.on_samples else None
     yield f"/* {top}\n   float rounds each number by up to 6e-8 of itself. */\n".encode()
     # By the specification too: a second file of the same names is an error, it does not vanish.
     guard = f"{upper}_{head.specification_sha256[:HASH_DIGITS].upper()}_H"
     yield f"#ifndef {guard}\n#define {guard}\n\n".encode()
     yield b"#include <math.h>\n#include <stddef.h>\n\n"
     yield f"{REAL}\n{_columns(head, upper)}\n".encode()
-    yield from _table(name, rows)
+    yield from _table(name, rows, sampled)
     if head.fit is not None:
         yield _evaluator(head.fit, name).encode()
-    yield SHAPER.substitute(NAME=name, UPPER=upper).encode()
+    if sampled is not None:
+        yield sampled_shaper_in_c(name, sampled).encode()
+    else:
+        yield SHAPER.substitute(NAME=name, UPPER=upper).encode()
     yield b"\n#endif\n"
 
 
@@ -203,17 +209,22 @@ def _columns(head: TableHead, upper: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _table(name: str, rows: Listing) -> Iterator[bytes]:
-    """Yield the table, a row a line, then status, times and amplitudes of each row."""
+def _table(name: str, rows: Listing, sampled: SampledListing | None) -> Iterator[bytes]:
+    """Yield the table, a row a line, then status, times or samples, amplitudes of each row."""
     upper = name.upper()
-    yield b"/* A row without a design, of status 1 or 2, holds NAN. */\n"
+    fewer = "" if sampled is None else ", and so does what a row has fewer of"
+    yield f"/* A row without a design, of status 1 or 2, holds NAN{fewer}. */\n".encode()
     yield _matrix(f"{name}_table[{upper}_ROWS][{upper}_COLUMNS]", rows.numbers).encode()
     codes = ", ".join(map(str, rows.status))
     yield f"\nstatic const unsigned char {name}_status[{upper}_ROWS] = {{{codes}}};\n\n".encode()
     shape = f"[{upper}_ROWS][{upper}_IMPULSES]"
-    yield _matrix(f"{name}_times{shape}", rows.times_s).encode()
-    yield b"\n"
-    yield _matrix(f"{name}_amplitudes{shape}", rows.amplitudes).encode()
+    if sampled is not None:
+        yield sampled_rows_in_c(name, sampled).encode()
+    else:
+        yield _matrix(f"{name}_times{shape}", rows.times_s).encode()
+        yield b"\n"
+    amplitudes = rows.amplitudes if sampled is None else sampled.amplitudes
+    yield _matrix(f"{name}_amplitudes{shape}", amplitudes).encode()
     yield b"\n"
 
 

@@ -116,7 +116,10 @@ def require_positive_row(head: TableHead, rows: Rows, index: int, firmware: str)
     InvalidInputError
         If an amplitude is not above 0, or they do not add up to 1.
     """
-    amplitudes = amplitudes_of(head, rows)[index]
+    times_s, amplitudes = times_of(head, rows)[index], amplitudes_of(head, rows)[index]
+    if head.on_samples:  # a row may have fewer impulses than others
+        held = ~np.isnan(times_s)
+        times_s, amplitudes = times_s[held], amplitudes[held]
     if not ((amplitudes > 0).all() and abs(float(np.sum(amplitudes)) - 1) < UNIT_SUM):
         raise InvalidInputError(
             f"amplitudes of row {rows.first + index}",
@@ -124,4 +127,4 @@ def require_positive_row(head: TableHead, rows: Rows, index: int, firmware: str)
             f"above 0 and add up to 1 for {firmware}",
             code="amplitudes_not_shares",
         )
-    return Impulses(times_s=times_of(head, rows)[index], amplitudes=amplitudes)
+    return Impulses(times_s=times_s, amplitudes=amplitudes)

@@ -79,7 +79,7 @@ LOWERINGS = 12
 
 
 def check_klipper(head: TableHead) -> None:
-    """Raise InvalidInputError unless Klipper has the kind of shaper."""
+    """Raise InvalidInputError unless Klipper computes the shaper."""
     subject = subject_of(head)
     if subject.kind.name not in NAMES:
         raise InvalidInputError(
@@ -94,6 +94,13 @@ def check_klipper(head: TableHead) -> None:
             subject.actuator.kind,
             "ideal for Klipper: its shapers know no drive",
             code="klipper_knows_no_actuator",
+        )
+    if subject.grid is not None:
+        raise InvalidInputError(
+            "shaper.sample_time_s",
+            subject.grid.sample_time_s,
+            "left out for Klipper: it computes its own impulses, which lie between samples",
+            code="klipper_not_on_samples",
         )
     if isinstance(subject.options, MzvOptions) and subject.options.n > MAX_IMPULSES:
         raise InvalidInputError(

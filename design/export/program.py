@@ -29,6 +29,13 @@ HASH_DIGITS = 7
 DEFAULT_TITLE = "shaper table"
 """Title of a table that was given none."""
 
+ON_SAMPLES = (
+    "on samples: delays are whole numbers of samples, and a row is what was verified only with its",
+    "fields and its sample time. Between two rows nothing is verified, and neither samples nor",
+    "amplitudes can be interpolated: take the nearest row",
+)
+"""What the head of a program on samples says of them."""
+
 RANGE_MARGIN = 1e-6
 """By how much of itself a range is widened in a program: what float makes of an end of it [-]."""
 
@@ -101,13 +108,18 @@ class Listing:
     status
         Shape (rows,).
     times_s, amplitudes
-        Of the impulses, shape (rows, impulses) [s], [-].
+        Of the impulses, shape (rows, impulses) [s], [-]; on samples not a number beyond the
+        impulses of a row.
+    above_claims
+        How many rows have a design that does not keep what its shaper claims, which happens on
+        samples only.
     """
 
     numbers: FloatArray
     status: list[int]
     times_s: FloatArray
     amplitudes: FloatArray
+    above_claims: int = 0
 
 
 def listing(head: TableHead, runs: Iterable[Rows]) -> Listing:
@@ -136,6 +148,7 @@ def listing(head: TableHead, runs: Iterable[Rows]) -> Listing:
             np.empty((0, head.impulses)),
             *(amplitudes_of(head, run) for run in held),
         ]),
+        above_claims=sum(bool(rows.designed[index]) for rows in held for index in rows.reasons),
     )
 
 
@@ -174,6 +187,11 @@ def remarks(head: TableHead, rows: Listing) -> list[str]:
         "status: 0 verified, 1 infeasible, 2 failed, 3 verified for an ideal actuator only"
     )
     lines.append(f"rows: {', '.join(counts)}")
+    if head.on_samples:
+        lines += [
+            *ON_SAMPLES,
+            f"rows whose residual is above what their shaper claims: {rows.above_claims}",
+        ]
     lines += _of_live_commands(head, rows)
     return lines
 
@@ -219,11 +237,12 @@ def _of_live_commands(head: TableHead, rows: Listing) -> list[str]:
     if any(path[0] == "actuator" for path in paths):
         fields = rows.numbers[designed, : len(paths)].tolist()
         drives += [subject.at(paths, values)[1] for values in fields]
+    held = ~np.isnan(rows.times_s[first])
     return live_remarks(
-        Impulses(times_s=rows.times_s[first], amplitudes=rows.amplitudes[first]),
+        Impulses(times_s=rows.times_s[first, held], amplitudes=rows.amplitudes[first, held]),
         plant,
         drives,
-        positive=bool((rows.amplitudes[designed] > 0).all()),
+        positive=not bool((rows.amplitudes[designed] <= 0).any()),
     )
 
 

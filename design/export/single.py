@@ -8,6 +8,7 @@ from design.curve_fit.polynomials import Fit
 from design.export.program import HASH_DIGITS
 from design.pipeline import Design
 from design.tables.rows import VERIFIED, VERIFIED_IDEAL, Column, Rows, Subject, TableHead
+from design.tables.sampled_rows import told_losses
 
 
 def single_table(
@@ -62,6 +63,6 @@ def single_table(
         fields=np.empty((1, 0)),
         results=np.array([results]),
         status=np.array([VERIFIED_IDEAL if found.for_ideal else VERIFIED], dtype=np.int8),
-        reasons={},
+        reasons=dict(enumerate(told_losses(found.warnings))),
     )
     return head, rows

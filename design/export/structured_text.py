@@ -15,16 +15,15 @@ from design.export.program import (
     Listing,
     check_program,
     comment,
-    decimal,
     dividing,
     listing,
     name_of,
     range_of,
 )
+from design.export.sampled_program import sampled_listing
+from design.export.sampled_text import sampled_shaper_in_text, sampled_table_in_text
+from design.export.structured_numbers import lines, real, reals
 from design.tables.rows import WITH_DESIGN, Rows, TableHead
-from design.types import FloatArray
-
-NUMBERS_PER_LINE = 8
 
 TABLE = Template("""\
 (* Times and amplitudes of one row. status 0: verified; 3: verified for an ideal actuator only;
@@ -205,6 +204,11 @@ def write_st(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     # A title must not end or open a comment.
     top = comment(head, rows, {"*)": "* )", "(*": "( *"})
     yield f"(* {top} *)\n\n".encode()
+    if head.on_samples:
+        sampled = sampled_listing(head, rows)
+        yield sampled_table_in_text(name, rows, sampled).encode()
+        yield sampled_shaper_in_text(name, sampled).encode()
+        return
     yield _table(head, name, rows).encode()
     if head.fit is not None:
         yield _evaluator(head, head.fit, name).encode()
@@ -221,27 +225,11 @@ def _table(head: TableHead, name: str, rows: Listing) -> str:
         LASTNUMBER=rows.numbers.size - 1,
         LASTTIME=rows.times_s.size - 1,
         LASTROW=head.rows - 1,
-        ALLCOLUMNS=_literal_lines(rows.numbers),
-        ALLTIMES=_literal_lines(rows.times_s),
-        ALLAMPLITUDES=_literal_lines(amplitudes),
-        ALLSTATUS=_lines([str(code) for code in rows.status]),
+        ALLCOLUMNS=reals(rows.numbers),
+        ALLTIMES=reals(rows.times_s),
+        ALLAMPLITUDES=reals(amplitudes),
+        ALLSTATUS=lines([str(code) for code in rows.status]),
     )
-
-
-def _literal_lines(values: FloatArray) -> str:
-    return _lines([_literal(value) for value in np.nan_to_num(values, nan=0.0).ravel().tolist()])
-
-
-def _literal(value: float) -> str:
-    return decimal(value).replace("e", "E")
-
-
-def _lines(texts: list[str]) -> str:
-    lines = [
-        ", ".join(texts[start : start + NUMBERS_PER_LINE])
-        for start in range(0, len(texts), NUMBERS_PER_LINE)
-    ]
-    return ",\n".join(f"        {line}" for line in lines)
 
 
 def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
@@ -254,14 +242,14 @@ def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
         IMPULSES=head.impulses,
         TERMS=fit.degree + 1,
         MEANING=fit.variable.meaning.replace("*", "times"),
-        FIRST=_literal(first),
-        LAST=_literal(last),
+        FIRST=real(first),
+        LAST=real(last),
         FORMULA=fit.formula,
         VARIABLES=frequency if by_frequency else f"    x : LREAL;\n{frequency}",
         LOCAL="    x : LREAL;\n" if by_frequency else "",
-        PREPARED=f"x := natural_frequency_rad_s / {_literal(unit)};\n" if unit is not None else "",
+        PREPARED=f"x := natural_frequency_rad_s / {real(unit)};\n" if unit is not None else "",
         LASTCOEFFICIENT=fit.coefficients.size - 1,
-        COEFFICIENTS=_literal_lines(fit.coefficients),
+        COEFFICIENTS=reals(fit.coefficients),
         DIVIDED=dividing(fit),
     )
 

@@ -319,7 +319,7 @@ def design_choice(choice: Choice, question: Question, budget: Budget) -> Designe
     budget.spend(DESIGN_WORK)
     found = design(plant, actuator, choice.kind, options, budget)
     if asked.sample_time_s is not None:
-        between_levels = may_be_between_levels(choice.kind)
+        between_levels = may_be_between_levels(choice.kind, modes)
         if not has_free_amplitudes(found.impulses, between_levels=between_levels):
             budget.spend(_work_of_samples(found, actuator, asked.sample_time_s))
         found, _ = sampled_design(

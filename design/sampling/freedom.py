@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from design.model.impulses import Impulses
+from design.sampling.more_impulses import is_unity
 from design.sampling.sample_grid import AnyIntArray
 from design.types import BoolArray, FloatArray
 
@@ -130,9 +131,9 @@ def freedoms(
     """Yield what amplitudes may be on samples 0 to the last.
 
     Amplitudes of one sign stay so. Of those of both signs, a command that keeps a tolerance over a
-    band, or that goes beyond 0 to 1, stays within its levels. Any other keeps the sum of each
-    negative step, and steps up and down take turns as before: in each of several ways to part the
-    samples.
+    band, that goes beyond 0 to 1, or is at 0 or 1 always, stays within its levels.
+    Any other keeps the sum of each negative step, and steps up and down take turns as before: in
+    each of several ways to part the samples.
 
     Parameters
     ----------
@@ -155,7 +156,7 @@ def freedoms(
         yield _positive(positions, samples)
         return
     lowest, highest = min(0.0, float(levels.min())), max(1.0, float(levels.max()))
-    if band or lowest < -LEVEL or highest > 1 + LEVEL:
+    if band or lowest < -LEVEL or highest > 1 + LEVEL or is_unity(impulses):
         yield _within_levels(positions, amplitudes, samples, (lowest, highest))
         return
     yield from _patterns(positions, amplitudes, samples)

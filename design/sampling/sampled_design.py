@@ -15,6 +15,7 @@ from design.analysis.warnings import DesignWarning
 from design.claims import ZERO_LIMITS, Promise
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.model.actuators.ideal import Ideal
+from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
@@ -108,7 +109,9 @@ def sampled_design(
     certified_for: Actuator = Ideal() if continuous.for_ideal else actuator
     require_two_a_period(continuous.impulses, modes, sample_time_s)
     kept = claim_over_band(continuous.certificate)
-    if has_free_amplitudes(continuous.impulses, between_levels=between_levels):
+    # Behind limits steps between two levels have ramps that do not add.
+    linear = not (between_levels and isinstance(certified_for, RateLimited))
+    if has_free_amplitudes(continuous.impulses, between_levels=between_levels and linear):
         sampled = _sample_free(continuous, modes, actuator, sample_time_s, certified_for, budget)
     else:
         require_one_mode(modes, sample_time_s)
@@ -212,8 +215,9 @@ def require_one_mode(modes: tuple[Mode, ...], sample_time_s: float) -> None:
         raise InvalidInputError(
             "sample_time_s",
             sample_time_s,
-            "left out for unity magnitude in several modes, which has no amplitudes to solve for; "
-            "multi_zv and convolved of positive shapers have",
+            "left out for convolved unity magnitude, and for any of several modes behind limits, "
+            "which have no amplitudes to solve for: multi_umzv without limits has, between 0 and "
+            "1, and so have multi_zv and convolved of positive shapers",
             code="samples_of_one_mode",
         )
 

@@ -16,6 +16,9 @@ from design.sampling.sampled import Sampled, compared
 from design.shapers.kind import ShaperKind
 from design.solvers.budget import Budget
 
+BETWEEN_LEVELS = "multi_umzv"
+"""Kind that claims the fastest command between 0 and 1: on samples it is between them at some."""
+
 
 def has_free_amplitudes(impulses: Impulses, *, between_levels: bool) -> bool:
     """Return whether amplitudes other than those given serve a shaper.
@@ -35,9 +38,22 @@ def has_free_amplitudes(impulses: Impulses, *, between_levels: bool) -> bool:
     return impulses.amplitudes.size > 1 and (between_levels or not is_unity(impulses))
 
 
-def may_be_between_levels(kind: ShaperKind) -> bool:
-    """Return whether a kind only limits its command."""
-    return hasattr(kind.options, "amplitudes")
+def may_be_between_levels(kind: ShaperKind, modes: tuple[Mode, ...]) -> bool:
+    """Return whether a kind only limits its command.
+
+    Parameters
+    ----------
+    kind
+        Kind of the shaper.
+    modes
+        Of the plant: for several, unity magnitude has no samples to choose from that leave nothing.
+
+    Returns
+    -------
+    bool
+        True of kinds that are given limits, and of the joint command between 0 and 1.
+    """
+    return hasattr(kind.options, "amplitudes") or (kind.name == BETWEEN_LEVELS and len(modes) > 1)
 
 
 def require_two_a_period(impulses: Impulses, modes: tuple[Mode, ...], sample_time_s: float) -> None:

@@ -3,8 +3,9 @@
 import numpy as np
 
 from design.errors import InvalidInputError
-from design.fields import Path
-from design.tables.rows import Rows, TableHead
+from design.fields import Path, unit_of
+from design.tables.rows import Column, Rows, Subject, TableHead
+from design.tables.specification import TableSpecification
 from design.types import FloatArray
 
 
@@ -91,3 +92,61 @@ def _positions(head: TableHead, wanted: list[str], column: str) -> list[int]:
 def require_times(head: TableHead) -> None:
     """Raise InvalidInputError unless the table has columns of times."""
     _positions(head, [f"t{number}_s" for number in range(1, head.impulses + 1)], "times_s")
+
+
+def require_no_samples(subject: Subject) -> None:
+    """Raise InvalidInputError if rows are on samples: nothing is between two."""
+    if subject.grid is not None:
+        raise InvalidInputError(
+            "subject",
+            subject.grid,
+            "without sample_time_s, to interpolate: on samples rows have other numbers of impulses "
+            "and whole numbers of samples; take the nearest row",
+            code="samples_not_interpolated",
+        )
+
+
+def columns_of(specification: TableSpecification) -> tuple[Column, ...]:
+    """Return the columns of a table: fields, results, status, reason.
+
+    Returns
+    -------
+    tuple of Column
+        Those of results in the order that is asked for.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is not known how many impulses there are.
+    """
+    impulses = specification.impulses
+    if impulses is None:
+        raise InvalidInputError(
+            "impulses",
+            None,
+            "counted first, by design.tables.compute.with_impulse_count",
+            code="impulses_not_counted",
+        )
+    series = {
+        "times_s": [(f"t{number}_s", "s") for number in range(1, impulses + 1)],
+        "amplitudes": [(f"a{number}", "1") for number in range(1, impulses + 1)],
+        "phases_rad": [(f"phase{number}_rad", "rad") for number in range(1, impulses + 1)],
+        "duration_s": [("duration_s", "s")],
+        "residual": [("residual", "1")],
+        "slope": [("slope", "1")],
+        "samples": [(f"n{number}", "1") for number in range(1, impulses + 1)],
+        "duration_samples": [("duration_samples", "1")],
+    }
+    return (
+        *(
+            Column(name=".".join(path), unit=unit_of(path[-1]), kind="field")
+            for path in specification.fields
+        ),
+        *(
+            Column(name=name, unit=unit, kind="result")
+            for wanted in specification.columns
+            for name, unit in series[wanted]
+        ),
+        Column(name="status", unit="", kind="status"),
+        Column(name="reason", unit="", kind="reason"),
+    )

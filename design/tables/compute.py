@@ -1,27 +1,22 @@
 """Rows of a table: designed, proven, each with a status."""
 
 import zlib
-from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from design.analysis.certificate import certify
-from design.claims import ZERO_LIMITS, zeros
-from design.errors import DesignError, InfeasibleDesignError, InvalidInputError, SolverFailedError
-from design.model.actuators.registry import Actuator
-from design.model.plants.mode import Mode
-from design.model.plants.pendulum import Pendulum
-from design.model.plants.registry import Plant
-from design.model.plants.spring_mass import SpringMass
-from design.pipeline import Design, design
+from design.claims import ZERO_LIMITS
+from design.errors import DesignError, InfeasibleDesignError, InvalidInputError
+from design.pipeline import design
 from design.shapers.compiled_rows import CompiledRows
 from design.shapers.kind import ShaperKind
 from design.shapers.options import NoOptions
 from design.shapers.settle_options import SettleOptions
+from design.tables.designed_rows import DesignedRows, empty_rows
 from design.tables.parameters import RowParameters, of_one_mode_and_lags, row_parameters
-from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL, Rows
+from design.tables.rows import FAILED, INFEASIBLE, Rows
+from design.tables.sampled_rows import sampled_rows
 from design.tables.specification import TableSpecification
 from design.types import BoolArray, FloatArray
 
@@ -55,66 +50,6 @@ class RowCounts:
     single: int
     guarded: int
     corrected: int
-
-
-@dataclass(slots=True, kw_only=True, eq=False)
-class _Table:
-    """Rows in the making."""
-
-    times_s: FloatArray  # (m, n)
-    amplitudes: FloatArray  # (m, n)
-    natural_frequencies_rad_s: FloatArray  # (m,)
-    residuals: FloatArray  # (m,)
-    slopes: FloatArray  # (m,)
-    designed: BoolArray  # (m,), what they claim is proven
-    for_ideal: BoolArray  # (m,), but not with the actuator given
-    wants_slopes: bool
-
-    def take(self, row: int, plant: Plant, actuator: Actuator, found: Design) -> None:
-        """Enter a single design.
-
-        Raises
-        ------
-        SolverFailedError
-            If it has another number of impulses than the rest.
-        """
-        wanted = self.times_s.shape[1]
-        if found.impulses.times_s.size != wanted:
-            raise SolverFailedError(
-                f"the design has {found.impulses.times_s.size} impulses, the table's rows {wanted}",
-                code="impulses_unlike_rows",
-            )
-        self.times_s[row] = found.impulses.times_s
-        self.amplitudes[row] = found.impulses.amplitudes
-        if isinstance(plant, Mode | Pendulum | SpringMass):  # only there a phase is asked for
-            self.natural_frequencies_rad_s[row] = plant.mode.natural_frequency_rad_s
-        self.residuals[row] = found.residual
-        if self.wants_slopes:
-            slopes = [
-                certify(found.impulses, mode, actuator, zeros(["slope"])).claims[0].value
-                for mode in plant.modes
-            ]
-            self.slopes[row] = max(slopes)
-        self.designed[row] = True
-        self.for_ideal[row] = found.for_ideal
-
-    def status(self) -> NDArray[np.int8]:
-        """Return what has become of the rows that have a design, shape (m,)."""
-        return np.where(self.for_ideal, VERIFIED_IDEAL, VERIFIED).astype(np.int8)
-
-    def results(self, columns: tuple[str, ...]) -> FloatArray:
-        """Return the columns asked for, shape (m, r)."""
-        of_name: dict[str, Callable[[], FloatArray]] = {
-            "times_s": lambda: self.times_s,
-            "amplitudes": lambda: self.amplitudes,
-            "phases_rad": lambda: self.natural_frequencies_rad_s[:, None] * self.times_s,
-            "duration_s": lambda: self.times_s[:, -1:] - self.times_s[:, :1],
-            "residual": lambda: self.residuals[:, None],
-            "slope": lambda: self.slopes[:, None],
-        }
-        results = np.concatenate([of_name[name]() for name in columns], axis=1)
-        results[~self.designed] = np.nan
-        return results
 
 
 def compute_rows(specification: TableSpecification, start: int, stop: int) -> Rows:
@@ -161,9 +96,12 @@ def compute_with_counts(
     RowCounts
         How many rows were designed in which way.
     """
+    if specification.grid is not None:
+        rows = sampled_rows(specification, start, stop)
+        return rows, RowCounts(compiled=0, single=stop - start, guarded=0, corrected=0)
     specification = with_impulse_count(specification)
     values = specification.field_values(start, stop)
-    table = _empty(specification, len(values))
+    table = empty_rows(len(values), specification.impulses or 0, specification.columns)
     guarded = corrected = compiled_rows = 0
     how = _kernel_rows(specification)
     if how is not None:
@@ -202,37 +140,23 @@ def compute_with_counts(
 def with_impulse_count(specification: TableSpecification) -> TableSpecification:
     """Return a specification that says how many impulses a row has.
 
-    Its first row is designed where the kind does not say.
+    Its first row is designed where the kind does not say. On samples no row says it of others.
 
     Returns
     -------
     TableSpecification
-        With ``impulses``.
+        With ``impulses``, except on samples.
 
     Raises
     ------
     DesignError
         If there is no such design.
     """
-    if specification.impulses is not None:
+    if specification.impulses is not None or specification.grid is not None:
         return specification
     plant, actuator, options = specification.at(specification.field_values(0, 1)[0])
     found = design(plant, actuator, specification.kind, options)
     return replace(specification, impulses=found.impulses.times_s.size)
-
-
-def _empty(specification: TableSpecification, rows: int) -> _Table:
-    impulses = specification.impulses or 0  # `with_impulse_count` has been here
-    return _Table(
-        times_s=np.full((rows, impulses), np.nan),
-        amplitudes=np.full((rows, impulses), np.nan),
-        natural_frequencies_rad_s=np.full(rows, np.nan),
-        residuals=np.full(rows, np.nan),
-        slopes=np.full(rows, np.nan),
-        designed=np.zeros(rows, dtype=np.bool_),
-        for_ideal=np.zeros(rows, dtype=np.bool_),
-        wants_slopes="slope" in specification.columns,
-    )
 
 
 def _kernel_rows(specification: TableSpecification) -> CompiledRows | None:
@@ -253,7 +177,7 @@ def _compile_rows(
     specification: TableSpecification,
     how: CompiledRows,
     parameters: RowParameters,
-    table: _Table,
+    table: DesignedRows,
 ) -> None:
     """Enter what the kernel solves and the compiled certificate verifies."""
     # Numba takes half a second to import, which nothing but tables should pay.
@@ -303,7 +227,7 @@ def _enter_proven(
     w: FloatArray,
     index: IndexArray,
     times: FloatArray,
-    table: _Table,
+    table: DesignedRows,
 ) -> None:
     """Enter the rows of ``index`` whose claims hold, and what they leave with the drive given.
 
@@ -361,7 +285,7 @@ def _select_guarded(specification: TableSpecification, start: int, stop: int) ->
 
 
 def _correct(
-    specification: TableSpecification, values: FloatArray, table: _Table, row: int
+    specification: TableSpecification, values: FloatArray, table: DesignedRows, row: int
 ) -> bool:
     """Design a row of the kernel's once more; keep the single design where it is shorter."""
     plant, actuator, options = specification.at(values)

@@ -24,7 +24,7 @@ from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.model.plants.spring_mass import SpringMass
-from design.tables.columns import amplitudes_of, names_of, times_of
+from design.tables.columns import amplitudes_of, names_of, require_no_samples, times_of
 from design.tables.rows import Rows, TableHead, subject_of
 from design.tables.stencil import IndexArray, first_of_stencil
 from design.tables.turned_rows import cells_across_kinks, cells_of_far_rows, turned_ramps
@@ -136,11 +136,12 @@ def interpolant(head: TableHead, rows: Rows) -> Interpolant:
     Raises
     ------
     InvalidInputError
-        If the rows are no grid, have no columns of times, have amplitudes that differ from row to
-        row, or vary what is no field of plant or actuator.
+        If the rows are no grid or on samples, have no columns of times, have amplitudes that differ
+        from row to row, or vary what is no field of plant or actuator.
     """
     names = tuple(names_of(head, "field"))
     subject = subject_of(head)
+    require_no_samples(subject)
     foreign = [name for name in names if name.partition(".")[0] not in {"plant", "actuator"}]
     if foreign:
         raise InvalidInputError(

@@ -12,6 +12,7 @@ from design.errors import InvalidInputError
 from design.fields import vary
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
+from design.sampling.on_grid import SampleGrid
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
 from design.types import BoolArray, FloatArray
@@ -25,6 +26,10 @@ VERIFIED, INFEASIBLE, FAILED, VERIFIED_IDEAL = range(len(STATUSES))
 
 WITH_DESIGN = (VERIFIED, VERIFIED_IDEAL)
 """Codes of the rows that hold impulses."""
+
+
+GRID_FIELDS = ("sample_time_s", "sample_tolerance")
+"""Fields of a request's shaper that are not of its kind but of the samples."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,12 +62,13 @@ class Rows:
     fields
         Value of each varied field, shape (m, f), in the order of the specification.
     results
-        Shape (m, r); not a number where a row has no design. The residual is with the actuator
-        given, whatever the claims are proven for.
+        Shape (m, r); not a number where a row has no design, or on samples fewer impulses than
+        others. The residual is with the actuator given, whatever the claims are proven for.
     status
         Index in `STATUSES`, shape (m,).
     reasons
-        Why a row has no design, by its number within this run; all rows that have none.
+        Why a row has no design, by its number within this run; all rows that have none. On samples
+        also what a row does not keep of the claims of its shaper.
     """
 
     first: int
@@ -86,12 +92,15 @@ class Subject:
     ----------
     plant, actuator, kind, options
         As for `design.pipeline.design`.
+    grid
+        The samples of a controller on which impulses lie; None between samples.
     """
 
     plant: Plant
     actuator: Actuator
     kind: ShaperKind
     options: ShaperOptions | None
+    grid: SampleGrid | None = None
 
     def at(
         self, paths: Iterable[Sequence[str]], values: Iterable[float]
@@ -119,14 +128,47 @@ class Subject:
         InvalidInputError
             If there is no such number, or it breaks its rule.
         """
-        parts: dict[str, Any] = {
-            "plant": self.plant,
-            "actuator": self.actuator,
-            "shaper": self.options,
-        }
-        for (part, *rest), value in zip(paths, values, strict=True):
-            parts[part] = vary(parts[part], rest, value)
+        parts = self._parts_at(paths, values)
         return parts["plant"], parts["actuator"], parts["shaper"]
+
+    def grid_at(self, paths: Iterable[Sequence[str]], values: Iterable[float]) -> SampleGrid | None:
+        """Return the samples with some numbers replaced.
+
+        Parameters
+        ----------
+        paths, values
+            As of `at`.
+
+        Returns
+        -------
+        SampleGrid or None
+            None between samples.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is no such number, or it breaks its rule.
+        """
+        grid: SampleGrid | None = self._parts_at(paths, values)["grid"]
+        return grid
+
+    def part_of(self, path: Sequence[str]) -> str:
+        """Return the part of the subject that a path of a request leads to."""
+        on_grid = path[0] == "shaper" and path[-1] in GRID_FIELDS
+        return "grid" if on_grid and self.grid is not None else path[0]
+
+    @property
+    def parts(self) -> dict[str, Any]:
+        """What may be varied: plant, actuator, shaper and, on samples, grid."""
+        parts = {"plant": self.plant, "actuator": self.actuator, "shaper": self.options}
+        return parts if self.grid is None else {**parts, "grid": self.grid}
+
+    def _parts_at(self, paths: Iterable[Sequence[str]], values: Iterable[float]) -> dict[str, Any]:
+        parts = {"grid": None, **self.parts}
+        for path, value in zip(paths, values, strict=True):
+            part = self.part_of(path)
+            parts[part] = vary(parts[part], path[1:], value)
+        return parts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -148,7 +190,7 @@ class TableHead:
     rows
         Number of rows.
     impulses
-        Impulses of the shaper, all rows alike.
+        Impulses of the shaper, all rows alike; on samples most of any row.
     amplitudes
         Their amplitudes, all rows alike [-]; none where each row has its own, in columns.
     name
@@ -171,6 +213,11 @@ class TableHead:
     name: str = ""
     fit: Fit | None = None
     subject: Subject | None = field(default=None, compare=False)
+
+    @property
+    def on_samples(self) -> bool:
+        """Whether the rows lie on the samples of a controller."""
+        return self.subject is not None and self.subject.grid is not None
 
 
 def subject_of(head: TableHead) -> Subject:

@@ -8,21 +8,36 @@ import numpy as np
 
 from design.checks import require_between
 from design.errors import InvalidInputError
-from design.fields import Axis, Path, unit_of, vary
+from design.fields import Axis, Path, vary
 from design.model.actuators.registry import Actuator
 from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
+from design.sampling.on_grid import SampleGrid, require_served
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
 from design.tables.row_amplitudes import impulses_of, shared_amplitudes
-from design.tables.rows import Column, Subject
+from design.tables.rows import GRID_FIELDS, Subject
 from design.types import FloatArray
 
-COLUMNS = ("times_s", "amplitudes", "phases_rad", "duration_s", "residual", "slope")
+COLUMNS_ON_SAMPLES = ("samples", "duration_samples")
+"""Results that a table on samples may hold besides: numbers of samples from the first on."""
+
+COLUMNS = (
+    "times_s",
+    "amplitudes",
+    "phases_rad",
+    "duration_s",
+    "residual",
+    "slope",
+    *COLUMNS_ON_SAMPLES,
+)
 """Results that a table may hold. A phase is the plant's natural frequency times a time."""
 
 DEFAULT_COLUMNS = ("times_s", "residual")
+
+DEFAULT_COLUMNS_ON_SAMPLES = ("times_s", "amplitudes", "residual")
+"""On samples each row has separate amplitudes."""
 
 
 MAX_ROWS = 10_000_000_000
@@ -43,6 +58,8 @@ class TableSpecification:
     ----------
     plant, actuator, kind, options
         The design in which fields are varied, as for `design.pipeline.design`.
+    grid
+        The samples of a controller on which impulses lie; None between samples.
     axes
         They multiply, the last runs fastest; empty where the designs are listed.
     listed
@@ -57,6 +74,7 @@ class TableSpecification:
     impulses
         Of each row. Where the kind of shaper does not say how many, the table has one row, and None
         stands for what its design will have; `design.tables.compute.with_impulse_count` finds out.
+        On samples each row has its own number, and this is None, or in heads the largest of them.
 
     Raises
     ------
@@ -69,6 +87,7 @@ class TableSpecification:
     actuator: Actuator
     kind: ShaperKind
     options: ShaperOptions | None
+    grid: SampleGrid | None = None
     axes: tuple[Axis, ...] = ()
     listed: FloatArray | None = None
     listed_paths: tuple[Path, ...] = ()
@@ -132,6 +151,9 @@ class TableSpecification:
                 f"a plant of one mode for {self.kind.name}",
                 code="kind_of_one_mode_in_table",
             )
+        if self.grid is not None:
+            self._check_grid(self.grid)
+            return
         if self.impulses is not None:
             return
         try:
@@ -149,6 +171,13 @@ class TableSpecification:
             found = None
         object.__setattr__(self, "impulses", found)
 
+    def _check_grid(self, grid: SampleGrid) -> None:
+        """Check that the designs can be brought to samples."""
+        try:
+            require_served(self.plant.modes, self.kind, self.options, grid.sample_time_s)
+        except InvalidInputError as error:
+            raise error.within("design.shaper") from None
+
     def _check_columns(self) -> None:
         if not self.columns:
             raise InvalidInputError(
@@ -161,6 +190,13 @@ class TableSpecification:
                     name,
                     f"one of {', '.join(COLUMNS)}, each once",
                     code="unknown_column",
+                )
+            if name in COLUMNS_ON_SAMPLES and self.grid is None:
+                raise InvalidInputError(
+                    f"columns.{number}",
+                    name,
+                    "left out without sample_time_s in the shaper of the design",
+                    code="column_without_samples",
                 )
         if "phases_rad" in self.columns and isinstance(self.plant, Modes | Scheduled):
             raise InvalidInputError(
@@ -176,7 +212,9 @@ class TableSpecification:
             raise InvalidInputError(
                 "columns",
                 list(self.columns),
-                f"with amplitudes: those of {self.kind.name} depend on the damping, or on a field",
+                f"with amplitudes: those of {self.kind.name} depend on the damping, or on a field"
+                if self.grid is None
+                else "with amplitudes: on samples each row has its own",
                 code="amplitudes_missing",
             )
 
@@ -211,8 +249,14 @@ class TableSpecification:
                 raise error.at(place(index), value) from None
 
     def _with(self, path: Path, value: float) -> dict[str, Any]:
-        parts = {"plant": self.plant, "actuator": self.actuator, "shaper": self.options}
-        part, *rest = path
+        parts, part, rest = self.subject.parts, self.subject.part_of(path), path[1:]
+        if self.grid is None and path[0] == "shaper" and path[-1] in GRID_FIELDS:
+            raise InvalidInputError(
+                "field",
+                "/".join(path),
+                "varied where the shaper of the design has a sample_time_s too",
+                code="samples_not_in_design",
+            )
         if part not in parts or not rest:
             raise InvalidInputError(
                 "field",
@@ -225,7 +269,7 @@ class TableSpecification:
     @property
     def shared_amplitudes(self) -> tuple[float, ...]:
         """The amplitudes of all rows [-]; none where each row has its own."""
-        if isinstance(self.plant, Modes):
+        if isinstance(self.plant, Modes) or self.grid is not None:
             return ()
         options = [self.options]
         for number, path in enumerate(self.fields):
@@ -303,7 +347,11 @@ class TableSpecification:
     def subject(self) -> Subject:
         """The design in which fields are varied."""
         return Subject(
-            plant=self.plant, actuator=self.actuator, kind=self.kind, options=self.options
+            plant=self.plant,
+            actuator=self.actuator,
+            kind=self.kind,
+            options=self.options,
+            grid=self.grid,
         )
 
 
@@ -328,47 +376,3 @@ def require_rows(rows: int) -> None:
             "ratio of two frequencies in place of both, or cut it into several tables",
             code="too_many_rows",
         )
-
-
-def columns_of(specification: TableSpecification) -> tuple[Column, ...]:
-    """Return the columns of a table: fields, results, status, reason.
-
-    Returns
-    -------
-    tuple of Column
-        Those of results in the order that is asked for.
-
-    Raises
-    ------
-    InvalidInputError
-        If it is not known how many impulses there are.
-    """
-    impulses = specification.impulses
-    if impulses is None:
-        raise InvalidInputError(
-            "impulses",
-            None,
-            "counted first, by design.tables.compute.with_impulse_count",
-            code="impulses_not_counted",
-        )
-    series = {
-        "times_s": [(f"t{number}_s", "s") for number in range(1, impulses + 1)],
-        "amplitudes": [(f"a{number}", "1") for number in range(1, impulses + 1)],
-        "phases_rad": [(f"phase{number}_rad", "rad") for number in range(1, impulses + 1)],
-        "duration_s": [("duration_s", "s")],
-        "residual": [("residual", "1")],
-        "slope": [("slope", "1")],
-    }
-    return (
-        *(
-            Column(name=".".join(path), unit=unit_of(path[-1]), kind="field")
-            for path in specification.fields
-        ),
-        *(
-            Column(name=name, unit=unit, kind="result")
-            for wanted in specification.columns
-            for name, unit in series[wanted]
-        ),
-        Column(name="status", unit="", kind="status"),
-        Column(name="reason", unit="", kind="reason"),
-    )

@@ -28,7 +28,7 @@ from service.jobs.database import StoreError, disk_full, url_of
 from service.jobs.executors import SchedulerError, starter
 from service.jobs.plan import Plan, plan_table
 from service.jobs.records import Job
-from service.jobs.results import head_for, pieces, require_taken, rows_of_job, write_result
+from service.jobs.results import pieces, require_taken, table_of, write_result
 from service.jobs.runner import Runner
 from service.jobs.store import Store
 from service.problems import INVALID, SOLVER_FAILED, Problem, problem_of_design
@@ -241,10 +241,10 @@ def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
             return Problem(SOLVER_FAILED, job.reason)
         try:
             if readable(name):
-                head, rows = head_for(plan.job, name), rows_of_job(store, job.id)
+                head, rows = table_of(store, store.contents_of(job.id), name)
                 drifts = drifts_of_file(path, name, head, rows, tolerances)
             else:
-                drifts = drifts_of_text(path, pieces(store, job, name, file_named_in(path)))
+                drifts = drifts_of_text(path, pieces(store, job.id, name, file_named_in(path)))
         except InvalidInputError as error:
             raise CommandError(f"{path} cannot be checked: {error}") from None
     if not drifts.count:

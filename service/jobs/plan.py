@@ -8,9 +8,10 @@ from pydantic import ValidationError
 from design.curve_fit.fit import fit
 from design.errors import DesignError
 from design.export.program import DEFAULT_TITLE
+from design.tables.columns import columns_of
 from design.tables.compute import with_impulse_count
 from design.tables.rows import TableHead
-from design.tables.specification import TableSpecification, columns_of
+from design.tables.specification import TableSpecification
 from schemas.tables import TableJob, TableRequest, TableSize, sha256_of
 from service.jobs.records import Job, NewJob
 from service.problems import (
@@ -22,6 +23,12 @@ from service.problems import (
 from service.repeated_names import RepeatedNameError
 from service.strict_json import loads
 from service.version import version
+
+USUAL_IMPULSES_ON_SAMPLES = 7
+"""Impulses of the widest row on samples, before any is designed."""
+
+FEWEST_IMPULSES_ON_SAMPLES = 2
+"""As many impulses each design on samples has at least."""
 
 STATUS_BYTES = 1
 FLOAT_BYTES = 8
@@ -99,8 +106,11 @@ def plan_of(request: TableRequest) -> Plan:
 
 
 def size_of(specification: TableSpecification) -> TableSize:
-    """Return how large a table will be."""
-    numbers = sum(column.kind in {"field", "result"} for column in columns_of(specification))
+    """Return how large a table will be; on samples about how large."""
+    counted = specification
+    if specification.grid is not None:
+        counted = replace(specification, impulses=USUAL_IMPULSES_ON_SAMPLES)
+    numbers = sum(column.kind in {"field", "result"} for column in columns_of(counted))
     return TableSize(
         rows=specification.rows,
         chunks=specification.chunks,
@@ -134,7 +144,9 @@ def specification_of(canonical: str, impulses: int | None = None) -> TableSpecif
     return specification if impulses is None else replace(specification, impulses=impulses)
 
 
-def head_of(job: NewJob, *, fitted: bool, name: str = "") -> TableHead:
+def head_of(
+    job: NewJob, *, fitted: bool, name: str = "", impulses: int = FEWEST_IMPULSES_ON_SAMPLES
+) -> TableHead:
     """Return the head of a job's files.
 
     Parameters
@@ -145,6 +157,8 @@ def head_of(job: NewJob, *, fitted: bool, name: str = "") -> TableHead:
         Whether the polynomials are wanted, where the request asks for any.
     name
         Of the file: names in programs are made from it where no title was given.
+    impulses
+        On samples those of the widest row, where it is known.
 
     Returns
     -------
@@ -158,6 +172,8 @@ def head_of(job: NewJob, *, fitted: bool, name: str = "") -> TableHead:
     """
     request = TableRequest.model_validate_json(job.specification)
     specification = with_impulse_count(specification_of(job.specification, job.impulses))
+    if specification.grid is not None:
+        specification = replace(specification, impulses=impulses)
     polynomials = None
     if fitted and request.fit is not None:
         polynomials = fit(

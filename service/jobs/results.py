@@ -11,11 +11,12 @@ from design.export.kind import Export
 from design.export.reading import READERS
 from design.export.registry import EXPORTS
 from design.tables.rows import Rows, TableHead
+from design.tables.sampled_rows import widened, widest_of
 from service.files import LockedError, hold_lock, remove_parts, write_pieces
 from service.jobs.blobs import from_blob
 from service.jobs.contents import DamagedError, GoneError
 from service.jobs.database import StoreError, reason_of
-from service.jobs.plan import head_of
+from service.jobs.plan import FEWEST_IMPULSES_ON_SAMPLES, head_of, specification_of
 from service.jobs.records import Job, NewJob
 from service.jobs.store import Store
 from service.problems import NOT_FOUND, OVERLOADED, Problem, problem_of_design
@@ -59,7 +60,62 @@ def export_of(name: str) -> Export:
     return EXPORTS[name]
 
 
-def head_for(job: NewJob, name: str, path: Path | None = None) -> TableHead:
+def table_of(
+    store: Store, job: NewJob, name: str, path: Path | None = None
+) -> tuple[TableHead, Iterator[Rows]]:
+    """Return head and rows of a job that is done, for a format.
+
+    On samples both are as wide as the widest row, for which all rows are read once before.
+
+    Parameters
+    ----------
+    store
+        The store.
+    job
+        The job.
+    name
+        Name of the format.
+    path
+        Of the file, where a person has named it.
+
+    Returns
+    -------
+    TableHead
+        The head.
+    Iterator of Rows
+        Reads as it goes on, and raises the errors of `rows_of_job`.
+
+    Raises
+    ------
+    InvalidInputError
+        If the format refuses the head.
+    DesignError
+        If the polynomials cannot be fitted.
+    GoneError
+        If the job is deleted before all is read.
+    DamagedError
+        If some rows are damaged.
+    """
+    specification = specification_of(job.specification, job.impulses)
+    rows = rows_of_job(store, job.id)
+    if specification.grid is None:
+        head = head_for(job, name, path)
+    else:
+        columns = specification.columns
+        impulses = widest_of(columns, rows)
+        head = head_for(job, name, path, impulses=impulses)
+        rows = (widened(columns, run, impulses) for run in rows_of_job(store, job.id))
+    export_of(name).checks(head)
+    return head, rows
+
+
+def head_for(
+    job: NewJob,
+    name: str,
+    path: Path | None = None,
+    *,
+    impulses: int = FEWEST_IMPULSES_ON_SAMPLES,
+) -> TableHead:
     """Return the head of a job's file in a format.
 
     The format may still refuse the head. Polynomials are only for the formats that are programs,
@@ -73,6 +129,8 @@ def head_for(job: NewJob, name: str, path: Path | None = None) -> TableHead:
         Name of the format.
     path
         Of the file, where a person has named it.
+    impulses
+        On samples those of the widest row, where it is known.
 
     Returns
     -------
@@ -84,7 +142,8 @@ def head_for(job: NewJob, name: str, path: Path | None = None) -> TableHead:
     DesignError
         If the polynomials cannot be fitted.
     """
-    return head_of(job, fitted=name not in READERS, name="" if path is None else path.stem)
+    stem = "" if path is None else path.stem
+    return head_of(job, fitted=name not in READERS, name=stem, impulses=impulses)
 
 
 def require_taken(job: NewJob, name: str) -> None:
@@ -138,7 +197,7 @@ def rows_of_job(store: Store, job: str) -> Iterator[Rows]:
         yield rows
 
 
-def pieces(store: Store, job: Job, name: str, path: Path | None = None) -> Iterator[bytes]:
+def pieces(store: Store, job: str, name: str, path: Path | None = None) -> Iterator[bytes]:
     """Return the bytes of a job's file, piece by piece.
 
     Parameters
@@ -146,7 +205,7 @@ def pieces(store: Store, job: Job, name: str, path: Path | None = None) -> Itera
     store
         The store.
     job
-        The job, which is done.
+        Id of the job, which is done.
     name
         Name of the format.
     path
@@ -161,7 +220,7 @@ def pieces(store: Store, job: Job, name: str, path: Path | None = None) -> Itera
     Raises
     ------
     InvalidInputError
-        If there is no such format.
+        If there is no such format, or it refuses the head.
     DesignError
         If the polynomials of a program cannot be fitted.
     GoneError
@@ -169,8 +228,8 @@ def pieces(store: Store, job: Job, name: str, path: Path | None = None) -> Itera
     DamagedError
         If the job's record or specification is damaged.
     """
-    head = head_for(store.contents_of(job.id), name, path)
-    return export_of(name).write(head, rows_of_job(store, job.id))
+    export = export_of(name)
+    return export.write(*table_of(store, store.contents_of(job), name, path))
 
 
 def write_result(store: Store, job: Job, name: str, path: Path) -> None:
@@ -198,7 +257,7 @@ def write_result(store: Store, job: Job, name: str, path: Path) -> None:
     OSError
         If the file cannot be written.
     """
-    write_pieces(path, pieces(store, job, name, path))
+    write_pieces(path, pieces(store, job.id, name, path))
 
 
 def lock_of(path: Path) -> Path:
@@ -248,9 +307,7 @@ def _write(url: str, job: str, name: str, path: Path) -> Problem | None:
     try:
         store = Store(url, stalled_s=0.0)
         try:
-            head, export = head_for(store.contents_of(job), name), export_of(name)
-            export.checks(head)
-            write_pieces(path, export.write(head, rows_of_job(store, job)))
+            write_pieces(path, pieces(store, job, name))
         finally:
             store.close()
     except DesignError as error:

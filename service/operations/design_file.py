@@ -2,6 +2,7 @@
 
 from design.curve_fit.fit import fit
 from schemas.design_request import DesignRequest
+from schemas.samples import grid_of
 from service.operations.requested_design import requested_design
 from service.version import version
 
@@ -38,17 +39,18 @@ def design_file(request: DesignRequest, format_name: str) -> bytes:
 
     done = requested_design(request)
     plant, found = done.plant, done.design
-    actuator, kind, options = (
+    actuator, kind, options, grid = (
         request.actuator.to_design(),
         request.shaper.shaper_kind(),
         request.shaper.options(),
+        grid_of(request.shaper),
     )
     polynomials = None
     if request.fit is not None:
         polynomials = fit(plant, actuator, kind, request.fit.to_design(request.plant.kind), options)
     head, rows = single_table(
         found,
-        Designed(plant=plant, actuator=actuator, kind=kind, options=options),
+        Designed(plant=plant, actuator=actuator, kind=kind, options=options, grid=grid),
         request_json=request.canonical(),
         version=version(),
         fit=polynomials,

@@ -13,7 +13,10 @@ from schemas.shapers import ShaperIn
 from service.operations.operation import Operation
 from service.operations.subject import subject_of
 
-NO_FIT_ON_SAMPLES = "a fit is over times that change smoothly, which whole samples do not"
+NO_FIT_ON_SAMPLES = (
+    "a fit is over times that change smoothly, which whole samples do not; take a table over the "
+    "same range, whose rows are on samples"
+)
 
 
 def fit_curves(request: FitRequest) -> FitOut:

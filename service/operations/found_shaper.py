@@ -1,22 +1,14 @@
 """The shaper of a request, designed and on samples where they are asked for."""
 
-from dataclasses import replace
-
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
-from design.model.plants.scheduled import Scheduled
 from design.pipeline import Design, design
-from design.ranges import worst_over
-from design.sampling.sampled import MAX_DURATION_PERIODS, Sampled
-from design.sampling.sampled_design import require_one_mode, sampled_design
-from design.sampling.sampled_free import may_be_between_levels
+from design.sampling.on_grid import SampleGrid, brought_to_grid, require_served
+from design.sampling.sampled import Sampled
 from design.shapers.options import ShaperOptions
 from schemas.base import name_field
 from schemas.samples import grid_tolerance
 from schemas.shapers import ShaperIn
-
-UNITY_OF_SEVERAL = ("multi_umzv", "umzv", "umzvd")
-"""Kinds, or what is convolved, whose impulses are of unity magnitude for several modes."""
 
 
 def found_shaper(
@@ -92,20 +84,10 @@ def on_samples(
     SolverFailedError
         If simulation does not confirm the residual on samples.
     """
+    kind, options = shaper.shaper_kind(), shaper.options()
+    grid = SampleGrid(sample_time_s=sample_time_s, sample_tolerance=grid_tolerance(shaper))
     with name_field("shaper"):
-        designed, sampled = sampled_design(
-            found,
-            plant.modes,
-            actuator,
-            sample_time_s,
-            tolerance=grid_tolerance(shaper),
-            between_levels=may_be_between_levels(shaper.shaper_kind()),
-            max_duration_periods=getattr(shaper, "max_duration_periods", MAX_DURATION_PERIODS),
-        )
-    if isinstance(plant, Scheduled):
-        worst = worst_over(plant, designed.impulses, actuator)
-        designed = replace(designed, worst_in_range=worst)
-    return designed, sampled
+        return brought_to_grid(found, plant, actuator, kind, options, grid)
 
 
 def require_sampled(plant: Plant, shaper: ShaperIn) -> None:
@@ -121,7 +103,7 @@ def require_sampled(plant: Plant, shaper: ShaperIn) -> None:
     InvalidInputError
         If unity magnitude is to leave nothing in several modes.
     """
-    base = getattr(shaper, "base", shaper.kind)
-    if shaper.sample_time_s is not None and base in UNITY_OF_SEVERAL:
+    if shaper.sample_time_s is not None:
         with name_field("shaper"):
-            require_one_mode(plant.modes, shaper.sample_time_s)
+            kind, options = shaper.shaper_kind(), shaper.options()
+            require_served(plant.modes, kind, options, shaper.sample_time_s)

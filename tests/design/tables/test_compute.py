@@ -24,6 +24,7 @@ from design.solvers.newton import roots
 from design.tables import compute, kernel, starts
 from design.tables.compiled import compiled
 from design.tables.compute import compute_rows, compute_with_counts
+from design.tables.designed_rows import empty_rows
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL
 from design.tables.specification import TableSpecification
 from tests.refusals import refused
@@ -261,17 +262,7 @@ def test_a_row_with_another_number_of_impulses_fails_with_both_numbers() -> None
     assert rows.status.tolist() == [VERIFIED, FAILED]
     assert rows.reasons == {1: "the design has 5 impulses, the table's rows 3"}
     other = design(Mode(natural_frequency_rad_s=4.0), limits, SHAPERS["numzv"])
-    numbers = np.zeros(1)
-    straight = compute._Table(
-        times_s=np.zeros((1, 3)),
-        amplitudes=np.zeros((1, 3)),
-        natural_frequencies_rad_s=numbers,
-        residuals=numbers,
-        slopes=numbers,
-        designed=np.zeros(1, dtype=bool),
-        for_ideal=np.zeros(1, dtype=bool),
-        wants_slopes=False,
-    )
+    straight = empty_rows(1, 3, ("times_s",))
     with refused("impulses_unlike_rows"):
         straight.take(0, Mode(natural_frequency_rad_s=4.0), limits, other)
     assert not straight.designed.any()

@@ -11,9 +11,10 @@ from design.fields import Axis
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.plants.pendulum import Pendulum
 from design.shapers.registry import SHAPERS
+from design.tables.columns import columns_of
 from design.tables.compute import compute_rows
 from design.tables.row_amplitudes import amplitudes_of
-from design.tables.specification import TableSpecification, columns_of
+from design.tables.specification import TableSpecification
 from tests.refusals import refused
 
 DRIVE = SecondOrder(

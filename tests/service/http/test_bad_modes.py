@@ -50,7 +50,7 @@ def test_bad_lists_of_modes_are_named(
 
 
 def test_what_serves_one_mode_says_so_of_several(client: httpx.Client) -> None:
-    request = changed("/shaper", {"kind": "multi_umzv", "sample_time_s": 0.01})
+    request = changed("/shaper", {"kind": "convolved", "base": "umzv", "sample_time_s": 0.01})
     answer = client.post("/v1/designs", json=request | {"plant": TWO_MODES})
     assert answer.status_code == 422
     assert answer.json()["errors"][0]["pointer"] == "/shaper/sample_time_s"
