@@ -50,11 +50,11 @@ def test_the_work_of_a_client_that_leaves_ends(service: Running, path: str, body
 def test_a_batch_ends_at_its_own_limit_and_says_so_on_each_line(tmp_path: Path) -> None:
     lines = b"\n".join([json.dumps(CRANE).encode(), *BATCH.splitlines()[:20]])
     with (
-        running_service(tmp_path / "log", job_workers=0, workers=1, batch_limit_s=1) as service,
+        running_service(tmp_path / "log", job_workers=0, workers=1, batch_limit_s=3) as service,
         service.client() as client,
     ):
         answer = client.post("/v1/designs/batch", content=lines)
     told = [json.loads(line) for line in answer.text.splitlines()]
     assert len(told) == 21
     assert told[-1]["status"] == 504
-    assert "the batch was ended after 1 s" in told[-1]["detail"]
+    assert "the batch was ended after 3 s" in told[-1]["detail"]
