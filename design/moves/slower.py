@@ -21,6 +21,9 @@ SLOWER = 0.7
 
 SPEEDS = 4
 
+LOWEST = 0.01
+"""Share of the speed below which a move is not the one that was asked for [-]."""
+
 
 def slower(
     parts: Parts, wanted_s: float, plant: Plant, kind: ShaperKind, options: ShaperOptions
@@ -51,7 +54,7 @@ def slower(
     share = ROOM * wanted_s / shortest_s if shortest_s > 0 else 0.0
     budget = Budget()
     for _ in range(SPEEDS):
-        if not 0 < share <= ROOM:
+        if not LOWEST <= share <= ROOM:
             break
         try:
             slow = _at(parts, share, plant, kind, options, budget)
