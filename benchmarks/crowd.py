@@ -14,6 +14,9 @@ from benchmarks.wire import END_OF_HEAD, LENGTH, MAX_IDLE_S
 RETRY = b"\r\nretry-after:"
 CLOSES = b"\r\nconnection: close"
 
+TICK_S = 0.002
+"""How long requests are gathered before they are sent: each wait costs as much as one of them."""
+
 
 class Crowd:
     """Clients of one port that all send from the same requests, one after the other.
@@ -45,7 +48,10 @@ class Crowd:
         return told
 
     async def open_loop(self, *, rate_hz: float, seconds: float) -> list[Outcome]:
-        """Ask at even spacing, whether answers come or not; return what became of all."""
+        """Ask at even spacing, whether answers come or not; return what became of all.
+
+        What is planned within a tick is sent at its end, and counts as late by that.
+        """
         count = max(round(rate_hz * seconds), 1)
         requests = list(itertools.islice(self._requests, count))
         with self._collect() as told:
@@ -54,7 +60,7 @@ class Crowd:
                 planned_s = start + number / rate_hz
                 wait_s = planned_s - time.perf_counter()
                 if wait_s > 0:
-                    await asyncio.sleep(wait_s)
+                    await asyncio.sleep(max(wait_s, TICK_S))
                 self._ask(planned_s, request)
             await self._wait_for_all(0.0)
         return told

@@ -42,6 +42,15 @@ CRANE: dict[str, Any] = {
 """The crane of the thesis, as a request."""
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the tests of the service, which take seconds each.
+
+    What is left for the end is short: no processor waits long for another. And a processor that has
+    nothing left takes over tests of the mathematics, not those that share a service.
+    """
+    items.sort(key=lambda item: not item.nodeid.startswith("tests/service/"))
+
+
 @dataclass(frozen=True)
 class Running:
     """A service and how to reach it."""
@@ -61,6 +70,20 @@ class Running:
 
     def client(self) -> httpx.Client:
         return httpx.Client(base_url=self.address, timeout=PATIENT_S, trust_env=False)
+
+
+def changed(**constants: float) -> tuple[str, ...]:
+    """Return the command of a service with some of its constants changed.
+
+    Each is named by its module, with ``__`` for a dot: ``service__jobs__keeping__RESTART_PAUSE_S``.
+    """
+    lines = ["import sys", "from importlib import import_module"]
+    for name, value in constants.items():
+        module, _, constant = name.rpartition("__")
+        found = f"import_module({module.replace('__', '.')!r})"
+        lines.append(f"{found}.{constant}; setattr({found}, {constant!r}, {value!r})")
+    lines.append("from service.__main__ import main; sys.exit(main())")
+    return (sys.executable, "-c", "\n".join(lines))
 
 
 def free_port() -> int:

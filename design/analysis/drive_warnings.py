@@ -20,8 +20,7 @@ def drive_warnings(
 ) -> Iterator[DesignWarning]:
     """Yield what to know of the drive: early switches and slow sets.
 
-    A switch is early if the step before it has not settled; a set is slow if its corner frequency
-    is below twice the plant's.
+    A switch is early before the last has settled, a set slow below twice the plant's frequency.
 
     Parameters
     ----------
@@ -31,21 +30,25 @@ def drive_warnings(
     Yields
     ------
     DesignWarning
-        Of code ``actuator_not_settled``, one a switch, or ``actuator_slow``, one a set.
+        Of code ``actuator_not_settled`` or ``actuator_slow``, one a set.
     """
     gaps = command.times_s[1:] - command.times_s[:-1]
-    ramps_s = dict(zip(("accel", "decel"), unit_ramps_s(actuator), strict=True))
-    steps = zip(gaps.tolist(), command.accelerates.tolist(), strict=False)
-    for number, (gap, rising) in enumerate(steps, start=1):
-        name, lag = ("accel", actuator.accel_lag) if rising else ("decel", actuator.decel_lag)
-        if gap < ramps_s[name]:
-            continue  # a ramp turned midway is part of the model, and no step is made
-        error = lag.step_error(gap - ramps_s[name])
-        if abs(error) > 1 - SETTLED_SHARE + SETTLED_MARGIN:
+    steps = list(zip(gaps.tolist(), command.accelerates.tolist(), strict=False))
+    lags, ramps_s = (actuator.accel_lag, actuator.decel_lag), unit_ramps_s(actuator)
+    for name, lag, ramp_s in zip(("accel", "decel"), lags, ramps_s, strict=True):
+        made = {  # a ramp turned midway is part of the model, and no step is made
+            number: 1 - lag.step_error(gap - ramp_s)
+            for number, (gap, rising) in enumerate(steps, start=1)
+            if rising == (name == "accel") and gap >= ramp_s
+        }
+        early = [one for one in made if abs(1 - made[one]) > 1 - SETTLED_SHARE + SETTLED_MARGIN]
+        if early:
+            least = max(early, key=lambda one: abs(1 - made[one]))
+            others = f"; {len(early) - 1} more of its switches are early" if early[1:] else ""
             yield DesignWarning(
                 code="actuator_not_settled",
-                detail=f"the {name} set has made {100 * (1 - error):.3g} % of switch {number} "
-                f"when the next one follows, {gap:.4g} s after it",
+                detail=f"the {name} set has made {100 * made[least]:.3g} % of switch {least} when "
+                f"the next one follows, {gaps[least - 1]:.4g} s after it{others}",
             )
     fastest = max(mode.natural_frequency_rad_s for mode in modes)
     for name, corner in actuator.corner_frequencies_rad_s.items():

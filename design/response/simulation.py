@@ -86,9 +86,7 @@ def dynamics_of(
     return Dynamics(np.broadcast_to(matrices, (2, *matrices.shape[1:])), taken, left, coupled)
 
 
-def _side_by_side(
-    blocks: list[FloatArray],
-) -> tuple[FloatArray, list[int], FloatArray, FloatArray]:
+def _side_by_side(blocks: list[FloatArray]) -> tuple[FloatArray, list[int], FloatArray, FloatArray]:
     """Lag states for superposed steps: each set has its own, excited by its own steps."""
     orders = [len(block) for block in blocks]
     matrix = np.zeros((sum(orders), sum(orders)))

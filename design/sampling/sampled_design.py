@@ -13,13 +13,14 @@ from design.analysis.residual import residual_vibration
 from design.analysis.residuals_of_many import residual_curve
 from design.analysis.warnings import DesignWarning
 from design.claims import ZERO_LIMITS, Promise
-from design.errors import InvalidInputError, SolverFailedError
+from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.pipeline import Design
 from design.sampling.left import Band
+from design.sampling.own_edges import edges_lost, to_own_edges
 from design.sampling.sampled import MAX_DURATION_PERIODS, Sampled, sample
 from design.sampling.sampled_free import (
     has_free_amplitudes,
@@ -108,15 +109,7 @@ def sampled_design(
     require_two_a_period(continuous.impulses, modes, sample_time_s)
     kept = claim_over_band(continuous.certificate)
     if has_free_amplitudes(continuous.impulses, between_levels=between_levels):
-        sampled = sample_free(
-            continuous.impulses,
-            [promise_of(claim) for claim in continuous.certificate.claims],
-            modes,
-            actuator,
-            sample_time_s,
-            designed_for=certified_for,
-            budget=budget,
-        )
+        sampled = _sample_free(continuous, modes, actuator, sample_time_s, certified_for, budget)
     else:
         require_one_mode(modes, sample_time_s)
         sampled = sample(
@@ -146,9 +139,55 @@ def sampled_design(
             *_sample_warnings(continuous, sampled, judged, tolerance),
             *drive_warnings(sampled.impulses, modes, actuator),
             *_longer_on_samples(continuous, sampled),
+            *edges_lost(
+                continuous.certificate.claims,
+                continuous.impulses,
+                sampled.impulses,
+                modes,
+                certified_for,
+            ),
         ),
     )
     return proven, sampled
+
+
+def _sample_free(
+    continuous: Design,
+    modes: tuple[Mode, ...],
+    actuator: Actuator,
+    sample_time_s: float,
+    certified_for: Actuator,
+    budget: Budget | None,
+) -> Sampled:
+    """Return a shaper of free amplitudes on samples, over its whole band where it has one.
+
+    Where no samples keep all of it, they keep what the shaper claims.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If no amplitudes keep that either.
+    """
+    claimed = [promise_of(claim) for claim in continuous.certificate.claims]
+    whole = [to_own_edges(one, continuous.impulses, modes, certified_for) for one in claimed]
+
+    def on_samples(promises: list[Promise]) -> Sampled:
+        return sample_free(
+            continuous.impulses,
+            promises,
+            modes,
+            actuator,
+            sample_time_s,
+            designed_for=certified_for,
+            budget=budget,
+        )
+
+    try:
+        return on_samples(whole)
+    except InfeasibleDesignError:
+        if whole == claimed:
+            raise
+        return on_samples(claimed)
 
 
 def promise_of(claim: Claim) -> Promise:

@@ -4,6 +4,7 @@ Most requests of an overload are refused, and what a refusal costs is taken from
 served. The app refuses as well: this only spares it the task, the messages and the encoding.
 """
 
+import functools
 import time
 from typing import cast
 
@@ -14,6 +15,9 @@ from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol, RequestResp
 from service.http.middleware import log_request, refusal_of, request_id_of
 from service.problems import Problem
 from service.workers.protocol import Pool
+
+PLACE = "{request_id}"
+"""Stands for the id of a request, and in no document else."""
 
 
 class RefusingProtocol(HttpToolsProtocol):
@@ -44,16 +48,30 @@ class RefusingProtocol(HttpToolsProtocol):
 
     def _encode(self, problem: Problem, request_id: str, *, keep_alive: bool) -> bytes:
         """Return a problem as it goes over the wire."""
-        body = problem.document(request_id).model_dump_json().encode()
-        status = problem.kind.http
-        head = [b"HTTP/1.1 %d %s" % (status.value, status.phrase.encode())]
-        head += [name + b": " + value for name, value in self.server_state.default_headers]
+        status, before, after = _parts(problem)
+        request = request_id.encode()
+        head = [status, *(b"%b: %b" % row for row in self.server_state.default_headers)]
         head += [
-            b"content-type: application/problem+json",
-            b"content-length: %d" % len(body),
-            *(f"{name}: {value}".encode() for name, value in problem.headers.items()),
-            b"x-request-id: " + request_id.encode(),
+            b"content-length: %d" % (len(before) + len(request) + len(after)),
+            b"x-request-id: " + request,
         ]
         if not keep_alive:
             head.append(b"connection: close")
-        return b"\r\n".join([*head, b"", body])
+        return b"\r\n".join([*head, b"", before]) + request + after
+
+
+@functools.lru_cache(maxsize=256)
+def _parts(problem: Problem) -> tuple[bytes, bytes, bytes]:
+    """Return the first lines of a refusal, and its document before and after the request's id.
+
+    An id has no character that JSON would write otherwise. Refusals of an overload are many and of
+    few kinds.
+    """
+    before, after = problem.document(PLACE).model_dump_json().encode().split(PLACE.encode())
+    status = problem.kind.http
+    head = [
+        f"HTTP/1.1 {status.value} {status.phrase}",
+        "content-type: application/problem+json",
+        *(f"{name}: {value}" for name, value in problem.headers.items()),
+    ]
+    return "\r\n".join(head).encode(), before, after

@@ -70,7 +70,7 @@ def prepare() -> None:
 
     It imports what they need while this process goes on.
     """
-    ensure_fork_server(["service.dispatch", "service.jobs.work"])
+    ensure_fork_server(["service.dispatch", "service.jobs.work", "design.tables.kernel"])
 
 
 def processes(workers: int) -> Started:

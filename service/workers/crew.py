@@ -197,7 +197,7 @@ class Crew:
         task.add_done_callback(self._tasks.discard)
 
     async def close(self) -> None:
-        """End the workers; all tasks have ended."""
+        """End the workers; nobody waits for a task."""
         self._closed = True
         for task in list(self._tasks):
             task.cancel()
@@ -205,7 +205,9 @@ class Crew:
         workers = [*self.idle, *self._busy, *self._starting]
         for timer in self._starting.values():
             timer.cancel()
-        for worker in workers:
+        for worker in self._busy:
+            worker.kill()  # nobody waits for its task
+        for worker in (*self.idle, *self._starting):
             worker.close()
         await asyncio.gather(*(asyncio.to_thread(worker.join, STOP_WAIT_S) for worker in workers))
         self._starter.shutdown()

@@ -167,7 +167,7 @@ def main(drives: int, starts: int, first: int = 0) -> int:
     beaten = 0
     for number in range(first, first + drives):
         gain, solved = tried(number, starts)
-        beaten += gain > GAIN
+        beaten += int(gain > GAIN)
         print(
             f"{number:3} {random_drive(number).kind:6} {solved:4} solved, gain {gain:.2g}",
             flush=True,

@@ -1,5 +1,6 @@
 """Every example of the documentation runs."""
 
+import math
 import re
 import subprocess
 import sys
@@ -88,4 +89,21 @@ def test_the_end_of_the_last_ramp_rises_with_the_ramps(tmp_path: Path) -> None:
         assert row[-1] > 3.0  # the ramp alone
     for equal, stronger in zip(rows[:3], rows[3:], strict=True):
         assert all(late >= early for late, early in zip(equal[2:], stronger[2:], strict=True))
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_residual_over_the_sample_time_is_printed_and_drawn(tmp_path: Path) -> None:
+    picture = tmp_path / "samples.png"
+    done = subprocess.run(
+        [sys.executable, EXAMPLES[5], picture], capture_output=True, text=True, check=True
+    )
+    rows = [line.split() for line in done.stdout.splitlines()[1:]]
+    left = {(row[0], row[1]): [float(one) for one in row[-4:]] for row in rows}
+    for kind in ("zv", "ei", "si", "umzv", "numzvd"):
+        limit = {"zv": 0.0, "ei": 5.0, "si": 5.0}.get(kind, 1.0)
+        # Three tenths of a period are longer than the gaps of unity magnitude.
+        assert max(left[kind, "shapersmith"][: 3 if limit == 1.0 else 4]) <= limit
+        assert max(left[kind, "nearest"]) > limit or math.isnan(left[kind, "nearest"][-1])
+    # The peers' figures of a longer sample: one split swings alike, and is not of unity magnitude.
+    assert left["umzv", "split"] == [0.0] * 4
     assert picture.read_bytes().startswith(b"\x89PNG")

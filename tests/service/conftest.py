@@ -6,8 +6,19 @@ from pathlib import Path
 import pytest
 
 from service.jobs.store import Store
+from service.workers.own_path import ensure_fork_server
+from service.workers.process import PRELOADED
 from tests.job_stores import HOUR_S, erase
 from tests.postgres import running_cluster
+
+
+@pytest.fixture(autouse=True)
+def fork_server() -> None:
+    """Have it hold all that workers need, whichever test is the first to need some.
+
+    Workers that are born of one that holds less build their own solvers, each anew.
+    """
+    ensure_fork_server([*PRELOADED, "tests.table_warmth"])
 
 
 @pytest.fixture(scope="session")

@@ -14,7 +14,7 @@ from service.catalogue import shaper_catalogue
 from service.dispatch import respond
 from service.problems import Problem
 from tests.conftest import CRANE
-from tests.service.cli.test_main import shapersmith
+from tests.service.cli.commands import shapersmith
 
 EXAMPLES = {entry.kind: entry.example for entry in shaper_catalogue().shapers}
 

@@ -67,9 +67,13 @@ def _mode(damping_ratio: float) -> Mode:
     return Mode(natural_frequency_rad_s=4.0, damping_ratio=damping_ratio)
 
 
-@pytest.mark.parametrize("z", [0.6, 0.9, 0.99])
+@pytest.mark.parametrize("z", [0.6, 0.99])
 @pytest.mark.parametrize("name", SHAPERS)
 def test_a_heavily_damped_plant_gets_what_is_claimed_or_a_reason(name: str, z: float) -> None:
+    require_what_is_claimed_or_a_reason(name, z)
+
+
+def require_what_is_claimed_or_a_reason(name: str, z: float) -> None:
     """Residuals by the sum of steps at the pole; refusals with the damping or what was searched."""
     row = SHAPER_TABLE[name]
     for actuator in (one for one in (IDEAL, FIRST_ORDER) if one in row.actuators):

@@ -138,9 +138,14 @@ def test_modes_far_apart_are_shaped(
 
 
 def test_modes_too_far_apart_for_doubles_are_refused_in_words() -> None:
+    require_words_where_modes_are_far_apart(each=6)
+
+
+def require_words_where_modes_are_far_apart(*, each: int) -> None:
+    """Require so many random designs of each base to be verified or refused in words."""
     rng = np.random.default_rng(11)
     words = []
-    for base in sorted(BASES) * 20:
+    for base in sorted(BASES) * each:
         ratio = 10 ** rng.uniform(1, 3)
         subject = plant((1.0, rng.uniform(0, 0.1)), (ratio, rng.choice([0.0, 0.02])))
         try:

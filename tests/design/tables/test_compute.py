@@ -1,12 +1,6 @@
 """Rows of tables against single designs."""
 
-import importlib
-import os
-import platform
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,14 +26,12 @@ from design.tables.compiled import compiled
 from design.tables.compute import compute_rows, compute_with_counts
 from design.tables.rows import FAILED, INFEASIBLE, VERIFIED, VERIFIED_IDEAL
 from design.tables.specification import TableSpecification
-from tests.patience import PATIENT_S
 from tests.refusals import refused
 from tests.shaper_table import CRANE, THESIS
 from tests.table_cases import random_table
 
 MODELS: tuple[Model, ...] = ("superposed", "switched")
 
-ROOT = Path(__file__).parents[3]
 
 SAME = 1e-10
 """Times agree to this share of the duration: IPOPT's tolerance is 1e-12."""
@@ -109,7 +101,7 @@ def test_a_row_of_any_compiled_shaper_equals_the_single_design(
 def test_a_row_that_lets_each_step_settle_equals_the_single_design(kind: str, model: Model) -> None:
     options = SHAPERS[kind].options(settle=True, max_duration_periods=4.0)
     require_same_as_single(
-        random_table(8, 6, order=2, model=model, kind=kind, options=options, poles=(3.0, 9.0))
+        random_table(4, 6, order=2, model=model, kind=kind, options=options, poles=(3.0, 9.0))
     )
 
 
@@ -127,47 +119,6 @@ def test_rows_do_not_depend_on_where_a_run_begins() -> None:
     joined = np.concatenate([part.results for part in parts])
     assert joined.tobytes() == whole.results[:56].tobytes()
     assert [part.first for part in parts] == list(range(0, 56, 7))
-
-
-PRINT_CHECKSUM = """
-import zlib
-from dataclasses import replace
-from design.tables.compute import compute_with_counts
-from tests.table_cases import random_table
-
-table = random_table(300, 3, order=2)
-table = replace(table, listed=table.listed.round(6))  # made by the library's exponential
-rows, counts = compute_with_counts(table, 0, 300)
-print(counts.compiled, zlib.crc32(rows.results.tobytes()))
-"""
-
-
-def test_compiled_rows_are_the_same_to_the_bit_on_any_kind_of_machine(tmp_path: Path) -> None:
-    """Here, and on an older machine: narrow vectors, no fused multiply-adds.
-
-    Some of the rows come from the search of all branches.
-    """
-    umath: Any = importlib.import_module("numpy._core._multiarray_umath")
-    newer = [name for name in umath.__cpu_dispatch__ if umath.__cpu_features__[name]]
-    plain = {
-        "NPY_DISABLE_CPU_FEATURES": ",".join(newer),
-        "NUMBA_CPU_NAME": "generic",
-        "NUMBA_CPU_FEATURES": "-avx" if platform.machine() == "x86_64" else "",
-        "NUMBA_CACHE_DIR": str(tmp_path),
-    }
-    printed = [
-        subprocess.run(
-            [sys.executable, "-c", PRINT_CHECKSUM],
-            env=os.environ | {"PYTHONPATH": str(ROOT)} | changes,
-            capture_output=True,
-            text=True,
-            check=True,
-            timeout=PATIENT_S,
-        ).stdout
-        for changes in ({}, plain)
-    ]
-    assert printed[0].startswith("300 ")
-    assert printed[1] == printed[0]
 
 
 def test_almost_all_rows_are_compiled_and_some_are_guarded() -> None:

@@ -2,7 +2,6 @@
 
 import sqlite3
 import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,8 +9,7 @@ from typing import Any
 
 from tests.conftest import CRANE
 from tests.processes import until
-
-COMMAND = (sys.executable, "-m", "service", "table")
+from tests.service.cli.commands import COMMAND, Done, shapersmith, shapersmith_apart
 
 SMALL: dict[str, Any] = {
     "design": {**CRANE, "shaper": {"kind": "numzv"}},
@@ -20,10 +18,14 @@ SMALL: dict[str, Any] = {
 }
 
 
-def table(*arguments: object, **options: Any) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(
-        [*COMMAND, *map(str, arguments)], capture_output=True, text=True, check=False, **options
-    )
+def table(*arguments: object) -> Done:
+    """Run the command in this process."""
+    return shapersmith("table", *arguments)
+
+
+def table_apart(*arguments: object) -> Done:
+    """Run the command as a user does."""
+    return shapersmith_apart("table", *arguments)
 
 
 def chunks_done(store: Path) -> int:
@@ -45,7 +47,10 @@ def begun(spec: Path, path: Path, **options: Any) -> "Iterator[subprocess.Popen[
     """Begin a long table, and wait until some of it is in its store."""
     already = chunks_done(path.with_name(f".{path.name}.job"))
     process = subprocess.Popen(
-        [*COMMAND, str(spec), "-o", str(path)], stderr=subprocess.PIPE, text=True, **options
+        [*COMMAND, "table", str(spec), "-o", str(path)],
+        stderr=subprocess.PIPE,
+        text=True,
+        **options,
     )
     try:
         store = path.with_name(f".{path.name}.job")

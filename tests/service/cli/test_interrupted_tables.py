@@ -14,7 +14,7 @@ import pytest
 from tests.conftest import CRANE
 from tests.patience import PATIENT_S
 from tests.processes import children
-from tests.service.cli.table_runs import SMALL, begun, table
+from tests.service.cli.table_runs import SMALL, begun, table, table_apart
 from tests.service.http.test_tables_over_http import TABLE
 
 LONG = {**SMALL, "design": CRANE, "axes": [{**SMALL["axes"][0], "points": 4000}]}
@@ -73,7 +73,7 @@ def test_a_full_disk_is_told_and_the_job_goes_on_when_there_is_space(
     filler = small_disk / "filler"
     filler.write_bytes(bytes(560_000))
     path = small_disk / "t.csv"
-    full = table(spec, "-o", path)
+    full = table_apart(spec, "-o", path)
     assert full.returncode == 1, full.stderr
     assert "no space left" in full.stderr.lower()
     assert "Traceback" not in full.stderr
@@ -95,7 +95,7 @@ def test_a_disk_that_is_full_for_the_file_alone_keeps_the_rows(
     path = small_disk / "t.csv"
     filler = small_disk / "filler"
     filler.write_bytes(bytes(100_000))
-    full = table(spec, "-o", path)
+    full = table_apart(spec, "-o", path)
     assert full.returncode == 1, full.stderr
     assert "nothing is lost, the same command goes on where it was" in full.stderr
     assert sorted(left.name for left in small_disk.iterdir()) == [".t.csv.job", "filler"]

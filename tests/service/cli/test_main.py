@@ -1,4 +1,4 @@
-"""The command line, as a process."""
+"""The command line."""
 
 import csv
 import io
@@ -12,24 +12,13 @@ import httpx
 import pytest
 
 from tests.conftest import CRANE
-
-
-def shapersmith(*arguments: str, given: object = None) -> "subprocess.CompletedProcess[str]":
-    """Run one command; ``given`` goes to its standard input, as JSON if it is no text."""
-    text = given if isinstance(given, str) else json.dumps(given)
-    return subprocess.run(
-        [sys.executable, "-m", "service", *arguments],
-        input=text,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+from tests.service.cli.commands import shapersmith, shapersmith_apart
 
 
 def test_design_prints_what_the_service_answers(client: httpx.Client, tmp_path: Path) -> None:
     request = tmp_path / "crane.json"
     request.write_text(json.dumps(CRANE))
-    from_file = shapersmith("design", str(request))
+    from_file = shapersmith_apart("design", request)
     assert (from_file.returncode, from_file.stderr) == (0, "")
     assert json.loads(from_file.stdout) == client.post("/v1/designs", json=CRANE).json()
     assert shapersmith("design", "-", given=CRANE).stdout == from_file.stdout
@@ -50,7 +39,7 @@ def test_the_csv_holds_the_impulses_in_full() -> None:
 
 def test_sensitivity_and_fit_take_the_same_json() -> None:
     impulses = {"times_s": [0, 0.9], "amplitudes": [0.5, 0.5]}
-    curve = shapersmith(
+    curve = shapersmith_apart(
         "sensitivity",
         "-",
         "--format",
@@ -65,7 +54,7 @@ def test_sensitivity_and_fit_take_the_same_json() -> None:
     assert curve.stdout.splitlines()[0] == "frequency_ratio,residual"
     assert len(curve.stdout.splitlines()) == 6
     fit = {"over": "/plant/cable_length_m", "from": 0.3, "to": 1.4, "degree": 3}
-    fitted = shapersmith("fit", "-", "--format", "table", given={**CRANE, "fit": fit})
+    fitted = shapersmith_apart("fit", "-", "--format", "table", given={**CRANE, "fit": fit})
     assert (
         "x = sqrt(gravity_m_s2 / cable_length_m) / accel.natural_frequency_rad_s" in fitted.stdout
     )
@@ -94,7 +83,7 @@ def test_an_edge_that_is_none_is_null_and_told_as_none() -> None:
 
 
 def test_shapers_lists_every_kind() -> None:
-    listed = json.loads(shapersmith("shapers").stdout)["shapers"]
+    listed = json.loads(shapersmith_apart("shapers").stdout)["shapers"]
     assert "numzvd" in {entry["kind"] for entry in listed}
     assert "numzvd" in shapersmith("shapers", "--format", "table").stdout
 
@@ -264,6 +253,6 @@ def test_a_move_is_drawn(tmp_path: Path) -> None:
         "distance_m": 0.3,
     }
     picture = tmp_path / "move.svg"
-    drawn = shapersmith("maneuver", "-", "--plot", str(picture), given=request)
+    drawn = shapersmith_apart("maneuver", "-", "--plot", str(picture), given=request)
     assert (drawn.returncode, drawn.stderr) == (0, "")
     assert picture.read_text().startswith("<?xml")

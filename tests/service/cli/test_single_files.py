@@ -1,8 +1,6 @@
 """A single design as a program or a line of firmware: read back, or refused by name."""
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +15,7 @@ from service.jobs.plan import Plan, head_of, plan_table, specification_of
 from service.operations.design import design_shaper
 from service.problems import Problem
 from tests.readers import read_back
+from tests.service.cli.commands import shapersmith
 
 MODE = {"kind": "mode", "natural_frequency_rad_s": 250.0, "damping_ratio": 0.05}
 TWO_MODES: dict[str, Any] = {
@@ -139,13 +138,7 @@ def test_the_command_prints_the_file() -> None:
     request = json.dumps({"plant": MODE, "actuator": IDEAL, "shaper": {"kind": "zv"}})
     told = {}
     for name in ("c", "klipper"):
-        done = subprocess.run(
-            [sys.executable, "-m", "service", "design", "-", "--format", name],
-            input=request,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        done = shapersmith("design", "-", "--format", name, given=request)
         assert (done.returncode, done.stderr) == (0, "")
         told[name] = done.stdout
     assert "SET_INPUT_SHAPER SHAPER_TYPE=zv " in told["klipper"]

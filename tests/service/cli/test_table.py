@@ -1,4 +1,4 @@
-"""The command `table`, as a process."""
+"""The command `table`."""
 
 import json
 import os
@@ -19,7 +19,7 @@ from service.problems import Problem
 from tests.conftest import free_port
 from tests.patience import PATIENT_S
 from tests.processes import until
-from tests.service.cli.table_runs import SMALL, table
+from tests.service.cli.table_runs import SMALL, table, table_apart
 from tests.service.cli.test_main import names_of
 from tests.service.http.test_tables_over_http import HEAVILY_DAMPED, TABLE
 
@@ -65,7 +65,7 @@ def test_the_bytes_are_the_same_on_any_number_of_workers_and_on_dask(
     files = {}
     for workers in (1, 2, 4):
         path = tmp_path / f"{workers}.csv"
-        done = table(spec, "-o", path, "--workers", workers)
+        done = table_apart(spec, "-o", path, "--workers", workers)
         assert done.returncode == 0, done.stderr
         files[str(workers)] = path.read_bytes()
     with cluster(2) as address:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import CRANE
-from tests.service.cli.test_main import shapersmith
+from tests.service.cli.commands import shapersmith
 
 MOVE: dict[str, Any] = {**CRANE, "speed_m_s": 0.2, "distance_m": 0.42}
 

@@ -7,7 +7,7 @@ import httpx
 import pytest
 
 from tests.conftest import CRANE
-from tests.service.cli.test_main import shapersmith
+from tests.service.cli.commands import shapersmith
 
 MAP: dict[str, Any] = {
     **CRANE,

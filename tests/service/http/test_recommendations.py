@@ -10,7 +10,7 @@ import httpx
 import pytest
 
 from tests.conftest import CRANE
-from tests.service.cli.test_main import shapersmith
+from tests.service.cli.commands import shapersmith, shapersmith_apart
 
 JSON = {"content-type": "application/json"}
 ASKED: dict[str, Any] = {
@@ -154,7 +154,7 @@ def test_a_drive_that_rings_within_the_ranges_leaves_null_and_says_so(
 
 
 def test_the_command_prints_what_the_service_answers(client: httpx.Client) -> None:
-    told = shapersmith("recommend", "-", given=ASKED)
+    told = shapersmith_apart("recommend", "-", given=ASKED)
     assert (told.returncode, told.stderr) == (0, "")
     assert json.loads(told.stdout) == client.post("/v1/recommendations", json=ASKED).json()
     refused = shapersmith("recommend", "-", given={**ASKED, "max_duration_s": 1.0})

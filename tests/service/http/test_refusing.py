@@ -25,6 +25,7 @@ HEAD = (
     "POST /v1/designs HTTP/1.1\r\nhost: here\r\nx-request-id: mine\r\n"
     f"content-type: application/json\r\ncontent-length: {len(BODY)}\r\n\r\n"
 ).encode()
+FULL = Problem(OVERLOADED, "too much is waiting", retry_after_s=7)
 READ = b"GET /health/live HTTP/1.1\r\nhost: here\r\n\r\n"
 
 
@@ -68,21 +69,23 @@ def one_answer(answers: BinaryIO) -> tuple[int, http.client.HTTPMessage, bytes]:
 
 def full_pool() -> InlinePool:
     pool = InlinePool()
-    pool.full = Problem(OVERLOADED, "too much is waiting", retry_after_s=7)
+    pool.full = FULL
     return pool
 
 
-def test_a_refusal_is_the_problem_that_the_app_would_send(heard: list[str]) -> None:
+@pytest.mark.parametrize("given", ["mine", "a", "0_.-" * 16, "not taken over", "x" * 65])
+def test_a_refusal_is_the_problem_that_the_app_would_send(heard: list[str], given: str) -> None:
     with serve(full_pool()) as connection:
-        connection.sendall(HEAD + BODY)
+        connection.sendall(HEAD.replace(b"mine", given.encode()) + BODY)
         status, headers, body = one_answer(connection.makefile("rb"))
     assert heard == []
     assert status == 503
     assert headers["content-type"] == "application/problem+json"
-    assert (headers["retry-after"], headers["x-request-id"]) == ("7", "mine")
+    assert headers["retry-after"] == "7"
     assert "date" in headers
-    told = json.loads(body)
-    assert (told["type"], told["request_id"]) == ("urn:shapersmith:overloaded", "mine")
+    request_id = headers["x-request-id"]
+    assert (request_id == given) == (len(given) < 65 and " " not in given)
+    assert body.decode() == FULL.document(request_id).model_dump_json()
 
 
 def test_a_refused_body_is_dropped_and_its_connection_serves_on(heard: list[str]) -> None:

@@ -15,7 +15,7 @@ from service.files import hold_lock as file_locked
 from service.jobs.results import lock_of, write_result_of
 from service.jobs.service import JobService
 from service.problems import NOT_FOUND
-from tests.conftest import CRANE, Running, running_service
+from tests.conftest import CRANE, Running, changed, running_service
 from tests.harmed_stores import HARMS, hold_locked
 from tests.job_stores import job
 from tests.patience import PATIENT_S
@@ -27,8 +27,12 @@ from tests.tables_in_store import add_done, jobs_in
 
 @pytest.fixture(scope="module")
 def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Running]:
-    """Yield a service with one worker, which no test harms for good."""
-    with running_service(tmp_path_factory.mktemp("apart") / "log", workers=1) as service:
+    """Yield a service with one worker, which no test harms for good; it waits less for locks."""
+    log, quick = (
+        tmp_path_factory.mktemp("apart") / "log",
+        changed(service__jobs__database__LOCK_WAIT_S=1),
+    )
+    with running_service(log, command=quick, workers=1) as service:
         yield service
 
 

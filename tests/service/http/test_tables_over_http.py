@@ -10,7 +10,6 @@ from typing import Any
 import httpx
 import pytest
 
-from service.settings import Settings
 from tests.conftest import CRANE, Running, running_service
 from tests.patience import PATIENT_S
 from tests.processes import until
@@ -347,14 +346,19 @@ def test_a_service_that_is_started_again_goes_on_with_its_jobs(tmp_path: Path) -
 
 
 def test_the_largest_body_is_answered(tmp_path: Path) -> None:
-    largest = Settings().max_table_bytes
+    """With a limit of a megabyte; `tests.acceptance.test_long_forms` has the usual one."""
+    require_largest_answered(tmp_path, 1_000_000)
+
+
+def require_largest_answered(folder: Path, largest: int) -> None:
+    """Require a service to answer the largest body that it takes, and to refuse a larger one."""
     head = json.dumps({**TABLE, "axes": None, "chunk_rows": 10_000})[:-1] + ', "designs": ['
     first, end = '{"plant": {"damping_ratio": 0.01}}', "]}"
     others = (largest - len(head + first + end)) // len(",{}")
     body = (head + first + others * ",{}" + end).ljust(largest)
-    settings: dict[str, Any] = {"workers": 1, "job_workers": 0}
+    settings: dict[str, Any] = {"workers": 1, "job_workers": 0, "max_table_bytes": largest}
     json_type = {"content-type": "application/json"}
-    with running_service(tmp_path / "log", **settings) as service, service.client() as client:
+    with running_service(folder / "log", **settings) as service, service.client() as client:
         refused = client.post("/v1/tables", content=body + " ", headers=json_type)
         assert (refused.status_code, refused.json()["type"]) == (413, "urn:shapersmith:too-large")
         begun = client.post("/v1/tables", content=body, headers=json_type)

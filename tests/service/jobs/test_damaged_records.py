@@ -2,6 +2,7 @@
 
 import random
 import sqlite3
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from service.jobs.blobs import to_blob
 from service.jobs.contents import DamagedError
 from service.jobs.plan import wire_job
 from service.jobs.results import rows_of_job
-from service.jobs.schema import JOBS
+from service.jobs.schema import JOBS, METADATA
 from service.jobs.soundness import RULES, damage_of
 from service.jobs.store import Store
 from tests.job_stores import HOUR_S, done, job
@@ -27,16 +28,27 @@ BYTES = "CAST(x'66ff66' AS TEXT)"
 """A text that is none."""
 
 
-@pytest.fixture
-def file(tmp_path: Path) -> Path:
-    return tmp_path / "jobs.sqlite"
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("damaged") / "jobs.sqlite"
 
 
-@pytest.fixture
-def store(file: Path) -> Any:
+@pytest.fixture(scope="module")
+def opened(file: Path) -> Iterator[Store]:
     opened = Store(f"sqlite:///{file}", stalled_s=HOUR_S, version="1")
     yield opened
     opened.close()
+
+
+@pytest.fixture
+def store(opened: Store, file: Path) -> Store:
+    """Return the store of all tests, emptied: to make one takes longer than most of them."""
+    with sqlite3.connect(file, timeout=PATIENT_S) as connection:
+        for table in reversed(METADATA.sorted_tables):
+            connection.execute(f"DELETE FROM {table.name}")
+    connection.close()
+    opened.version = "1"
+    return opened
 
 
 def edit(file: Path, one: str, column: str, value: Any) -> bool:

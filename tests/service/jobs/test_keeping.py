@@ -4,12 +4,15 @@ import json
 import os
 import signal
 import sqlite3
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from tests.conftest import CRANE, Running, running_service
+from service.jobs.service import JobService
+from service.settings import Settings
+from tests.conftest import CRANE, Running, changed, running_service
 from tests.patience import PATIENT_S
 from tests.processes import children, of_service, table_process, until
 from tests.service.http.test_tables_over_http import ENDLESS, TABLE, ended
@@ -40,12 +43,21 @@ def at_work(service: Running) -> int:
     return table_process(service)
 
 
-def test_it_is_started_anew_when_it_is_killed_and_goes_on_with_its_tables(
+QUICK = changed(service__jobs__keeping__RESTART_PAUSE_S=0.2)
+"""A service that waits less before it starts the process anew."""
+
+
+def test_it_lets_signals_to_the_service_and_is_started_anew_when_it_is_killed(
     tmp_path: Path,
 ) -> None:
     log = tmp_path / "log"
-    with running_service(log, workers=1, job_workers=1, stalled_s=1) as service:
+    with running_service(log, command=QUICK, workers=1, job_workers=1, stalled_s=1) as service:
         victim = at_work(service)
+        done = chunks(service, "done")
+        for number in (signal.SIGINT, signal.SIGTERM):
+            os.kill(victim, number)
+        until(lambda: chunks(service, "done") > done + 2, "it has stopped")
+        assert table_process(service) == victim
         below = children(victim)
         done = chunks(service, "done")
         os.kill(victim, signal.SIGKILL)
@@ -70,18 +82,9 @@ def test_it_gives_its_chunks_back_and_ends_with_the_service(
     assert chunks(service, "running") == 0
 
 
-def test_it_lets_the_service_hear_signals(service: Running) -> None:
-    process = at_work(service)
-    done = chunks(service, "done")
-    for number in (signal.SIGINT, signal.SIGTERM):
-        os.kill(process, number)
-    until(lambda: chunks(service, "done") > done + 2, "it has stopped")
-    assert table_process(service) == process
-
-
 def test_why_it_cannot_go_on_is_logged_and_it_is_tried_again(tmp_path: Path) -> None:
     log = tmp_path / "log"
-    with running_service(log, workers=1, scheduler="nowhere") as service:
+    with running_service(log, command=QUICK, workers=1, scheduler="nowhere") as service:
         begin(service, TABLE)
         first = until(lambda: table_process(service), "it is not started")
         until(lambda: table_process(service) not in {0, first}, "it is not started anew")
@@ -91,5 +94,8 @@ def test_why_it_cannot_go_on_is_logged_and_it_is_tried_again(tmp_path: Path) -> 
 
 
 def test_no_tables_no_process(tmp_path: Path) -> None:
-    with running_service(tmp_path / "log", workers=1, job_workers=0) as service:
-        assert table_process(service) == 0
+    jobs = JobService(Settings(data_dir=str(tmp_path), job_workers=0))
+    jobs.start()
+    started = [thread.name for thread in threading.enumerate()]
+    jobs.close()
+    assert "table-jobs" not in started
