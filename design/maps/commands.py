@@ -11,7 +11,8 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder
 from design.model.impulses import Impulses
-from design.moves.maneuvers import maneuver, mirrored_stop
+from design.moves.maneuvers import maneuver
+from design.moves.parts import mirrored_stop
 from design.pipeline import design
 
 

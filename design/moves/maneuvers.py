@@ -1,9 +1,7 @@
 """Whole moves of one mode from rest to rest: start, cruise, stop, over an exact distance."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-
-import numpy as np
+from dataclasses import dataclass
 
 from design.analysis.certificate import Certificate, certify
 from design.analysis.claims_found import shortfall_of
@@ -14,24 +12,20 @@ from design.analysis.warnings import DesignWarning
 from design.checks import MAX_VALUE, MIN_VALUE, require_scale
 from design.claims import ZERO_LIMITS, zeros
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
-from design.formulations.gaps import PERIOD_RAD
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
-from design.model.actuators.swapped import swap_directions
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing, InitialSwing, free_swing
 from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
+from design.moves.designed_parts import designed_parts
 from design.moves.parts import Parts, with_swing
-from design.moves.rest_to_rest import faster_as_one, over_distance, over_pulse
+from design.moves.rest_to_rest import WholeCommand, faster_as_one, over_distance, over_pulse
+from design.moves.slower import slower
 from design.moves.speed import require_speed
-from design.pipeline import design
 from design.response.closed_form import travel
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
-from design.shapers.peak_options import PeakOptions
-from design.shapers.settle_options import SettleOptions
-from design.solving.solve import solve
 from design.solving.textbooks import figures_beside_textbook_moves
 
 MAX_PERIODS = 500.0
@@ -50,12 +44,14 @@ class Maneuver:
     ----------
     start
         Its steps up to the speed, the first at 0; amplitudes +1, -1, ..., +1, shares of the speed
-        in the direction of travel. With a ``max_velocity_ratio`` v: v, -v, 1.
+        in the direction of travel. With a ``max_velocity_ratio`` v: v, -v, 1. At a lower speed
+        each is that share of full speed. One step where there is no start without vibration.
     stop
         The steps back to rest, times from the first step of the start; amplitudes -1, +1, ..., -1,
         or -1, v, -v.
     command
         Both, in order of time; the level stays within 0 and 1, or v. Solved as one, it is 0 or v.
+        At a lower speed it stays within 0 and that.
     direction
         +1 in +x, -1 in -x: the command, the velocity and the swing are all mirrored.
     speed_m_s
@@ -76,7 +72,8 @@ class Maneuver:
         What the payload swings already at the first step; None where it hangs still.
     joint
         Whether the move was solved as one: where start and stop would overlap, where the start
-        alone cannot cancel the swing, or where it was asked for and is faster.
+        alone cannot cancel the swing, where there is no stop without vibration, or where it was
+        asked for and is faster.
     ramps
         When its last ramp ends; None without limits to acceleration.
     lower_bound_s
@@ -184,7 +181,8 @@ def maneuver(
             f"at most {MAX_PERIODS:g} periods of the plant where it swings already",
             code="dead_time_too_long",
         )
-    parts = _parts(plant, actuator, kind, kind.options() if options is None else options)
+    options = kind.options() if options is None else options
+    parts = designed_parts(plant, actuator, kind, options)
     if joint and parts.peak != 1:
         raise InvalidInputError(
             "joint",
@@ -194,13 +192,18 @@ def maneuver(
         )
     if swing is not None:
         parts = with_swing(parts, swing)
-    if pulse_s is None:
-        wanted_s = abs(distance_m or 0.0) / speed_m_s
-        whole = over_distance(parts, wanted_s)
-    else:
-        whole = over_pulse(parts, pulse_s)
-    warnings: tuple[DesignWarning, ...] = ()
-    if joint and not whole.joint:
+    way_s = abs(distance_m or 0.0) / speed_m_s if pulse_s is None else pulse_s + parts.lead_s()
+    try:
+        whole = over_distance(parts, way_s) if pulse_s is None else over_pulse(parts, pulse_s)
+    except InfeasibleDesignError as error:
+        slow = slower(parts, way_s, plant, kind, options)
+        if slow is None and parts.no_stop:
+            raise InfeasibleDesignError(f"{parts.no_stop}; {error}", code=error.code) from error
+        if slow is None:
+            raise
+        whole = slow
+    warnings = tuple(_warnings(parts, whole, kind.name))
+    if joint and not whole.joint and whole.share == 1:
         faster = faster_as_one(parts, whole.command)
         if faster is not None:
             warnings = tuple(_robustness_warnings(parts, whole.command, faster.command))
@@ -221,7 +224,7 @@ def maneuver(
             code="move_not_verified",
         )
     # The start ends at level 1, so its steps are odd in number: half of them, or one more.
-    split = (command.times_s.size // 2) | 1
+    split = whole.start_steps or (command.times_s.size // 2) | 1
     start, stop = (
         Impulses(times_s=command.times_s[part], amplitudes=command.amplitudes[part])
         for part in (slice(None, split), slice(split, None))
@@ -256,6 +259,22 @@ def maneuver(
     )
 
 
+def _warnings(parts: Parts, whole: WholeCommand, name: str) -> Iterator[DesignWarning]:
+    """Yield what a move is that is not as usual."""
+    if parts.starts_at_once and not whole.joint:
+        yield DesignWarning(
+            code="start_swings",
+            detail=f"no start of {name} without vibration was found: the move starts by one step, "
+            "and its payload swings until the stop cancels what is left",
+        )
+    if whole.share < 1:
+        yield DesignWarning(
+            code="lower_speed",
+            detail=f"no move this short was found at full speed: it is made at "
+            f"{100 * whole.share:.3g} % of that",
+        )
+
+
 def _robustness_warnings(parts: Parts, apart: Impulses, one: Impulses) -> Iterator[DesignWarning]:
     """Yield that a move solved as one is much more sensitive than start and stop apart."""
     slopes = [
@@ -273,27 +292,6 @@ def _robustness_warnings(parts: Parts, apart: Impulses, one: Impulses) -> Iterat
             f"in the frequency its residual is some {slopes[1]:.3g} % of a step, "
             f"{slopes[1] / slopes[0]:.3g} times that of start and stop apart",
         )
-
-
-def mirrored_stop(start: Impulses) -> Impulses:
-    """Return the stop that mirrors a start: its gaps in reverse order.
-
-    It stops a symmetric actuator without vibration, an asymmetric one not (Kim 2011, 3.56-3.59:
-    t7 = t6 + t5 - t4, ...). `maneuver` solves the stop instead.
-
-    Parameters
-    ----------
-    start
-        The start.
-
-    Returns
-    -------
-    Impulses
-        The first step at 0, the amplitudes negated and in reverse order.
-    """
-    return Impulses(
-        times_s=(start.times_s[-1] - start.times_s)[::-1], amplitudes=-start.amplitudes[::-1]
-    )
 
 
 def _direction(
@@ -337,56 +335,3 @@ def _require_provable(name: str, value: float, travel_s: float, mode: Mode) -> N
             f"no longer at this speed than {MAX_PERIODS:g} periods of the plant",
             code="move_too_long",
         )
-
-
-def _parts(
-    plant: Plant, actuator: Actuator, kind: ShaperKind, options: ShaperOptions | None
-) -> Parts:
-    start = design(plant, actuator, kind, options).impulses
-    formulation = kind.formulate(kind.case(plant.modes, actuator, options))
-    peak = options.max_velocity_ratio if isinstance(options, PeakOptions) else 1.0
-    if not set(np.cumsum(start.amplitudes[:-1]).tolist()) <= {0.0, peak} or formulation.claims:
-        raise InvalidInputError(
-            "shaper.kind",
-            kind.name,
-            "one of unity magnitude without residual: moves are solved on levels 0 and 1",
-            code="move_not_served",
-        )
-    settling = options if isinstance(options, SettleOptions) else SettleOptions()
-    parts = Parts(
-        mode=plant.mode,
-        actuator=actuator,
-        designed_for=formulation.designed_for,
-        claims=formulation.claims or zeros(kind.claims),
-        settle=settling.settle,
-        horizon_rad=2 * settling.max_duration_periods * PERIOD_RAD,
-        start=start,
-        stop=mirrored_stop(start),
-        peak=peak,
-    )
-    try:
-        return _with_stop(parts, plant, kind, options)
-    except InfeasibleDesignError as error:
-        raise InfeasibleDesignError(
-            f"the start exists, the stop does not: {error}", code=error.code
-        ) from error
-
-
-def _with_stop(
-    parts: Parts, plant: Plant, kind: ShaperKind, options: ShaperOptions | None
-) -> Parts:
-    """Return the parts with a stop without residual, begun at rest at full speed."""
-    turned = swap_directions(parts.actuator)
-    if parts.peak == 1:
-        return replace(parts, stop=_negative(design(plant, turned, kind, options).impulses))
-    stop = replace(kind.case((parts.mode,), turned, options), is_stop=True)
-    for found in solve(kind.formulate(stop)):
-        # By itself it is no start: above twice the speed its second step would increase |command|.
-        tried = replace(parts, stop=_negative(found.impulses))
-        if tried.verified(tried.whole(tried.rest_pulse_s)):
-            return tried
-    raise SolverFailedError(f"the stop of {kind.name} was not verified", code="stop_not_verified")
-
-
-def _negative(impulses: Impulses) -> Impulses:
-    return Impulses(times_s=impulses.times_s, amplitudes=-impulses.amplitudes)

@@ -28,6 +28,9 @@ from design.types import FloatArray
 MIN_START_SHARE = 1 / 512
 """The same of a start, which Newton's method follows [-]."""
 
+COMPRESSED = 0.95
+"""Share of the pulse into which a compressed start is squeezed [-]."""
+
 REST_TIME_CONSTANTS = 50.0
 """Time constants after which a lag is at rest to rounding: e^-50 [-]."""
 
@@ -59,6 +62,8 @@ class Parts:
         must be solved as one.
     cancelled
         Share of the swing up to which the start could be followed [-].
+    no_stop
+        Why there is no stop without vibration; empty where there is one.
     """
 
     mode: Mode
@@ -73,6 +78,7 @@ class Parts:
     swing: FreeSwing | None = None
     apart: bool = True
     cancelled: float = 1.0
+    no_stop: str = ""
 
     @property
     def derivatives(self) -> int:
@@ -83,6 +89,11 @@ class Parts:
     def steps(self) -> int:
         """Number of steps of both."""
         return self.start.times_s.size + self.stop.times_s.size
+
+    @property
+    def starts_at_once(self) -> bool:
+        """Whether the start is one step, which the stop has to cancel."""
+        return self.start.times_s.size == 1
 
     @property
     def shortest_pulse_s(self) -> float:
@@ -149,6 +160,8 @@ def with_swing(parts: Parts, swing: FreeSwing) -> Parts:
     Parts
         For the swing; without such a start ``apart`` is False: start and stop are solved as one.
     """
+    if parts.starts_at_once:
+        return replace(parts, swing=swing)
     drive = parts.designed_for
     if follows_one_lag(drive) and drive.jerk_limit_m_s3 is not None:
         # Whole moves are solved as one for any swing; starts alone are not.
@@ -194,3 +207,50 @@ def with_swing(parts: Parts, swing: FreeSwing) -> Parts:
     except InfeasibleDesignError:  # the stop may do what the start cannot
         pass
     return replace(swinging, apart=False, cancelled=path.share)
+
+
+def mirrored_stop(start: Impulses) -> Impulses:
+    """Return the stop that mirrors a start: its gaps in reverse order.
+
+    It stops a symmetric actuator without vibration, an asymmetric one not (Kim 2011, 3.56-3.59:
+    t7 = t6 + t5 - t4, ...). `maneuver` solves the stop instead.
+
+    Parameters
+    ----------
+    start
+        The start.
+
+    Returns
+    -------
+    Impulses
+        The first step at 0, the amplitudes negated and in reverse order.
+    """
+    return Impulses(
+        times_s=(start.times_s[-1] - start.times_s)[::-1], amplitudes=-start.amplitudes[::-1]
+    )
+
+
+def overlapping_seeds(parts: Parts, pulse_s: float) -> tuple[Seed, ...]:
+    """Return start and stop merged, and both squeezed into the pulse.
+
+    Parameters
+    ----------
+    parts, pulse_s
+        Start and stop; time from the first step of the one to that of the other [s].
+
+    Returns
+    -------
+    tuple of Seed
+        Gaps between all steps [rad].
+    """
+    pulse_s = max(pulse_s, 0.0)
+    squeeze = min(1.0, COMPRESSED * pulse_s / max(parts.start.duration_s, parts.stop.duration_s))
+    squeezed = np.concatenate((
+        squeeze * parts.start.times_s,
+        pulse_s + squeeze * parts.stop.times_s,
+    ))
+    w = parts.mode.natural_frequency_rad_s
+    return (
+        Seed(name="merged", gaps_rad=w * np.diff(parts.whole(pulse_s).times_s)),
+        Seed(name="squeezed", gaps_rad=w * np.diff(squeezed)),
+    )

@@ -17,7 +17,7 @@ from design.formulations.unequal_ramps import unequal_ramps, without_travel
 from design.formulations.whole_move import WholeMove, swing_parameters, whole_move_problem
 from design.model.actuators.rate_limited import RateLimited, follows_one_lag
 from design.model.impulses import Impulses
-from design.moves.parts import Parts
+from design.moves.parts import Parts, overlapping_seeds
 from design.response.closed_form import travel
 from design.solvers import ipopt
 from design.solvers.continuation import Path, follow
@@ -46,9 +46,6 @@ TIME_ROUNDING = 1e-15
 """Rounding of a step's time, over the duration: a move of 1 um travels no more exactly, and a ramp
 that is turned by so much too late rises too high, for the rest of the move [-]."""
 
-COMPRESSED = 0.95
-"""Share of the pulse into which a compressed start is squeezed [-]."""
-
 MIN_SHARE = 1 / 32
 """Step of the swing's share at which a whole move is no longer followed: IPOPT takes a tenth of a
 second to fail [-]."""
@@ -70,11 +67,17 @@ class WholeCommand:
     lower_bound_s
         No move within the limits of acceleration ends its last ramp as early; None where nothing is
         proven [s].
+    start_steps
+        How many steps the start has; None where they were solved as one.
+    share
+        Height of its pulses over that of the parts [-].
     """
 
     command: Impulses
     joint: bool = False
     lower_bound_s: float | None = None
+    start_steps: int | None = None
+    share: float = 1.0
 
 
 def over_pulse(parts: Parts, pulse_s: float) -> WholeCommand:
@@ -100,7 +103,7 @@ def over_pulse(parts: Parts, pulse_s: float) -> WholeCommand:
     if parts.apart and pulse_s >= parts.shortest_pulse_s:
         command = _with_solved_stop(parts, pulse_s, None)
         if command is not None:
-            return WholeCommand(command=command)
+            return WholeCommand(command=command, start_steps=parts.start.times_s.size)
     wanted_s = pulse_s + parts.lead_s()
     if wanted_s <= 0:
         raise InfeasibleDesignError(
@@ -131,6 +134,23 @@ def over_distance(parts: Parts, wanted_s: float) -> WholeCommand:
     InfeasibleDesignError
         If no move was found.
     """
+    pulse_s, apart = apart_over_distance(parts, wanted_s)
+    return _as_one(parts, wanted_s, pulse_s) if apart is None else apart
+
+
+def apart_over_distance(parts: Parts, wanted_s: float) -> tuple[float, WholeCommand | None]:
+    """Return the pulse over a distance, and start and stop with it.
+
+    Parameters
+    ----------
+    parts, wanted_s
+        As of `over_distance`.
+
+    Returns
+    -------
+    tuple of float and WholeCommand or None
+        The pulse [s]; None where start and stop overlap with it.
+    """
     pulse_s = wanted_s - parts.lead_s()
     if pulse_s >= parts.shortest_pulse_s:
         for _ in range(PULSE_ITERATIONS):
@@ -138,11 +158,12 @@ def over_distance(parts: Parts, wanted_s: float) -> WholeCommand:
             pulse_s += miss
             if abs(miss) <= TRAVEL_TOLERANCE * wanted_s:
                 break
+    command = None
     if parts.apart and pulse_s >= parts.shortest_pulse_s:
         command = _with_solved_stop(parts, pulse_s, wanted_s)
-        if command is not None:
-            return WholeCommand(command=command)
-    return _as_one(parts, wanted_s, pulse_s)
+    if command is None:
+        return pulse_s, None
+    return pulse_s, WholeCommand(command=command, start_steps=parts.start.times_s.size)
 
 
 def faster_as_one(parts: Parts, apart: Impulses) -> WholeCommand | None:
@@ -177,9 +198,10 @@ def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> I
     None where Newton's method finds no such stop in order: the move must be solved as one.
     """
     command = parts.whole(pulse_s)
-    if parts.designed_for.model == "superposed" or follows_one_lag(parts.designed_for):
+    in_turn = parts.designed_for.model == "superposed" or follows_one_lag(parts.designed_for)
+    if in_turn and not parts.starts_at_once:
         return command if _travels(parts, command, wanted_s) else None
-    if isinstance(parts.designed_for, RateLimited):
+    if isinstance(parts.designed_for, RateLimited) and not parts.starts_at_once:
         return _with_ramped_stop(parts, parts.designed_for, command, wanted_s)
     # With a travel to meet, the gap between start and stop is unknown too.
     given = parts.start.times_s.size - (wanted_s is not None)
@@ -191,6 +213,7 @@ def _with_solved_stop(parts: Parts, pulse_s: float, wanted_s: float | None) -> I
         switched_order=switched_order(parts.designed_for),
         given=given,
         travels=wanted_s is not None,
+        ramped=isinstance(parts.designed_for, RateLimited),
         weighted=parts.peak != 1,
         swings=parts.swing is not None,
     )
@@ -247,7 +270,7 @@ def _as_one(parts: Parts, wanted_s: float, pulse_s: float) -> WholeCommand:
     drive = parts.designed_for
     if isinstance(drive, RateLimited) and parts.peak == 1 and not parts.settle:
         return _behind_limits(parts, drive, wanted_s)
-    seeds = _overlapping_seeds(parts, pulse_s)
+    seeds = overlapping_seeds(parts, pulse_s)
     try:
         command = _travelling(parts, wanted_s, seeds)
     except InfeasibleDesignError as error:
@@ -365,21 +388,6 @@ def _problem(parts: Parts, travel_s: float, seeds: tuple[Seed, ...]) -> GapProbl
         + parts.mode.natural_frequency_rad_s * travel_s / min(parts.peak, 1.0),
         seeds=seeds,
         swing=None if parts.swing is None else parts.swing.scaled(1 / parts.peak),
-    )
-
-
-def _overlapping_seeds(parts: Parts, pulse_s: float) -> tuple[Seed, ...]:
-    """Start and stop merged in order of time; both squeezed into the pulse."""
-    pulse_s = max(pulse_s, 0.0)
-    squeeze = min(1.0, COMPRESSED * pulse_s / parts.start.duration_s)
-    squeezed = np.concatenate((
-        squeeze * parts.start.times_s,
-        pulse_s + squeeze * parts.stop.times_s,
-    ))
-    w = parts.mode.natural_frequency_rad_s
-    return (
-        Seed(name="merged", gaps_rad=w * np.diff(parts.whole(pulse_s).times_s)),
-        Seed(name="squeezed", gaps_rad=w * np.diff(squeezed)),
     )
 
 

@@ -21,7 +21,8 @@ from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
-from design.moves.maneuvers import maneuver, mirrored_stop
+from design.moves.maneuvers import maneuver
+from design.moves.parts import mirrored_stop
 from design.moves.playback import motion
 from design.pictures.curve_sheet import Curve, curve_sheet
 from design.pictures.design_sheet import figure_bytes

@@ -7,9 +7,10 @@ import numpy as np
 
 from design.claims import ZERO_LIMITS
 from design.model.actuators.ideal import Ideal
-from design.model.actuators.registry import Actuator
+from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
+from design.model.settling import settling_time_s
 from design.shapers.registry import SHAPERS
 from tests import expm_route
 from tests.acceptance.answer_cases import (
@@ -26,6 +27,9 @@ from tests.acceptance.answer_cases import (
 
 MOVED = ("umzv", "umzvd", "umzvc", "numzv", "numzvd")
 """Kinds that moves take."""
+
+BOUND_GIVES = 2e-8
+"""IPOPT moves its bounds by 1e-8, over the phase of a gap and over 1 rad [-], [rad]."""
 
 SLOPES_AGREE = 3e-7
 """The same of slopes, one of them differenced [-]."""
@@ -93,6 +97,11 @@ def wrong_in_move(
     levels = np.cumsum(command.amplitudes)
     if levels.min() < -1e-9 or levels.max() > 1 + 1e-9:
         yield f"levels from {levels.min():.6g} to {levels.max():.6g}"
+    codes = [one["code"] for one in answer["warnings"]]
+    if ("lower_speed" in codes) != (levels.max() < 1 - 1e-9):
+        yield f"levels up to {levels.max():.6g} have warnings {codes}"
+    if request["shaper"].get("settle"):
+        yield from _unsettled(command, mode, actuator)
     played = expm_route.outcome(command, mode, actuator, initial)
     yield from apart("residual", answer["residual"], played.residual)
     way = answer["direction"] * speed * played.travel
@@ -103,7 +112,6 @@ def wrong_in_move(
     slope = _slope(command, mode, actuator, initial, request)
     found = {"residual": played.residual, "slope": slope}
     yield from _wrong_claims(answer, found, command, mode, initial, request)
-    codes = [one["code"] for one in answer["warnings"]]
     program = answer["program"]
     if program is not None:
         held = np.diff(np.array(program["velocity_m_s"]) / answer["direction"] / speed, prepend=0.0)
@@ -156,6 +164,18 @@ def _wrong_program(
             yield f"program has a slope of {slope:.3g} and warnings {codes}"
         if slope < ZERO_LIMITS["slope"] / 2 and "program_slope" in codes:
             yield f"program has a slope of {slope:.3g} and a warning"
+
+
+def _unsettled(command: Impulses, mode: Mode, actuator: Actuator) -> Iterator[str]:
+    """Yield steps before which the last has not settled, its ramp included."""
+    lags = (actuator.decel_lag, actuator.accel_lag)
+    ramps = unit_ramps_s(actuator)[::-1]
+    gaps = np.diff(command.times_s)
+    for gap_s, height in zip(gaps, command.amplitudes[:-1], strict=True):
+        which = int(height > 0)
+        least_s = abs(height) * ramps[which] + settling_time_s(lags[which])
+        if gap_s < least_s * (1 - BOUND_GIVES) - BOUND_GIVES / mode.natural_frequency_rad_s:
+            yield f"{gap_s:.9g} s after a step that settles in {least_s:.9g} s comes the next"
 
 
 def _slope(
