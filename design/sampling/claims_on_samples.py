@@ -1,11 +1,13 @@
 """Amplitudes on a given number of samples: the least violation of claims, or the nearest zeros."""
 
+import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from design.claims import ZERO_LIMITS
 from design.model.impulses import Impulses
 from design.sampling.asked import Asked, Drive
 from design.sampling.freedom import Freedom, freedoms
@@ -20,6 +22,13 @@ ACCURACY = 1e-7
 
 EXACT = 1e-13
 """Largest equation that counts as zero: a few hundred roundings of terms of size one [-]."""
+
+NEARLY = 0.5 * ZERO_LIMITS["residual"]
+"""Largest equation that still makes zero what is claimed to be, where a step that is none would be
+needed for less [-]."""
+
+SUMS_FIRST = 1e6
+"""Weight of the sums of amplitudes where not all equations can hold [-]."""
 
 ABSENT = (1e-6, 1e-7, 1e-8, 1e-9)
 """How near to a bound an unknown of a program is there; nearer where too few are then left [-]."""
@@ -207,6 +216,21 @@ class ClaimsOnSamples:
         amplitudes = self._nearest(begun)
         return None if amplitudes is None else (begun, amplitudes)
 
+    def is_exact(self, freedom: Freedom, amplitudes: FloatArray) -> bool:
+        """Return whether all zeros hold to rounding.
+
+        Parameters
+        ----------
+        freedom, amplitudes
+            Samples that may have steps, and amplitudes on them, shape (k,).
+
+        Returns
+        -------
+        bool
+            False where they hold nearly.
+        """
+        return bool(np.abs(self._zeros(freedom) @ amplitudes).max(initial=0.0) <= 2 * EXACT)
+
     def _nearest(self, freedom: Freedom) -> FloatArray | None:
         zeros = self._zeros(freedom)
         cost = freedom.cost / max(1.0, float(np.abs(freedom.cost).max()))
@@ -271,7 +295,9 @@ def polished(
     """Return amplitudes whose equations hold to rounding.
 
     Unknowns at a bound, within the accuracy of the program, stay there; the others take the
-    smallest change that solves the equations.
+    smallest change that solves the equations. Where that would take a step that is none, as where
+    half a period is off a whole number of samples by rounding, sums still hold to rounding, and
+    zeros to half of what is allowed for a zero.
 
     Parameters
     ----------
@@ -287,20 +313,25 @@ def polished(
     FloatArray or None
         Shape (k,), of their signs; None where the equations do not hold.
     """
+    sums = len(program.equal)
     equations = np.concatenate((program.equal, program.zero.real, program.zero.imag))
     sides = np.concatenate((program.right, -program.zero_offset.real, -program.zero_offset.imag))
-    for absent in ABSENT:
+    weights = np.where(np.arange(sides.size) < sums, SUMS_FIRST, 1.0)
+    for within, absent in itertools.product((EXACT, NEARLY), ABSENT):
         low, high = unknowns < absent, unknowns > program.highest - absent
         values = np.where(low, 0.0, np.where(high, program.highest, unknowns))
         kept = ~(low | high)
         for _ in range(ROUNDS):
             missing = sides - equations @ values
-            values[kept] += np.linalg.lstsq(equations[:, kept], missing)[0]
+            weighted = weights[:, None] * equations[:, kept]
+            values[kept] += np.linalg.lstsq(weighted, weights * missing)[0]
             tiny = kept & (np.abs(values) <= MIN_STEP)
             values[tiny], kept[tiny] = 0.0, False
         vectors = np.abs(program.bounded @ values + program.bounded_offset)
+        missing = np.abs(equations @ values - sides)
         if (
-            np.abs(equations @ values - sides).max(initial=0.0) <= EXACT
+            missing[:sums].max(initial=0.0) <= EXACT
+            and missing[sums:].max(initial=0.0) <= within
             and (values >= 0).all()
             and (values <= program.highest).all()
             and (program.below @ values <= program.most + EXACT).all()
@@ -308,5 +339,6 @@ def polished(
         ):
             amplitudes = freedom.base + freedom.matrix @ values
             steps: FloatArray = np.where(np.abs(amplitudes) > MIN_STEP, amplitudes, 0.0)
+            steps[np.argmax(steps)] += amplitudes.sum() - steps.sum()
             return steps
     return None

@@ -30,6 +30,9 @@ MORE_PERIODS = 10.0
 """How much longer than between the samples a shaper is sought, at most, and at most twice as long
 and a period more [periods]."""
 
+FOR_EXACT = 2
+"""Samples by which a shaper may take longer for zeros that hold to rounding."""
+
 MAX_PROGRAMS = 300
 """Programs of one search for zeros, at most: one or two are usual."""
 
@@ -176,23 +179,41 @@ def _command(problem: ClaimsOnSamples, freedom: Freedom, amplitudes: FloatArray)
 
 
 def _of_zeros(problem: ClaimsOnSamples, first: int, most: int) -> FreeAmplitudes:
-    """Search the fewest samples on which all zeros can be had, from those of the shaper on."""
+    """Search the fewest samples on which all zeros can be had, from those of the shaper on.
+
+    Zeros that need a step too small to be one serve where one or two samples more do no better.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If no amplitudes make zero what is claimed to be.
+    """
     programs, last = 0, first
+    nearly: tuple[Freedom, FloatArray] | None = None
     while last <= most and programs < MAX_PROGRAMS:
         for freedom in problem.freedoms(last):
             programs += 1
             found = problem.nearest_zero(freedom)
-            if found is not None:
-                return FreeAmplitudes(
-                    impulses=_command(problem, *found),
-                    bound=0.0,
-                    shorter_bound=_shorter_bound(problem, last - 1),
-                )
+            if found is not None and problem.is_exact(*found):
+                return _zeros_on(problem, *found)
+            if found is not None and nearly is None:
+                nearly, most = found, min(most, last + FOR_EXACT)
         last += 1
+    if nearly is not None:
+        return _zeros_on(problem, *nearly)
     raise InfeasibleDesignError(
         f"no amplitudes within the limits of the shaper were found that on {first + 1} to {last} "
         f"samples of {problem.drive.sample_time_s:g} s make zero what it claims to be",
         code="no_amplitudes_on_samples",
+    )
+
+
+def _zeros_on(problem: ClaimsOnSamples, freedom: Freedom, amplitudes: FloatArray) -> FreeAmplitudes:
+    """Return amplitudes of all zeros, with what one sample less has at least."""
+    return FreeAmplitudes(
+        impulses=_command(problem, freedom, amplitudes),
+        bound=0.0,
+        shorter_bound=_shorter_bound(problem, int(freedom.samples[-1]) - 1),
     )
 
 
