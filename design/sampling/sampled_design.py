@@ -20,6 +20,7 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.pipeline import Design
+from design.sampling.claims_on_samples import MIN_STEP
 from design.sampling.left import Band
 from design.sampling.own_edges import edges_lost, to_own_edges
 from design.sampling.sampled import MAX_DURATION_PERIODS, MIN_SEARCHED_SAMPLES, Sampled, sample
@@ -195,8 +196,9 @@ def _sample_free(
     Raises
     ------
     InfeasibleDesignError
-        If no amplitudes keep that either.
+        If no amplitudes keep that either, or an impulse is below rounding.
     """
+    _require_steps(continuous.impulses)
     claimed = [promise_of(claim) for claim in continuous.certificate.claims]
     whole = [to_own_edges(one, continuous.impulses, modes, certified_for) for one in claimed]
 
@@ -217,6 +219,23 @@ def _sample_free(
         if whole == claimed:
             raise
         return on_samples(claimed)
+
+
+def _require_steps(shaper: Impulses) -> None:
+    """Check that no impulse is smaller than what counts as a step on samples.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If one is.
+    """
+    shares = np.abs(shaper.amplitudes / shaper.amplitudes.sum())
+    if shares.min() <= MIN_STEP:
+        raise InfeasibleDesignError(
+            f"an impulse of the shaper is {shares.min():.3g} of its sum, and on samples none below "
+            f"{MIN_STEP:g} counts: take a shaper that claims less, or none at a damping like this",
+            code="impulse_below_rounding",
+        )
 
 
 def promise_of(claim: Claim) -> Promise:

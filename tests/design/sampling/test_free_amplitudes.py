@@ -19,7 +19,7 @@ from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.sampling.free_amplitudes import FreeAmplitudes, free_on_samples
 from design.sampling.sample_grid import split
-from design.sampling.sampled_design import promise_of
+from design.sampling.sampled_design import promise_of, sampled_design
 from design.shapers.registry import SHAPERS
 from tests.design.sampling.on_samples import (
     EXACT,
@@ -293,3 +293,11 @@ def test_many_samples_are_searched_around_the_impulses() -> None:
     assert left <= 0.05
     assert found.bound is None
     assert found.impulses.duration_s == pytest.approx(0.926)
+
+
+def test_impulses_below_rounding_are_refused_on_samples() -> None:
+    mode = mode_of(1.0, 0.97)
+    between = design(mode, Ideal(), SHAPERS["zvd"])
+    assert 0 < between.impulses.amplitudes[-1] < 1e-10
+    with refused("impulse_below_rounding"):
+        sampled_design(between, mode, Ideal(), 0.05)
