@@ -85,6 +85,9 @@ KIND_OF: dict[type[DesignError], ProblemKind] = {
 }
 """Every error of the mathematics and its problem; a test proves the table whole."""
 
+ECHO = "default_factory_not_called"
+"""Type of what is no fault: a default that depends on fields of which one is at fault."""
+
 MAX_FAULTS = 20
 """Faults of a request that an answer lists."""
 
@@ -250,7 +253,7 @@ def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
     Problem
         That the text is no JSON, or a fault for each field, `MAX_FAULTS` at most.
     """
-    faults = error.errors(include_url=False)
+    faults = [fault for fault in error.errors(include_url=False) if fault["type"] != ECHO]
     if faults[0]["type"] == "json_invalid":
         return Problem(NOT_JSON, faults[0]["msg"])
     parsed = json.loads(body)

@@ -8,6 +8,7 @@ import math
 from dataclasses import dataclass, replace
 
 from design.analysis.band import largest_in_band
+from design.analysis.claims_found import claim_over_band
 from design.analysis.warnings import DesignWarning
 from design.errors import DesignError
 from design.formulations.equations import GapProblem
@@ -52,8 +53,8 @@ MAX_WORK_PER_SHAPER = 2_000_000
 DESIGN_WORK = 20_000.0
 """Work of a design and its judgement, without a search [units]."""
 
-UNITY_SAMPLED_WORK, CUT_SAMPLED_WORK = 400_000.0, 2_000_000.0
-"""Work of bringing unity magnitude to samples, and with ramps that are cut [units]."""
+UNITY_SAMPLED_WORK, BAND_SAMPLED_WORK, CUT_SAMPLED_WORK = 400_000.0, 100_000.0, 2_000_000.0
+"""Work of bringing unity magnitude to samples, over a band, and with ramps that are cut [units]."""
 
 MAX_CONVOLVED_IMPULSES = 130
 """Impulses of a convolved shaper that is asked, at most: three modes with five each [-]."""
@@ -343,7 +344,10 @@ def design_choice(choice: Choice, question: Question, budget: Budget) -> Designe
 def _work_of_samples(found: Design, actuator: Actuator, sample_time_s: float) -> float:
     """Return the work of bringing unity magnitude to samples [units]."""
     cut = cuts_ramps(found.impulses, actuator, sample_time_s)
-    return CUT_SAMPLED_WORK if cut else UNITY_SAMPLED_WORK
+    if cut:
+        return CUT_SAMPLED_WORK
+    over_band = claim_over_band(found.certificate) is not None
+    return BAND_SAMPLED_WORK if over_band else UNITY_SAMPLED_WORK
 
 
 def _work_of_worst(found: Design, question: Question) -> float:
