@@ -80,9 +80,11 @@ def _at(
     drive = parts.actuator
     if not isinstance(drive, RateLimited):
         return parts
+    jerk = drive.jerk_limit_m_s3
     slower_drive = replace(
         drive,
         accel_limit_m_s2=drive.accel_limit_m_s2 / share,
         decel_limit_m_s2=drive.decel_limit_m_s2 / share,
+        jerk_limit_m_s3=None if jerk is None else jerk / share,
     )
     return designed_parts(plant, slower_drive, kind, options, budget)
