@@ -12,6 +12,7 @@ import numpy as np
 from design.analysis.certificate import Claim
 from design.analysis.ramp_figures import RampFigures, Textbook, end_of_reference, ramp_figures
 from design.analysis.residual import residual_vibration
+from design.checks import MIN_VALUE
 from design.claims import ZERO_LIMITS
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.rate_limited import RateLimited, follows_one_lag
@@ -206,11 +207,10 @@ def waiting(shaper: Impulses, actuator: RateLimited) -> Impulses:
     Impulses
         The first at 0.
     """
-    # A step of a share of full speed is full speed itself of a drive of as much.
-    drives = [
-        replace(actuator, speed_m_s=actuator.speed_m_s * abs(amplitude)).unit_ramps_s
-        for amplitude in shaper.amplitudes.tolist()
-    ]
+    # A step of a share of full speed is full speed itself of a drive of as much; below the least
+    # speed that a drive may have its ramp takes no time.
+    speeds = np.maximum(actuator.speed_m_s * np.abs(shaper.amplitudes), MIN_VALUE)
+    drives = [replace(actuator, speed_m_s=speed).unit_ramps_s for speed in speeds.tolist()]
     rises_s, falls_s = np.array(drives).T
     ramps_s = np.where(shaper.accelerates, rises_s, falls_s)
     gaps_s = np.maximum(np.diff(shaper.times_s), ramps_s[:-1])

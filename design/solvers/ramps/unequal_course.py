@@ -81,8 +81,12 @@ class TwoLags:
         taken: ComplexArray = parts - parts[:, ::-1]
         return taken
 
+    @np.errstate(over="ignore", invalid="ignore")
     def of(self, switches: FloatArray, arrived: BoolArray | None = None) -> UnequalCourse:
         """Return the course of a command.
+
+        A step of a search may go so far that an exponential overflows; it is then no number, and
+        the step is not taken.
 
         Parameters
         ----------

@@ -65,6 +65,15 @@ DRIVES = [
 
 
 @pytest.mark.parametrize("limited", DRIVES)
+@pytest.mark.parametrize("far", [1e4, 1e8, 1e200])
+def test_a_step_of_a_search_that_goes_too_far_is_no_number_and_no_warning(
+    limited: RateLimited, far: float
+) -> None:
+    course = TwoLags(shaper(limited)).of(np.array([0.0, far, 1.5 * far, 2 * far, 3 * far]))
+    assert not np.isfinite(course.values).any()
+
+
+@pytest.mark.parametrize("limited", DRIVES)
 @pytest.mark.parametrize("phases", COMMANDS.values(), ids=COMMANDS)
 def test_what_is_left_is_that_of_matrix_exponentials(
     limited: RateLimited, phases: list[float]
