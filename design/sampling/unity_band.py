@@ -10,13 +10,21 @@ import itertools
 import numpy as np
 
 from design.errors import InfeasibleDesignError
-from design.model.actuators.registry import Actuator
+from design.model.actuators.registry import Actuator, unit_ramps_s
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.sampling.every_command import MAX_LISTED_SAMPLES, all_levels, is_listed_exactly
-from design.sampling.left import TIE, Band, cuts_ramps, largest_over_band
-from design.sampling.on_off_search import Searched
+from design.sampling.left import (
+    BAND_POINTS,
+    TIE,
+    WANTED,
+    Band,
+    cuts_ramps,
+    largest_over_band,
+)
+from design.sampling.on_off_search import WORK_ONE_BY_ONE, WORK_PER_LISTED, Searched
 from design.sampling.sample_grid import AnyIntArray, nearest_integers
+from design.solvers.budget import Budget
 from design.types import FloatArray
 
 SHIFTS, SHIFTS_IF_CUT, SHIFTS_IF_SLOW = 8, 3, 1
@@ -34,6 +42,12 @@ LATER = 2
 
 MAX_ROUNDS = 20
 """Changes of one command, at most."""
+
+WORK_PER_SEARCH = 1_200_000.0
+"""Work of a search; one that is spent ends with the best that it has [units]."""
+
+THREE = 3
+"""Frequencies at which every command is looked at, as of `largest_over_band`."""
 
 MAX_CHANGED_IN_PAIRS = 80
 """Samples of a command up to which two are changed at a time."""
@@ -81,14 +95,19 @@ def unity_over_band(
         If none was found that has less than an unshaped step.
     """
     cut = cuts_ramps(impulses, actuator, sample_time_s)
+    # Of all commands some change after one sample.
+    cut = cut or max(unit_ramps_s(actuator)) > sample_time_s
     shifts, most = SHIFTS, MAX_LISTED_SAMPLES
     if cut and is_listed_exactly(actuator):
         shifts, most = SHIFTS_IF_CUT, MAX_LISTED_IF_CUT
     elif cut:
         shifts, most = SHIFTS_IF_SLOW, MAX_LISTED_IF_SLOW
     height = float(impulses.amplitudes[0])
+    budget = Budget(most=WORK_PER_SEARCH)
+    each = WORK_ONE_BY_ONE if cut else WORK_PER_LISTED
 
     def worst_of(levels: AnyIntArray) -> FloatArray:
+        budget.spend(each * (THREE * len(levels) + BAND_POINTS * min(len(levels), WANTED)))
         changes = np.diff(levels, prepend=0, axis=1) != 0
         counts = np.count_nonzero(changes, axis=1)
         worst = np.empty(len(levels))
@@ -100,7 +119,7 @@ def unity_over_band(
         return worst
 
     best, least, listed = np.ones(1, dtype=int), np.inf, 1
-    while least > tolerance and listed < min(longest, most):
+    while least > tolerance and listed < min(longest, most) and not budget.spent:
         listed += 1
         levels = np.pad(all_levels(listed), ((0, 0), (0, 1)), constant_values=1)
         worst = worst_of(levels)
@@ -118,6 +137,8 @@ def unity_over_band(
     for start in starts:
         levels, left = start, float(worst_of(start[None])[0])
         for _ in range(MAX_ROUNDS):
+            if budget.spent:
+                break
             changed = _changed(levels, pairs=not cut)
             worst = worst_of(changed)
             if worst.min() >= left - TIE:
