@@ -54,7 +54,10 @@ MAX_SETS = 4
 ROUNDS = 4
 """Corrections by which equations come to hold to rounding, after the first without tiny steps."""
 
-MET = 1 - 2e-6
+POLISHED = 1e-6
+"""Share by which the largest residual may grow when unknowns at a bound are put there [-]."""
+
+MET = 1 - 2 * POLISHED
 """What is left over its limits from which on they count as kept: what rounding adds afterwards is
 still within them [-]."""
 

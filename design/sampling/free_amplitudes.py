@@ -17,14 +17,11 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.sampling.asked import Drive, asked_of
-from design.sampling.claims_on_samples import MET, ClaimsOnSamples, Found, polished
+from design.sampling.claims_on_samples import MET, POLISHED, ClaimsOnSamples, Found, polished
 from design.sampling.freedom import MAX_RELAXED, Freedom, relaxed, samples_of
 from design.sampling.sample_grid import ON_SAMPLE, on_samples
 from design.solvers.budget import Budget
 from design.types import FloatArray
-
-POLISHED = 1e-6
-"""Share by which the largest residual may grow when unknowns at a bound are put there [-]."""
 
 MORE_PERIODS = 10.0
 """How much longer than between the samples a shaper is sought, at most, and at most twice as long

@@ -131,7 +131,6 @@ def freedoms(
     """Yield what amplitudes may be on samples 0 to the last.
 
     Amplitudes of one sign stay so. Of those of both signs, a command that keeps a tolerance over a
-    Amplitudes of one sign stay so. Of those of both signs, a command that keeps a tolerance over a
     band, that goes beyond 0 to 1, or is at 0 or 1 always, stays within its levels. Any other, and
     one beyond 1 where steps up and down act differently, keeps the sum of each negative step, and
     steps up and down take turns as before: in each of several ways to part the samples.

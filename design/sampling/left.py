@@ -25,6 +25,9 @@ BAND_POINTS = 17
 TIE = 1e-12
 """Shapers this near in what they leave are equally good: it is rounding [-]."""
 
+FEW_POINTS = 3
+"""Frequencies at which every command is looked at first, ends included."""
+
 WANTED = 100
 """Commands that are compared exactly where the list is of a coarser grid or another actuator."""
 
@@ -156,7 +159,7 @@ def largest_over_band(
     FloatArray
         Shape (m,) [-]; inf for those not looked at.
     """
-    least = _largest_at(times_s, amplitudes, mode, actuator, np.linspace(*band, 3))
+    least = _largest_at(times_s, amplitudes, mode, actuator, np.linspace(*band, FEW_POINTS))
     order = np.argsort(least, kind="stable")
     largest: FloatArray = np.full(len(times_s), np.inf)
 

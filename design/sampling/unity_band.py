@@ -16,6 +16,7 @@ from design.model.plants.mode import Mode
 from design.sampling.every_command import MAX_LISTED_SAMPLES, all_levels, is_listed_exactly
 from design.sampling.left import (
     BAND_POINTS,
+    FEW_POINTS,
     TIE,
     WANTED,
     Band,
@@ -29,7 +30,7 @@ from design.types import FloatArray
 
 SHIFTS, SHIFTS_IF_CUT, SHIFTS_IF_SLOW = 8, 3, 1
 """How many shifts of a shaper on its samples searches begin from; fewer where ramps are cut, and
-each command takes milliseconds, and fewest where the jerk is limited."""
+each command takes milliseconds, and fewest where it has no formula."""
 
 MAX_LISTED_IF_CUT, MAX_LISTED_IF_SLOW = 8, 6
 """Samples whose commands are all compared there: 2^6 and 2^4 of them for the longest [-]."""
@@ -45,9 +46,6 @@ MAX_ROUNDS = 20
 
 WORK_PER_SEARCH = 1_200_000.0
 """Work of a search; one that is spent ends with the best that it has [units]."""
-
-THREE = 3
-"""Frequencies at which every command is looked at, as of `largest_over_band`."""
 
 MAX_CHANGED_IN_PAIRS = 80
 """Samples of a command up to which two are changed at a time."""
@@ -107,7 +105,7 @@ def unity_over_band(
     each = WORK_ONE_BY_ONE if cut else WORK_PER_LISTED
 
     def worst_of(levels: AnyIntArray) -> FloatArray:
-        budget.spend(each * (THREE * len(levels) + BAND_POINTS * min(len(levels), WANTED)))
+        budget.spend(each * (FEW_POINTS * len(levels) + BAND_POINTS * min(len(levels), WANTED)))
         changes = np.diff(levels, prepend=0, axis=1) != 0
         counts = np.count_nonzero(changes, axis=1)
         worst = np.empty(len(levels))

@@ -24,7 +24,7 @@ def mode_of(damping_ratio: float) -> Mode:
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.05, 0.15])
 @pytest.mark.parametrize("tolerance", [0.03, 0.1])
 @pytest.mark.parametrize("samples_a_period", [7.3, 31.7])
-def test_positive_humps_keep_their_band_within_a_sample_of_their_duration(
+def test_positive_humps_keep_their_band_within_two_samples_of_their_duration(
     kind: str, damping_ratio: float, tolerance: float, samples_a_period: float
 ) -> None:
     mode, sample_s = mode_of(damping_ratio), PERIOD_S / samples_a_period
