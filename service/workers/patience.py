@@ -5,10 +5,10 @@ from dataclasses import dataclass
 BURST_S = 0.25
 """Expected wait that is accepted while what comes is not more than what is done [s]."""
 
-STANDING_S = 0.0035
+STANDING_S = 0.0025
 """The same while more comes than is done, so that what is served is served soon [s]."""
 
-INTERVAL_S = 0.1
+INTERVAL_S = 0.06
 """Over what arrivals and answers are counted [s]."""
 
 INTERVALS = 2
