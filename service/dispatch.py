@@ -8,7 +8,7 @@ from types import MappingProxyType
 from pydantic import BaseModel, ValidationError
 
 from design.errors import DesignError
-from service.operations.table import TABLE, load
+from service.operations.table import load
 from service.problems import (
     Problem,
     problem_of_design,
@@ -19,9 +19,6 @@ from service.repeated_names import RepeatedNameError
 from service.strict_json import loads
 
 NOTHING: Mapping[str, object] = MappingProxyType({})
-
-
-OPERATIONS = {name: load(name) for name in TABLE}
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +65,7 @@ def respond(
     BaseModel or Problem
         The response, or what is wrong.
     """
-    case = OPERATIONS[operation]
+    case = load(operation)
     try:
         request = case.request.model_validate_json(body)
     except ValidationError as error:

@@ -4,12 +4,15 @@ The packages `design`, `schemas` and `service` belong to it. `import shapersmith
 `ImportError` that names the clash where one of these names stands for another module.
 """
 
-from importlib.metadata import version
-
 from shapersmith.name_clash import import_own_packages
-
-__all__ = ["__version__"]
 
 import_own_packages()
 
-__version__ = version("shapersmith")
+
+def __getattr__(name: str) -> str:
+    """Return ``__version__``: what reads it takes longer than the help of the command line."""
+    if name != "__version__":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib.metadata import version  # noqa: PLC0415
+
+    return version("shapersmith")

@@ -4,12 +4,11 @@ One more: write its file with an ``EXPORT``, then add its row here. The command 
 table before it prints its help.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True)
-class Format:
-    """One format.
+class Format(NamedTuple):
+    """One format; no dataclass, which takes as long to import as the rest of the help.
 
     Attributes
     ----------

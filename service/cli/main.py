@@ -191,7 +191,6 @@ def _answer(options: argparse.Namespace) -> int:
         _require_picture(plot, read)
 
     # --help must not wait for it
-    from service.cli.single_file import design_file  # noqa: PLC0415
     from service.dispatch import respond  # noqa: PLC0415
     from service.problems import Problem  # noqa: PLC0415
 
@@ -199,6 +198,8 @@ def _answer(options: argparse.Namespace) -> int:
     if options.format in PROGRAMS:
         if plot is not None:
             raise UsageError(f"--plot goes with json, table or csv, not with {options.format}")
+        from service.cli.single_file import design_file  # noqa: PLC0415
+
         written = design_file(body, options.format)
         if isinstance(written, Problem):
             return _tell(written, as_json=False)
@@ -260,14 +261,13 @@ def _require_file(path: Path, read: os.stat_result, what: str) -> None:
 
 
 def _print(response: "Response", text_format: str | None) -> None:
-    from service.cli.rendering import as_csv, as_table  # noqa: PLC0415
-
-    if text_format == "table":
-        sys.stdout.write(as_table(response))
-    elif text_format == "csv":
-        sys.stdout.write(as_csv(response))
-    else:
+    if text_format in {None, "json"}:
         sys.stdout.write(response.model_dump_json(by_alias=True) + "\n")
+    else:
+        from service.cli import rendering  # noqa: PLC0415 - it knows the answers of all commands
+
+        write = rendering.as_table if text_format == "table" else rendering.as_csv
+        sys.stdout.write(write(response))
     sys.stdout.flush()
 
 

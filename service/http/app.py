@@ -8,12 +8,12 @@ from fastapi import FastAPI
 
 from schemas.tables import TableRequest
 from service.catalogue import shaper_catalogue
-from service.dispatch import OPERATIONS
 from service.http import batch_routes, routes, status_routes, table_routes
 from service.http.handlers import add_handlers
 from service.http.middleware import RequestMiddleware
 from service.http.openapi import document_bodies, serve_docs
 from service.jobs.protocol import Jobs
+from service.operations.table import TABLE, load
 from service.settings import Settings
 from service.version import version
 from service.workers.memory import settle
@@ -87,5 +87,5 @@ def create_app(
     add_handlers(app)
     app.add_middleware(RequestMiddleware)
     serve_docs(app)
-    document_bodies(app, [*(case.request for case in OPERATIONS.values()), TableRequest])
+    document_bodies(app, [*(load(name).request for name in TABLE), TableRequest])
     return app

@@ -7,10 +7,10 @@ from fastapi import APIRouter, Request
 from fastapi.routing import APIRoute
 from starlette.responses import Response
 
-from service.dispatch import OPERATIONS, Answer, answer
+from service.dispatch import Answer, answer
 from service.http.bodies import answer_response, client_of, read_body, while_connected
 from service.http.openapi import OPERATION_TEXTS, body_of, problems
-from service.operations.table import TABLE
+from service.operations.table import TABLE, load
 from service.settings import Settings
 from service.workers.protocol import Pool
 from service.workers.shapes import shape_of
@@ -56,9 +56,9 @@ for _name, _row in TABLE.items():
         _answering(_name),
         methods=["POST"],
         name=_name,
-        response_model=OPERATIONS[_name].response,
+        response_model=load(_name).response,
         responses=PROBLEMS,
-        openapi_extra={"requestBody": body_of(OPERATIONS[_name].request, JSON[0])},
+        openapi_extra={"requestBody": body_of(load(_name).request, JSON[0])},
         summary=_row.summary,
         route_class_override=BareRoute,
     )

@@ -4,15 +4,16 @@ One more: write its module beside this one, with an ``OPERATION``, then add its 
 modules, and import none of them: the command line reads this table before it prints its help.
 """
 
-from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
+from typing import TYPE_CHECKING, NamedTuple
 
-from service.operations.operation import Operation
+if TYPE_CHECKING:
+    from service.operations.operation import Operation
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
-    """One operation, by the name of its module.
+class Row(NamedTuple):
+    """One operation, by the name of its module; no dataclass, as in `design.export.formats`.
 
     Attributes
     ----------
@@ -84,7 +85,8 @@ TABLE: dict[str, Row] = {
 }
 
 
-def load(name: str) -> Operation:
+@cache
+def load(name: str) -> "Operation":
     """Return an operation; its module is imported at first use."""
     found: Operation = import_module(f"service.operations.{name}").OPERATION
     return found

@@ -22,6 +22,7 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Literal
 
+from service.operations.table import TABLE
 from service.workers.own_path import ensure_fork_server
 from service.workers.solvers import warm_solvers
 from service.workers.watchdog import end_with_parent
@@ -43,6 +44,7 @@ PRELOADED = [
     "service.jobs.results",
     "service.jobs.work",
     "service.workers.warm",
+    *(f"service.operations.{name}" for name in TABLE),
 ]
 """What the fork server imports, and its workers need not."""
 

@@ -9,12 +9,15 @@ from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
+from design.solving.solvers import SOLVERS, solver_of
 from service.workers.memory import settle
 
 
 @functools.cache
 def warm_solvers() -> None:
-    """Build the solvers of every shaper by designing each once."""
+    """Import every solver; build those of every shaper by one design of each."""
+    for formulation in SOLVERS:
+        solver_of(formulation)
     # Results are checked to be finite; a warning on the way would break the log of JSON lines.
     warnings.simplefilter("ignore", RuntimeWarning)
     mode = Mode(natural_frequency_rad_s=1.0, damping_ratio=0.05)

@@ -1,11 +1,12 @@
 """Solutions have no impulse that is rounding, whatever solver they come from."""
 
 import itertools
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 
+from design.formulations.formulation import Formulation
 from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
@@ -15,6 +16,7 @@ from design.shapers.negative import NegativeOptions
 from design.shapers.positive import MzvOptions
 from design.shapers.registry import SHAPERS
 from design.solving.distinct_steps import distinct_steps
+from design.solving.solvers import SOLVERS, solver_of
 
 MIN_STEP_SHARE = 1e-12
 """Share of all steps' sizes that no step has to be below where no mode is damped [-]."""
@@ -27,6 +29,12 @@ HARMONICS = [
     (1, 2, 4, 8),
 ]
 """Frequencies for which fewer impulses do than there are equations."""
+
+
+@pytest.mark.parametrize("formulation", get_args(Formulation), ids=lambda cls: cls.__name__)
+def test_every_formulation_has_its_solver(formulation: type) -> None:
+    assert callable(solver_of(formulation))
+    assert len(SOLVERS) == len(get_args(Formulation))
 
 
 def _smallest(impulses: Impulses) -> float:

@@ -219,21 +219,6 @@ def test_faulty_usage_is_named(spec: Path, arguments: tuple[str, ...], told: str
     assert (refused.returncode, told in refused.stderr) == (2, True)
 
 
-def test_what_makes_no_table_does_not_wait_for_its_libraries() -> None:
-    told = subprocess.run(
-        [
-            sys.executable,
-            "-c",
-            "import service.__main__, service.cli.main, service.dispatch, sys; print(*sys.modules)",
-        ],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    heavy = {"sqlalchemy", "alembic", "pyarrow", "numba", "distributed"}
-    assert not heavy & set(told.stdout.split())
-
-
 def test_what_a_format_finds_in_the_rows_is_invalid_input(tmp_path: Path) -> None:
     spec, path = tmp_path / "spec.json", tmp_path / "x.gcode"
     spec.write_text(json.dumps(HEAVILY_DAMPED))
