@@ -16,6 +16,8 @@ import argparse
 import json
 import sys
 import time
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
@@ -37,6 +39,10 @@ OPERATIONS = {
 """Operations by what is drawn; a new one is last, as its place seeds its cases."""
 
 
+PROOF = "proven: no command"
+"""What a refusal says of every command of its horizon."""
+
+
 def generator(what: str, number: int) -> np.random.Generator:
     """Return what draws a case, the same in every run."""
     return np.random.default_rng([list(OPERATIONS).index(what), number])
@@ -45,7 +51,8 @@ def generator(what: str, number: int) -> np.random.Generator:
 def verdict(what: str, number: int) -> Verdict:
     """Ask for one answer and judge it."""
     operation, drawn = OPERATIONS[what]
-    name, request, faults = drawn(generator(what, number))
+    name, request, judge = drawn(generator(what, number))
+    faults: Callable[[Any], Iterator[str]] = judge
     refusal = ""
     wrong: list[str] = []
     asks_for_none = False
@@ -58,6 +65,7 @@ def verdict(what: str, number: int) -> Verdict:
         elif answer.kind in {INVALID, INFEASIBLE}:
             refusal = f"{answer.code}: {answer.detail}"
             asks_for_none = answer.kind is INVALID or answer.code == "pulse_goes_nowhere"
+            wrong += faults(answer) if what == "samples" else []
         else:
             wrong.append(f"{answer.kind.name}: {answer.detail}")
     except Exception as error:  # noqa: BLE001 - whatever it is, it is reported
@@ -71,6 +79,7 @@ def verdict(what: str, number: int) -> Verdict:
         wrong=tuple(wrong),
         seconds=seconds,
         asks_for_none=asks_for_none,
+        proves=PROOF in refusal,
     )
 
 
@@ -89,7 +98,12 @@ def main() -> int:
     print("\n".join(report(found)))
     refused = sum(bool(one.refusal) for one in found)
     none = sum(one.asks_for_none for one in found)
-    print(f"{len(found)} {given.what}, {refused} refused, {none} of them for what they ask")
+    proven = sum(one.proves and not one.asks_for_none for one in found)
+    share = 1 - (refused - none - proven) / max(len(found) - none, 1)
+    print(
+        f"{len(found)} {given.what}, {refused} refused, {none} of them for what they ask, {proven} "
+        f"with a proof; of what asks for something {100 * share:.2f} % answered or proven none"
+    )
     return int(any(one.wrong for one in found))
 
 

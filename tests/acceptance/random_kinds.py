@@ -46,6 +46,8 @@ class Verdict:
         Processor time of the design [s].
     asks_for_none
         Whether what is asked for is none: a value beyond its bound, a pulse that goes nowhere.
+    proves
+        Whether the refusal holds a proof that no command of the horizon serves.
     """
 
     number: int
@@ -54,6 +56,7 @@ class Verdict:
     wrong: tuple[str, ...]
     seconds: float
     asks_for_none: bool = False
+    proves: bool = False
 
 
 def verdict(number: int) -> Verdict:

@@ -22,7 +22,7 @@ from tests.acceptance.answer_cases import (
     random_shaper,
     with_jerk_limit,
 )
-from tests.acceptance.sample_judges import OnSamples
+from tests.acceptance.sample_judges import OnSamples, wrong_refusal
 from tests.random_cases import ROUND, random_actuator, random_plant
 
 FIGURES = {
@@ -35,8 +35,8 @@ FIGURES = {
 
 def random_design_on_samples(
     rng: np.random.Generator,
-) -> tuple[str, JSON, Callable[[JSON], Iterator[str]]]:
-    """Draw a shaper of any kind, drive and plant, and a sample time."""
+) -> tuple[str, JSON, Callable[[JSON | Problem], Iterator[str]]]:
+    """Draw a shaper of any kind, drive and plant, and a sample time; refusals are judged too."""
     name = ROUND[int(rng.integers(len(ROUND)))]
     kind = SHAPERS[name]
     plant = _narrowed(rng, random_plant(rng, several=kind.serves_several))
@@ -58,7 +58,10 @@ def random_design_on_samples(
         "sensitivity": None,
     }
 
-    def faults(answer: JSON) -> Iterator[str]:
+    def faults(answer: JSON | Problem) -> Iterator[str]:
+        if isinstance(answer, Problem):
+            yield from wrong_refusal(answer.detail, plant, actuator, shaper["sample_time_s"])
+            return
         between = without_samples(request)
         if isinstance(between, Problem):
             yield f"refused between the samples: {between.detail}"

@@ -4,8 +4,11 @@ from typing import Any
 
 import pytest
 
+from design.model.actuators.ideal import Ideal
+from design.model.plants.mode import Mode
 from tests.acceptance.random_answers import verdict
 from tests.acceptance.random_kinds import report
+from tests.acceptance.sample_judges import wrong_refusal
 from tests.acceptance.test_random_answers import answers
 
 COUNTS = {"samples": 120, "programs": 80}
@@ -30,6 +33,20 @@ def test_an_answer_on_samples_that_is_not_what_it_says_is_told(spoilt: str) -> N
         caught += not same
         assert same or list(faults(answer)), spoilt
     assert caught >= 3
+
+
+def test_a_proof_that_is_none_is_told() -> None:
+    plant = Mode(natural_frequency_rad_s=24.619954, damping_ratio=0.027151800)
+    words = (
+        "no command of level 0 or 1 on samples of 0.0970259 s was found whose residual over the "
+        "band of 0.8847 to 1.111 is less than that of an unshaped step; proven: no command of up "
+        "to 7 samples has less than {} %: take a shorter sample time"
+    )
+    told = [
+        list(wrong_refusal(words.format(figure), plant, Ideal(), 0.09702593))
+        for figure in (90.0, 130.0)
+    ]
+    assert (told[0], len(told[1])) == ([], 1)
 
 
 def _spoil(answer: Any, what: str) -> bool:
