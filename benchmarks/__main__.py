@@ -3,7 +3,17 @@
 import importlib
 import sys
 
-PARTS = ("designs", "shapers", "bands", "limits", "tables", "command_line", "http", "table_jobs")
+PARTS = (
+    "designs",
+    "shapers",
+    "bands",
+    "limits",
+    "samples",
+    "tables",
+    "command_line",
+    "http",
+    "table_jobs",
+)
 
 if __name__ == "__main__":
     missed = 0
