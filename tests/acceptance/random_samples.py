@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from pydantic import BaseModel
 
+from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
 from design.model.plants.spring_mass import SpringMass
@@ -33,10 +34,8 @@ FIGURES = {
 """Between what parameters are drawn, so that most shapers exist between the samples."""
 
 
-def random_design_on_samples(
-    rng: np.random.Generator,
-) -> tuple[str, JSON, Callable[[JSON | Problem], Iterator[str]]]:
-    """Draw a shaper of any kind, drive and plant, and a sample time; refusals are judged too."""
+def drawn_on_samples(rng: np.random.Generator) -> tuple[str, JSON, Plant, Actuator, JSON]:
+    """Draw a shaper of any kind, drive and plant, and a sample time: the request and its parts."""
     name = ROUND[int(rng.integers(len(ROUND)))]
     kind = SHAPERS[name]
     plant = _narrowed(rng, random_plant(rng, several=kind.serves_several))
@@ -57,6 +56,14 @@ def random_design_on_samples(
         "shaper": shaper,
         "sensitivity": None,
     }
+    return name, request, plant, actuator, shaper
+
+
+def random_design_on_samples(
+    rng: np.random.Generator,
+) -> tuple[str, JSON, Callable[[JSON | Problem], Iterator[str]]]:
+    """Draw a request, with what finds the faults of its answer or of its refusal."""
+    name, request, plant, actuator, shaper = drawn_on_samples(rng)
 
     def faults(answer: JSON | Problem) -> Iterator[str]:
         if isinstance(answer, Problem):

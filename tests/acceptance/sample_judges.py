@@ -241,7 +241,14 @@ class OnSamples:
         if not any(f"{figure:.4g}{unit}" in detail for detail in details):
             yield f"{code} without its figure {figure:.4g}: {details}"
 
-    def _wanted(self) -> list[Wanted] | None:
+    @property
+    def levels(self) -> tuple[float, float] | None:
+        """Between which the sums of amplitudes stay; None of positive ones."""
+        before = impulses_of(self.between["shaper"]["impulses"]).amplitudes
+        known = np.cumsum(before)
+        return None if before.min() > 0 else (min(0.0, known.min()), max(1.0, known.max()))
+
+    def wanted(self) -> list[Wanted] | None:
         """Return what is asked of amplitudes; None where V is not a plain sum of turns."""
         amplitudes = impulses_of(self.between["shaper"]["impulses"]).amplitudes
         drive = self.designed_for
@@ -270,7 +277,7 @@ class OnSamples:
         bound, shorter = sampled["bound"], sampled["shorter_bound"]
         if not self.is_free:
             return
-        wanted = self._wanted()
+        wanted = self.wanted()
         limits = [one["limit"] for one in self.between["certificate"]["claims"]]
         tolerance = max(limits)
         if bound is not None and tolerance > 1e-4:
@@ -283,14 +290,10 @@ class OnSamples:
         if wanted is None or samples > MAX_SAMPLES:
             return
         scale = tolerance if tolerance > 1e-4 else 1.0
-        before = impulses_of(self.between["shaper"]["impulses"]).amplitudes
-        known, levels = np.cumsum(before), None
-        if before.min() < 0:
-            levels = (min(0.0, float(known.min())), max(1.0, float(known.max())))
         for what, count, told in (("bound", samples, bound), ("shorter", samples - 1, shorter)):
             if count < 1 or (what == "bound" and scale == 1.0):
                 continue
-            best = best_amplitudes(wanted, count, self.shaper["sample_time_s"], levels)
+            best = best_amplitudes(wanted, count, self.shaper["sample_time_s"], self.levels)
             if best is None:
                 yield f"no amplitudes on {count} samples by a dense program"
                 continue

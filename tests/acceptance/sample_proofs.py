@@ -42,9 +42,11 @@ class Wanted:
     order: int = 0
 
 
-def rows_of(wanted: Wanted, samples: int, sample_time_s: float) -> ComplexArray:
+def rows_of(
+    wanted: Wanted, samples: int, sample_time_s: float, ratios: int = RATIOS
+) -> ComplexArray:
     """Return V of a step on each sample, seen at the last, shape (r, samples)."""
-    count = 1 if wanted.band[0] == wanted.band[1] else RATIOS
+    count = 1 if wanted.band[0] == wanted.band[1] else ratios
     poles = wanted.mode.pole_rad_s * np.linspace(*wanted.band, count)
     turns = np.multiply.outer(poles, sample_time_s * np.arange(samples)[::-1])
     factor = (ERROR * turns) ** wanted.order / math.factorial(wanted.order)
