@@ -101,8 +101,14 @@ class SecondOrderIn(WireOf[SecondOrder]):
     }
 
     kind: Literal["second_order"]
-    accel: SecondOrderSetIn
-    decel: SecondOrderSetIn
+    accel: Annotated[
+        SecondOrderSetIn,
+        Field(description="Set of the actuator while the magnitude of the command grows."),
+    ]
+    decel: Annotated[
+        SecondOrderSetIn,
+        Field(description="Set of the actuator while the magnitude of the command falls."),
+    ]
     model: ModelIn = "superposed"
     dead_time_s: DeadTime = 0.0
 
@@ -143,5 +149,6 @@ class RateLimitedIn(WireOf[RateLimited]):
 
 
 ActuatorIn = Annotated[
-    IdealIn | FirstOrderIn | SecondOrderIn | RateLimitedIn, Field(discriminator="kind")
+    IdealIn | FirstOrderIn | SecondOrderIn | RateLimitedIn,
+    Field(discriminator="kind", description="How the drive follows its command."),
 ]

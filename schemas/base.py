@@ -73,6 +73,7 @@ def leave_out_none(description: str) -> Any:  # noqa: ANN401 - as pydantic's own
 
 
 Positive = Annotated[float, Field(gt=0, le=MAX_VALUE)]
+Version = Annotated[str, Field(description="Version of shapersmith that answered.")]
 PlantDamping = Annotated[
     float, Field(ge=0, le=MAX_DAMPING_RATIO, description="Share of critical damping [-].")
 ]

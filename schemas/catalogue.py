@@ -4,21 +4,21 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from schemas.base import Wire
+from schemas.base import Version, Wire
 
 
 class CatalogueEntry(Wire):
     """One kind of shaper."""
 
-    kind: str
-    summary: str
-    source: str
-    claims: list[str]
-    plants: list[str]
+    kind: Annotated[str, Field(description="Name of the kind, for `shaper.kind`.")]
+    summary: Annotated[str, Field(description="What the kind does, in one sentence.")]
+    source: Annotated[str, Field(description="Publication that the kind comes from.")]
+    claims: Annotated[list[str], Field(description="Quantities that its certificate proves.")]
+    plants: Annotated[list[str], Field(description="Kinds of plants that it serves.")]
     most_modes: Annotated[
         int, Field(description="Largest number of modes of a plant that it serves.")
     ]
-    actuators: list[str]
+    actuators: Annotated[list[str], Field(description="Kinds of actuators that it serves.")]
     parameters: Annotated[dict[str, Any], Field(description="JSON Schema of the shaper object.")]
     example: Annotated[dict[str, Any], Field(description="A request for POST /v1/designs.")]
 
@@ -26,5 +26,5 @@ class CatalogueEntry(Wire):
 class Catalogue(Wire):
     """Answer of `GET /v1/shapers`."""
 
-    shapers: list[CatalogueEntry]
-    version: str
+    shapers: Annotated[list[CatalogueEntry], Field(description="Every kind of shaper.")]
+    version: Version

@@ -11,9 +11,9 @@ from schemas.base import Wire, leave_out_none
 class ClaimOut(Wire):
     """One promise of the shaper, recomputed."""
 
-    quantity: str
-    value: float
-    limit: float
+    quantity: Annotated[str, Field(description="Name, such as residual, slope or band.")]
+    value: Annotated[float, Field(description="Its value, recomputed.")]
+    limit: Annotated[float, Field(description="Largest value that keeps the promise.")]
     mode: Annotated[
         int | None,
         leave_out_none("Number of the plant's mode, from 0; left out for the first mode."),
@@ -40,8 +40,8 @@ class ClaimOut(Wire):
 class CertificateOut(Wire):
     """What the shaper claims, recomputed by a route without its solver."""
 
-    verified: bool
-    method: str
+    verified: Annotated[bool, Field(description="Whether every claim holds.")]
+    method: Annotated[str, Field(description="How the claims were recomputed.")]
     actuator: Annotated[
         Literal["given", "ideal"],
         Field(
@@ -49,7 +49,7 @@ class CertificateOut(Wire):
             "its command at once."
         ),
     ]
-    claims: list[ClaimOut]
+    claims: Annotated[list[ClaimOut], Field(description="Promises of the shaper, each recomputed.")]
 
     @classmethod
     def from_design(cls, certificate: Certificate, *, given: bool) -> Self:

@@ -25,6 +25,6 @@ class DampingIn(Wire):
 class DampingOut(Wire):
     """What is left over the plant's damping ratio, its natural frequency as given."""
 
-    damping_ratio: list[float]
-    residual: list[float]
+    damping_ratio: Annotated[list[float], Field(description="Damping ratios of the plant [-].")]
+    residual: Annotated[list[float], Field(description="Residual at each of them [-].")]
     worst: Annotated[float, Field(description="Largest residual of the curve's points [-].")]

@@ -11,8 +11,8 @@ from schemas.impulses import ImpulsesWire
 class ShaperOut(Wire):
     """The shaper."""
 
-    kind: str
-    impulses: ImpulsesWire
+    kind: Annotated[str, Field(description="Kind of shaper, as in the request.")]
+    impulses: Annotated[ImpulsesWire, Field(description="Steps of the command for a unit step.")]
     duration_s: Annotated[float, Field(description="Time that it adds to a move [s].")]
     ramp_end_s: Annotated[
         float | None,

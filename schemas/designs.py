@@ -6,7 +6,7 @@ from pydantic import Field
 
 from design.analysis.ramp_figures import RampFigures
 from design.pipeline import Design
-from schemas.base import Wire, leave_out_none
+from schemas.base import Version, Wire, leave_out_none
 from schemas.certificates import CertificateOut
 from schemas.designed_shaper import ShaperOut
 from schemas.fits import FitOut
@@ -24,7 +24,7 @@ from schemas.warnings import WarningOut, Warnings
 class DesignResponse(Wire):
     """Answer of `POST /v1/designs`."""
 
-    shaper: ShaperOut
+    shaper: Annotated[ShaperOut, Field(description="The shaper and its duration.")]
     sampled: Annotated[
         SampledOut | None,
         Field(
@@ -41,21 +41,21 @@ class DesignResponse(Wire):
     ]
     unshaped_ramp_residual: UnshapedRampResidual
     limits: OfLimits
-    certificate: CertificateOut
-    sensitivity: SensitivityOut | None
+    certificate: Annotated[CertificateOut, Field(description="Promises of the shaper, recomputed.")]
+    sensitivity: Annotated[SensitivityOut | None, Field(description="Its curve, or null.")]
     modes: OfModes
     scheduled: Annotated[
         RangeOut | None,
         leave_out_none("Figures over the range of a scheduled plant; otherwise left out."),
     ]
-    fit: FitOut | None
+    fit: Annotated[FitOut | None, Field(description="Its curve coefficients, or null.")]
     solver: SolverOut
     trace: Annotated[
         list[TraceStepOut] | None,
         leave_out_none("Steps of the search, where asked for; otherwise left out."),
     ]
     warnings: Warnings
-    version: str
+    version: Version
 
     @classmethod
     def from_design(

@@ -101,32 +101,40 @@ class FitDesign(Wire):
 class FitRequest(FitDesign):
     """Body of `POST /v1/fits`."""
 
-    fit: FitIn
+    fit: Annotated[FitIn, Field(description="Field, range and degree of the fit.")]
 
 
 class VariableOut(Wire):
     """The variable of the polynomials."""
 
-    name: str
-    is_: Annotated[str, Field(alias="is")]
-    from_: Annotated[float, Field(alias="from")]
-    to: float
+    name: Annotated[str, Field(description="Name of the variable in the formula.")]
+    is_: Annotated[str, Field(alias="is", description="Quotient or field that it stands for.")]
+    from_: Annotated[float, Field(alias="from", description="Least value that is served.")]
+    to: Annotated[float, Field(description="Largest value that is served.")]
 
 
 class FitOut(Wire):
     """Curve coefficients, with their residual."""
 
-    variable: VariableOut
-    value: str
+    variable: Annotated[VariableOut, Field(description="Variable of the polynomials.")]
+    value: Annotated[
+        str, Field(description="What the polynomials give: a time, or a product with one.")
+    ]
     coefficients: Annotated[
         list[list[float]], Field(description="A row for each impulse, in ascending powers of x.")
     ]
-    degree: int
-    worst_timing_error_s: float
-    worst_residual: float
-    checked_points: int
-    formula: str
-    design: FitDesign
+    degree: Annotated[int, Field(description="Degree of the polynomials.")]
+    worst_timing_error_s: Annotated[
+        float, Field(description="Largest error of a fitted time over the range [s].")
+    ]
+    worst_residual: Annotated[
+        float, Field(description="Largest residual of the fitted times over the range [-].")
+    ]
+    checked_points: Annotated[
+        int, Field(description="Points of the range at which both were checked.")
+    ]
+    formula: Annotated[str, Field(description="How times follow from the coefficients.")]
+    design: Annotated[FitDesign, Field(description="The design that was fitted.")]
     warnings: Warnings
 
     @classmethod

@@ -11,7 +11,7 @@ from schemas.base import OutOf
 class InsensitivityOut(OutOf[Insensitivity]):
     """The interval around 1 on which the residual is within the tolerance."""
 
-    tolerance: float
+    tolerance: Annotated[float, Field(description="Residual at the edges of the interval [-].")]
     lower_ratio: Annotated[
         float | None, Field(description="Lower edge; null where the search found none [-].")
     ]

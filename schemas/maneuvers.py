@@ -8,7 +8,7 @@ from design.model.initial_state import AngleSwing, DeflectionSwing
 from design.moves.maneuvers import Maneuver
 from design.moves.programs import Program
 from schemas.actuators import ActuatorIn
-from schemas.base import Positive, Wire, leave_out_none
+from schemas.base import Positive, Version, Wire, leave_out_none
 from schemas.certificates import CertificateOut
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
@@ -75,7 +75,7 @@ class ManeuverRequest(Wire):
 class ProgramOut(Wire):
     """The command as a controller replays it."""
 
-    times_s: list[float]
+    times_s: Annotated[list[float], Field(description="Times of the samples [s].")]
     velocity_m_s: Annotated[
         list[float], Field(description="Velocity, held over the sample that follows [m/s].")
     ]
@@ -109,7 +109,7 @@ class ProgramOut(Wire):
 class ManeuverResponse(Wire):
     """Answer of `POST /v1/maneuvers`."""
 
-    kind: str
+    kind: Annotated[str, Field(description="Kind of shaper, as in the request.")]
     direction: Annotated[
         int, Field(description="+1 for a move in +x; -1 for one in -x, where all is mirrored.")
     ]
@@ -119,10 +119,16 @@ class ManeuverResponse(Wire):
             description="Impulses of the start, shares of the speed in the direction of the move."
         ),
     ]
-    stop: ImpulsesWire
-    command: ImpulsesWire
-    pulse_s: float
-    duration_s: float
+    stop: Annotated[
+        ImpulsesWire, Field(description="Impulses of the stop, their times after its first step.")
+    ]
+    command: Annotated[
+        ImpulsesWire, Field(description="Impulses of the whole move, shares of the speed.")
+    ]
+    pulse_s: Annotated[
+        float, Field(description="Time from the first step of the start to that of the stop [s].")
+    ]
+    duration_s: Annotated[float, Field(description="Time from the first step to the last one [s].")]
     ramp_end_s: Annotated[
         float | None,
         leave_out_none(
@@ -146,11 +152,15 @@ class ManeuverResponse(Wire):
             description="Residual vibration of the whole move, a share of one unshaped step [-]."
         ),
     ]
-    certificate: CertificateOut
+    certificate: Annotated[
+        CertificateOut, Field(description="Promises of the whole move, recomputed.")
+    ]
     joint: Annotated[bool, Field(description="Whether start and stop were solved as one.")]
-    program: ProgramOut | None
+    program: Annotated[
+        ProgramOut | None, Field(description="The move on samples; null without sample_time_s.")
+    ]
     warnings: Warnings
-    version: str
+    version: Version
 
     @classmethod
     def from_design(cls, kind: str, move: Maneuver, program: Program | None, version: str) -> Self:

@@ -44,13 +44,24 @@ class AxisIn(Wire):
             description="JSON pointer of the number that the axis varies.",
         ),
     ]
-    from_: Annotated[float | None, Field(alias="from")] = None
-    to: float | None = None
-    points: Annotated[int, Field(ge=2, le=MAX_MAP_AXIS_POINTS)] = 51
-    spacing: Literal["linear", "geometric"] = "linear"
-    values: Annotated[list[float] | None, Field(min_length=1, max_length=MAX_MAP_AXIS_POINTS)] = (
-        None
+    from_: Annotated[
+        float | None, Field(alias="from", description="First value, in the field's unit.")
+    ] = None
+    to: Annotated[float | None, Field(description="Last value, in the field's unit.")] = None
+    points: Annotated[int, Field(ge=2, le=MAX_MAP_AXIS_POINTS, description="Number of values.")] = (
+        51
     )
+    spacing: Annotated[
+        Literal["linear", "geometric"], Field(description="How the values are spaced.")
+    ] = "linear"
+    values: Annotated[
+        list[float] | None,
+        Field(
+            min_length=1,
+            max_length=MAX_MAP_AXIS_POINTS,
+            description="Values in place of from, to and points.",
+        ),
+    ] = None
 
     def to_design(self) -> Axis:
         """Build the design record."""
@@ -91,12 +102,20 @@ class MapRequest(Wire):
 
     plant: PlantIn
     actuator: ActuatorIn
-    shaper: ShaperIn | None = None
+    shaper: Annotated[
+        ShaperIn | None,
+        Field(description="Shaper that is mapped; null beside impulses and for gains."),
+    ] = None
     impulses: Annotated[
         ImpulsesWire | None,
         Field(description="In place of shaper: a command that is held in every cell."),
     ] = None
-    move: MoveIn | None = None
+    move: Annotated[
+        MoveIn | None,
+        Field(
+            description="Map the whole move that the shaper starts and stops; null for one command."
+        ),
+    ] = None
     quantity: Annotated[
         Quantity,
         Field(
@@ -122,7 +141,7 @@ class MapRequest(Wire):
             "of the actuator given."
         ),
     ] = None
-    x: AxisIn
+    x: Annotated[AxisIn, Field(description="First axis.")]
     y: Annotated[
         AxisIn | None,
         Field(description="Second axis; where it is left out, the map is a curve over x."),
@@ -194,8 +213,8 @@ class MapRequest(Wire):
 class AxisOut(Wire):
     """One axis of a map."""
 
-    field: str
-    values: list[float]
+    field: Annotated[str, Field(description="JSON pointer of the field.")]
+    values: Annotated[list[float], Field(description="Values of the field, in its unit.")]
 
 
 Number = float | None
@@ -210,18 +229,24 @@ class MapResponse(Wire):
     shaper or move.
     """
 
-    quantity: Quantity
-    x: AxisOut
-    y: AxisOut | None
+    quantity: Annotated[Quantity, Field(description="Quantity that was asked for.")]
+    x: Annotated[AxisOut, Field(description="First axis.")]
+    y: Annotated[AxisOut | None, Field(description="Second axis; null for a curve.")]
     residual: Annotated[
         list[Row] | Row | None, Field(description="Share of an unshaped step [-].")
     ] = None
     deflection_m: Annotated[
         list[Row] | Row | None, Field(description="Amplitude of the residual at the payload [m].")
     ] = None
-    duration_s: list[Row] | Row | None = None
-    alpha: list[Row] | Row | None = None
-    beta_rad: list[Row] | Row | None = None
+    duration_s: Annotated[
+        list[Row] | Row | None, Field(description="Duration of the shaper [s].")
+    ] = None
+    alpha: Annotated[
+        list[Row] | Row | None, Field(description="Magnitude of G_decel/G_accel [-].")
+    ] = None
+    beta_rad: Annotated[
+        list[Row] | Row | None, Field(description="Lag of G_decel/G_accel [rad].")
+    ] = None
     times_s: Annotated[
         list[Numbers] | Numbers | None, Field(description="A list of times in each cell [s].")
     ] = None

@@ -79,7 +79,10 @@ class ScheduledIn(Wire):
     """A plant with one field anywhere in a range; its value in `plant` is not used."""
 
     kind: Literal["scheduled"]
-    plant: Annotated[ModeIn | PendulumIn | SpringMassIn, Field(discriminator="kind")]
+    plant: Annotated[
+        ModeIn | PendulumIn | SpringMassIn,
+        Field(discriminator="kind", description="Plant in which one field is a range."),
+    ]
     over: Annotated[
         str,
         Field(
@@ -124,5 +127,6 @@ class ScheduledIn(Wire):
 
 
 PlantIn = Annotated[
-    ModeIn | ModesIn | PendulumIn | SpringMassIn | ScheduledIn, Field(discriminator="kind")
+    ModeIn | ModesIn | PendulumIn | SpringMassIn | ScheduledIn,
+    Field(discriminator="kind", description="What swings."),
 ]

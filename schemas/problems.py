@@ -16,15 +16,15 @@ class FieldFault(Wire):
         str,
         Field(description="Rule that the field breaks, as a name such as out_of_range or missing."),
     ]
-    detail: str
+    detail: Annotated[str, Field(description="Rule of the field and the value given, in words.")]
 
 
 class ProblemDocument(Wire):
     """An error, as `application/problem+json`."""
 
     type: Annotated[str, Field(description="urn:shapersmith: and the name of the problem.")]
-    title: str
-    status: int
+    title: Annotated[str, Field(description="Name of the problem in words.")]
+    status: Annotated[int, Field(description="HTTP status.")]
     code: Annotated[
         str,
         Field(
@@ -33,9 +33,13 @@ class ProblemDocument(Wire):
             "problem."
         ),
     ]
-    detail: str
-    errors: tuple[FieldFault, ...] = ()
-    request_id: str | None = None
+    detail: Annotated[str, Field(description="What went wrong, in words with figures.")]
+    errors: Annotated[
+        tuple[FieldFault, ...], Field(description="Fields that break their rules, 20 at most.")
+    ] = ()
+    request_id: Annotated[
+        str | None, Field(description="Id of the request, as in the header X-Request-Id.")
+    ] = None
     trace: Annotated[
         list[TraceStepOut] | None,
         leave_out_none("Steps of the search, where a design asked for them; otherwise left out."),

@@ -19,7 +19,7 @@ from design.recommendations.requirements import (
     Sign,
 )
 from schemas.actuators import ActuatorIn
-from schemas.base import PlantDamping, Positive, Wire, leave_out_none
+from schemas.base import PlantDamping, Positive, Version, Wire, leave_out_none
 from schemas.impulses import ImpulsesWire
 from schemas.insensitivity import InsensitivityOut
 from schemas.plants import BareMode, PlantIn
@@ -137,7 +137,7 @@ class VerdictOut(Wire):
     """One requirement, and whether a shaper meets it."""
 
     requirement: Annotated[str, Field(description="Field of the request.")]
-    met: bool
+    met: Annotated[bool, Field(description="Whether the shaper meets it.")]
     value: Annotated[
         float | None,
         Field(
@@ -145,8 +145,11 @@ class VerdictOut(Wire):
             "a sign, and where there is no bound."
         ),
     ]
-    limit: float | None
-    reason: str
+    limit: Annotated[
+        float | None,
+        Field(description="Limit of the request, in the field's unit; null for a sign."),
+    ]
+    reason: Annotated[str, Field(description="Verdict in words.")]
 
     @classmethod
     def from_design(cls, verdict: Verdict) -> Self:
@@ -170,7 +173,7 @@ class CandidateOut(Wire):
         dict[str, Any],
         Field(description="Shaper as `POST /v1/designs` takes it, for the plant designed_for."),
     ]
-    impulses: ImpulsesWire
+    impulses: Annotated[ImpulsesWire, Field(description="Steps of the command for a unit step.")]
     duration_s: Annotated[float, Field(description="Time that it adds to a move [s].")]
     ramp_end_s: Annotated[
         float | None,
@@ -179,7 +182,7 @@ class CandidateOut(Wire):
             "by there; otherwise left out [s]."
         ),
     ]
-    meets_all: bool
+    meets_all: Annotated[bool, Field(description="Whether it meets every requirement.")]
     requirements: Annotated[
         list[VerdictOut], Field(description="Verdict on each requirement, with its reason.")
     ]
@@ -203,8 +206,12 @@ class CandidateOut(Wire):
         ),
     ]
     peak_command: Annotated[float, Field(description="Largest size of the command [-].")]
-    lowest_command: float
-    highest_command: float
+    lowest_command: Annotated[
+        float, Field(description="Lowest level of the shaped unit step, over its height [-].")
+    ]
+    highest_command: Annotated[
+        float, Field(description="Highest level of the shaped unit step, over its height [-].")
+    ]
     delay_s: Annotated[float, Field(description="Mean time of its impulses [s].")]
     smoothing_s2: Annotated[
         float,
@@ -277,9 +284,14 @@ def _shaper(choice: Choice, sample_time_s: float | None) -> dict[str, Any]:
 class RefusedOut(Wire):
     """A kind of shaper of which there is none here."""
 
-    name: str
-    shaper: dict[str, Any]
-    reason: str
+    name: Annotated[
+        str, Field(description="Kind, with what distinguishes it from others of that kind.")
+    ]
+    shaper: Annotated[
+        dict[str, Any],
+        Field(description="Shaper that was refused, as `POST /v1/designs` takes it."),
+    ]
+    reason: Annotated[str, Field(description="Why there is none.")]
 
     @classmethod
     def from_design(cls, refused: Refused, sample_time_s: float | None) -> Self:
@@ -307,8 +319,8 @@ class RefusedOut(Wire):
 class BandOut(Wire):
     """Band of the tolerance asked, as ratios of the plant's frequency."""
 
-    lower_ratio: float
-    upper_ratio: float
+    lower_ratio: Annotated[float, Field(description="Least true frequency over the plant's [-].")]
+    upper_ratio: Annotated[float, Field(description="Largest true frequency over the plant's [-].")]
 
 
 class RecommendationResponse(Wire):
@@ -325,12 +337,12 @@ class RecommendationResponse(Wire):
         list[CandidateOut], Field(description="Shapers that do not meet it, the fastest first.")
     ]
     refused: Annotated[list[RefusedOut], Field(description="Kinds that could not be designed.")]
-    band: BandOut
+    band: Annotated[BandOut, Field(description="Band over which the tolerance is asked.")]
     designed_for: Annotated[
         list[BareMode],
         Field(description="The middle of what the plant may be: the plant of all these designs."),
     ]
-    version: str
+    version: Version
 
     @classmethod
     def from_design(cls, found: Recommendation, version: str) -> Self:

@@ -13,9 +13,9 @@ from schemas.base import OutOf, Wire
 class TriedOut(OutOf[Tried]):
     """A command of unity magnitude that was found."""
 
-    impulses: int
-    duration_s: float
-    residual: float
+    impulses: Annotated[int, Field(description="Number of its impulses.")]
+    duration_s: Annotated[float, Field(description="Its duration [s].")]
+    residual: Annotated[float, Field(description="Its residual [-].")]
     compared: Annotated[
         float,
         Field(
@@ -57,7 +57,7 @@ class SearchedOut(Wire):
 class SampledOut(Wire):
     """What it cost to bring the shaper to a sample grid."""
 
-    sample_time_s: float
+    sample_time_s: Annotated[float, Field(description="Sample time of the controller [s].")]
     method: Annotated[
         str,
         Field(

@@ -17,7 +17,7 @@ from schemas.warnings import Warnings
 class SensitivityRequest(SensitivityIn):
     """Body of `POST /v1/sensitivity`."""
 
-    impulses: ImpulsesWire
+    impulses: Annotated[ImpulsesWire, Field(description="Command whose residual is asked for.")]
     plant: PlantIn
     actuator: ActuatorIn
 
@@ -25,10 +25,14 @@ class SensitivityRequest(SensitivityIn):
 class ModeOut(Wire):
     """The residual of a shaper in one of several modes."""
 
-    natural_frequency_rad_s: float
-    damping_ratio: float
+    natural_frequency_rad_s: Annotated[
+        float, Field(description="Undamped natural frequency of the mode [rad/s].")
+    ]
+    damping_ratio: Annotated[float, Field(description="Share of critical damping [-].")]
     residual: Annotated[float, Field(description="Residual in this mode [-].")]
-    sensitivity: SensitivityOut | None
+    sensitivity: Annotated[
+        SensitivityOut | None, Field(description="Curve of this mode; null if not asked for.")
+    ]
 
     @classmethod
     def from_design(cls, mode: Mode, residual: float, curve: Sensitivity | None) -> Self:
@@ -68,7 +72,9 @@ OfModes = Annotated[
 class SensitivityResponse(Wire):
     """Answer of `POST /v1/sensitivity`."""
 
-    sensitivity: SensitivityOut
+    sensitivity: Annotated[
+        SensitivityOut, Field(description="Curve of the residual, and its band.")
+    ]
     residual: Annotated[
         float, Field(description="Residual vibration at the nominal frequency [-].")
     ]

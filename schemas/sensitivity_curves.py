@@ -44,9 +44,9 @@ class SensitivityIn(Wire):
 class SensitivityOut(Wire):
     """A sensitivity curve."""
 
-    frequency_ratio: list[float]
-    residual: list[float]
-    insensitivity: InsensitivityOut | None
+    frequency_ratio: Annotated[list[float], Field(description="Frequency over the plant's [-].")]
+    residual: Annotated[list[float], Field(description="Residual at each ratio [-].")]
+    insensitivity: Annotated[InsensitivityOut | None, Field(description="Its band, or null.")]
     damping: Annotated[
         DampingOut | None,
         leave_out_none("Curve over the damping ratio, where a range is asked for."),

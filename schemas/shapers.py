@@ -29,5 +29,6 @@ if TYPE_CHECKING:
     ShaperIn = ShaperRequest
 else:
     ShaperIn = Annotated[
-        functools.reduce(operator.or_, MODELS.values()), Field(discriminator="kind")
+        functools.reduce(operator.or_, MODELS.values()),
+        Field(discriminator="kind", description="Kind of shaper, with its parameters."),
     ]

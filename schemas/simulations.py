@@ -53,7 +53,9 @@ class ImpulsesCommand(Wire):
     """Steps as shares of full speed."""
 
     kind: Literal["impulses"]
-    impulses: ImpulsesWire
+    impulses: Annotated[
+        ImpulsesWire, Field(description="Steps of the command, shares of full speed.")
+    ]
 
     def to_design(self, speed_m_s: float) -> Impulses:  # noqa: ARG002
         """Build the design record."""
@@ -125,7 +127,7 @@ def _shares(velocity_m_s: list[float], speed_m_s: float) -> FloatArray:
 
 CommandIn = Annotated[
     StepCommand | PulseCommand | ImpulsesCommand | SampledCommand | ListCommand,
-    Field(discriminator="kind"),
+    Field(discriminator="kind", description="Command of the velocity, before it is shaped."),
 ]
 
 
@@ -152,7 +154,9 @@ class SimulationRequest(Wire):
 class SwingOut(Wire):
     """A swing of the payload against its support."""
 
-    deflection_m: float
+    deflection_m: Annotated[
+        float, Field(description="Deflection of the payload against its support [m].")
+    ]
     angle_rad: Annotated[float | None, Field(description="For a pendulum, else null.")]
 
     @classmethod
@@ -164,18 +168,22 @@ class SwingOut(Wire):
 class PeaksOut(SwingOut):
     """Largest magnitudes at the times given."""
 
-    velocity_m_s: float
+    velocity_m_s: Annotated[float, Field(description="Largest speed of the actuator [m/s].")]
 
 
 class SimulationResponse(Wire):
     """Answer of `POST /v1/simulations`."""
 
-    times_s: list[float]
-    command_m_s: list[float]
-    velocity_m_s: list[float]
-    deflection_m: list[float]
+    times_s: Annotated[list[float], Field(description="Times of the history [s].")]
+    command_m_s: Annotated[list[float], Field(description="Command at each time [m/s].")]
+    velocity_m_s: Annotated[
+        list[float], Field(description="Velocity of the actuator at each time [m/s].")
+    ]
+    deflection_m: Annotated[
+        list[float], Field(description="Deflection of the payload at each time [m].")
+    ]
     angle_rad: Annotated[list[float] | None, Field(description="For a pendulum, else null.")]
-    peaks: PeaksOut
+    peaks: Annotated[PeaksOut, Field(description="Largest magnitudes at these times.")]
     residual: Annotated[
         float | None,
         Field(

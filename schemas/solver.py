@@ -11,11 +11,11 @@ from schemas.base import OutOf
 class SolverOut(OutOf[SolverReport]):
     """How the impulses were found."""
 
-    name: str
-    status: str
-    iterations: int
-    seed: str
-    starts: int
+    name: Annotated[str, Field(description="Name of the solver, or of the formula.")]
+    status: Annotated[str, Field(description="Outcome, in the solver's own words.")]
+    iterations: Annotated[int, Field(description="Iterations of the solver.")]
+    seed: Annotated[str, Field(description="Start from which the solution was found.")]
+    starts: Annotated[int, Field(description="Number of starts that were tried.")]
     lower_bound_s: Annotated[
         float | None,
         Field(

@@ -97,14 +97,18 @@ class TableAxis(Wire):
             description="JSON pointer of the number that the axis varies.",
         ),
     ]
-    from_: Annotated[float | None, Field(alias="from")] = None
-    to: float | None = None
-    points: Annotated[int | None, Field(ge=1, le=MAX_ROWS)] = None
+    from_: Annotated[
+        float | None, Field(alias="from", description="First value, in the field's unit.")
+    ] = None
+    to: Annotated[float | None, Field(description="Last value, in the field's unit.")] = None
+    points: Annotated[int | None, Field(ge=1, le=MAX_ROWS, description="Number of values.")] = None
     spacing: Annotated[
         Spacing,
         Field(description="chebyshev: points of the second kind, both ends among them."),
     ] = "linear"
-    values: list[float] | None = None
+    values: Annotated[
+        list[float] | None, Field(description="Values in place of from, to and points.")
+    ] = None
 
     def to_design(self) -> Axis:
         """Build the design record."""
@@ -143,8 +147,10 @@ class Tolerances(Wire):
     """How far a number may drift before a checked table counts as changed."""
 
     # What a row of a table and the single design may differ by; another processor differs less.
-    absolute: Annotated[float, Field(ge=0)] = 1e-10
-    relative: Annotated[float, Field(ge=0)] = 1e-10
+    absolute: Annotated[float, Field(ge=0, description="Absolute, in the unit of the column.")] = (
+        1e-10
+    )
+    relative: Annotated[float, Field(ge=0, description="Relative to the number [-].")] = 1e-10
 
 
 class TableRequest(Wire):
@@ -339,31 +345,37 @@ def _numbers(here: Any, path: Path, number: int) -> Iterator[tuple[Path, float]]
 class TableSize(Wire):
     """How large a table is, before it is computed."""
 
-    rows: int
-    chunks: int
+    rows: Annotated[int, Field(description="Number of designs.")]
+    chunks: Annotated[int, Field(description="Number of parts in which they are computed.")]
     estimated_bytes: Annotated[int, Field(description="Size of its numbers, uncompressed [bytes].")]
 
 
 class TableJob(Wire):
     """State of a table job."""
 
-    id: str
-    state: Literal["waiting", "running", "done", "failed", "cancelled"]
+    id: Annotated[str, Field(description="Id of the job, for its routes.")]
+    state: Annotated[
+        Literal["waiting", "running", "done", "failed", "cancelled"],
+        Field(description="State of the job."),
+    ]
     reason: Annotated[str | None, Field(description="Reason of a failure.")]
     created: Annotated[float, Field(description="Seconds since 1970.")]
-    size: TableSize
-    rows_done: int
+    size: Annotated[TableSize, Field(description="Size of the table.")]
+    rows_done: Annotated[int, Field(description="Rows that are computed.")]
     verified: Annotated[int, Field(description="Rows proven for the actuator given.")]
     verified_ideal: Annotated[int, Field(description="Rows proven for an ideal actuator only.")]
-    infeasible: int
-    failed: int
-    rows_per_s: float
-    seconds_left: float | None
-    specification_sha256: str
-    version: str
+    infeasible: Annotated[int, Field(description="Rows of which there is no such shaper.")]
+    failed: Annotated[int, Field(description="Rows that could not be computed.")]
+    rows_per_s: Annotated[float, Field(description="Rows computed a second [1/s].")]
+    seconds_left: Annotated[
+        float | None,
+        Field(description="Time until the end at that rate; null where it is not known [s]."),
+    ]
+    specification_sha256: Annotated[str, Field(description="Hash of the specification.")]
+    version: Annotated[str, Field(description="Version of shapersmith that began the job.")]
 
 
 class TableJobs(Wire):
     """The newest table jobs."""
 
-    tables: list[TableJob]
+    tables: Annotated[list[TableJob], Field(description="Jobs, the newest first.")]

@@ -26,7 +26,7 @@ class TraceStepOut(Wire):
     outcome: Annotated[
         str, Field(description="Outcome of the step, such as solve_succeeded, verified, rejected.")
     ]
-    iterations: int
+    iterations: Annotated[int, Field(description="Iterations of the step.")]
     duration_s: Annotated[
         float | None,
         Field(description="Duration of the command found; null where none was [s]."),
@@ -35,7 +35,7 @@ class TraceStepOut(Wire):
         list[float],
         Field(description="By how much the equations were off, iteration by iteration."),
     ]
-    detail: str
+    detail: Annotated[str, Field(description="The step in words.")]
 
     @classmethod
     def from_design(cls, step: TraceStep) -> Self:
