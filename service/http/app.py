@@ -9,9 +9,10 @@ from fastapi import FastAPI
 from schemas.tables import TableRequest
 from service.catalogue import shaper_catalogue
 from service.http import batch_routes, routes, status_routes, table_routes
+from service.http.document import DESCRIPTION, TAGS, finish_document
 from service.http.handlers import add_handlers
 from service.http.middleware import RequestMiddleware
-from service.http.openapi import document_bodies, serve_docs
+from service.http.openapi import serve_docs
 from service.jobs.protocol import Jobs
 from service.operations.table import TABLE, load
 from service.settings import Settings
@@ -70,7 +71,9 @@ def create_app(
     app = FastAPI(
         title="shapersmith",
         version=version(),
-        description="Input shapers for flexible machines whose actuators are not ideal.",
+        summary="Input shapers for flexible machines whose actuators are not ideal.",
+        description=DESCRIPTION,
+        openapi_tags=TAGS,
         lifespan=lifespan,
         docs_url=None,
         redoc_url=None,
@@ -87,5 +90,5 @@ def create_app(
     add_handlers(app)
     app.add_middleware(RequestMiddleware)
     serve_docs(app)
-    document_bodies(app, [*(load(name).request for name in TABLE), TableRequest])
+    finish_document(app, [*(load(name).request for name in TABLE), TableRequest])
     return app

@@ -4,11 +4,12 @@ from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from schemas.design_request import DesignRequest
+from schemas.designs import DesignResponse
+from schemas.problems import ProblemDocument
 from service.dispatch import Answer
 from service.http.batches import Batch
 from service.http.bodies import client_of, read_body, while_connected
-from service.http.openapi import body_of
-from service.http.routes import PROBLEMS
+from service.http.openapi import BATCH_TEXTS, lines_of, problems
 from service.problems import NOT_JSON, TOO_LARGE, Problem, ProblemError
 from service.settings import Settings
 from service.workers.protocol import Pool
@@ -20,24 +21,27 @@ JSON_LINES = (
     "application/json",
 )
 
-router = APIRouter()
+router = APIRouter(tags=["designs"])
 
 
 @router.post(
     "/v1/designs/batch",
     response_class=Response,
+    operation_id="design_batch",
     responses={
-        **PROBLEMS,
+        **problems(BATCH_TEXTS, 400, 408, 413, 415, 500),
         200: {
             "description": "One answer or problem for each line, in order",
-            "content": {"application/jsonl": {}},
+            "content": lines_of(JSON_LINES[:1], DesignResponse, ProblemDocument),
         },
     },
-    openapi_extra={"requestBody": body_of(DesignRequest, JSON_LINES[0])},
+    openapi_extra={
+        "requestBody": {"required": True, "content": lines_of(JSON_LINES[:-1], DesignRequest)}
+    },
     summary="Design up to 1,000 shapers, JSON Lines in and out",
 )
 async def designs_batch(request: Request) -> Response:
-    """Answer each line as `POST /v1/designs` would."""
+    """Answer each line as `POST /v1/designs` would, with the status of a problem in its line."""
     settings: Settings = request.app.state.settings
     pool: Pool = request.app.state.pool
     body = await read_body(request, limit_bytes=settings.max_batch_bytes, media_types=JSON_LINES)

@@ -1,6 +1,6 @@
 """The documentation that the service serves: what routes say of themselves, and Swagger UI."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -8,7 +8,6 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.openapi.docs import get_swagger_ui_html
 from pydantic import BaseModel
-from pydantic.json_schema import models_json_schema
 from starlette.responses import Response
 from starlette.staticfiles import StaticFiles
 
@@ -33,9 +32,17 @@ _TEXTS = {
 OPERATION_TEXTS = _TEXTS | {
     422: "A field breaks its rule, or no such shaper was found",
     500: "Nothing verified was found, or the service failed",
-    503: "Overloaded",
+    503: "Overloaded, or no worker is ready",
 }
 """What a status says of a request that one operation answers."""
+
+BATCH_TEXTS = _TEXTS | {
+    400: "No line",
+    413: "Too many lines or bytes",
+    415: "Not declared as JSON Lines",
+    500: "The service failed",
+}
+"""What a status says of a whole batch; what befalls a line is said there."""
 
 TABLE_TEXTS = _TEXTS | {
     422: "A field or a header breaks its rule",
@@ -45,13 +52,33 @@ TABLE_TEXTS = _TEXTS | {
 """What a status says of a request about tables."""
 
 
+_HEADERS: dict[int, Json] = {
+    416: {
+        "headers": {
+            "Content-Range": {
+                "description": "How long the file is.",
+                "schema": {"type": "string"},
+            }
+        }
+    },
+    503: {
+        "headers": {
+            "Retry-After": {
+                "description": "When to ask again [s].",
+                "schema": {"type": "integer", "minimum": 1},
+            }
+        }
+    },
+}
+
+
 def problems(texts: Mapping[int, str], *codes: int) -> dict[int | str, Json]:
     """Return the documented responses of a route that are problem documents.
 
     Parameters
     ----------
     texts
-        What each status says: `OPERATION_TEXTS` or `TABLE_TEXTS`.
+        What each status says: `OPERATION_TEXTS`, `BATCH_TEXTS` or `TABLE_TEXTS`.
     codes
         The statuses that the route answers with.
 
@@ -61,7 +88,10 @@ def problems(texts: Mapping[int, str], *codes: int) -> dict[int | str, Json]:
         A response of OpenAPI by status.
     """
     content = {"application/problem+json": {"schema": _reference(ProblemDocument)}}
-    return {code: {"description": texts[code], "content": content} for code in codes}
+    return {
+        code: {"description": texts[code], "content": content, **_HEADERS.get(code, {})}
+        for code in codes
+    }
 
 
 def body_of(model: type[BaseModel], media_type: str) -> Json:
@@ -77,38 +107,30 @@ def body_of(model: type[BaseModel], media_type: str) -> Json:
     Returns
     -------
     dict
-        A request body of OpenAPI, by a reference that `document_bodies` fulfils.
+        A request body of OpenAPI, by a reference that `finish_document` fulfils.
     """
     return {"required": True, "content": {media_type: {"schema": _reference(model)}}}
 
 
-def document_bodies(app: FastAPI, models: Iterable[type[BaseModel]]) -> None:
-    """Add the models that routes refer to by `body_of` to an app's schema.
+def lines_of(media_types: Sequence[str], *models: type[BaseModel]) -> Json:
+    """Return the documented content that is JSON Lines.
 
     Parameters
     ----------
-    app
-        The application; its schema is made once, when it is first asked for.
+    media_types
+        Its ``content-type``, in any of several ways.
     models
-        The models of the bodies.
+        Models of a line: it is of one of them.
+
+    Returns
+    -------
+    dict
+        A media type of OpenAPI by name. OpenAPI 3.1 has no word for lines: they are a string.
     """
-    generated = app.openapi
-
-    def openapi() -> Json:
-        if app.openapi_schema is None:
-            schema = generated()
-            bodies = [(model, "validation") for model in models]
-            _, definitions = models_json_schema(
-                [*bodies, (ProblemDocument, "serialization")],  # type: ignore[list-item]
-                ref_template=SCHEMAS,
-            )
-            schemas = schema.setdefault("components", {}).setdefault("schemas", {})
-            for name, definition in definitions["$defs"].items():
-                schemas.setdefault(name, definition)
-            app.openapi_schema = schema
-        return app.openapi_schema
-
-    app.openapi = openapi  # type: ignore[method-assign]
+    names = " or a ".join(model.__name__ for model in models)
+    lines = {"oneOf": [_reference(model) for model in models]}
+    schema = {"type": "string", "description": f"Each line is a {names}.", "x-lines": lines}
+    return {media_type: {"schema": schema} for media_type in media_types}
 
 
 def serve_docs(app: FastAPI) -> None:

@@ -16,7 +16,7 @@ from service.workers.protocol import Pool
 from service.workers.shapes import shape_of
 
 JSON = ("application/json",)
-PROBLEMS = problems(OPERATION_TEXTS, 400, 413, 415, 422, 500, 503, 504)
+PROBLEMS = problems(OPERATION_TEXTS, 400, 408, 413, 415, 422, 500, 503, 504)
 
 router = APIRouter()
 
@@ -56,9 +56,12 @@ for _name, _row in TABLE.items():
         _answering(_name),
         methods=["POST"],
         name=_name,
+        operation_id=_row.command,
+        tags=[_row.tag],
         response_model=load(_name).response,
         responses=PROBLEMS,
         openapi_extra={"requestBody": body_of(load(_name).request, JSON[0])},
         summary=_row.summary,
+        description=_row.description,
         route_class_override=BareRoute,
     )

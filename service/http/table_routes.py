@@ -9,12 +9,20 @@ from starlette.responses import Response, StreamingResponse
 
 from design.errors import InvalidInputError
 from design.export.formats import FORMATS
-from design.export.registry import EXPORTS
 from schemas.problems import FieldFault
 from schemas.tables import TableJob, TableJobs, TableRequest
 from service.http.bodies import client_of, read_body, while_connected
 from service.http.byte_ranges import file_response
 from service.http.openapi import TABLE_TEXTS, body_of, problems
+from service.http.table_answers import (
+    BEGUN,
+    EVENTS,
+    FILE_HEADERS,
+    FILES,
+    KEY,
+    KEY_HEADER,
+    JobId,
+)
 from service.jobs.adding import KeyReusedError
 from service.jobs.plan import Plan, plan_table, wire_job
 from service.jobs.protocol import Jobs
@@ -39,10 +47,9 @@ MAX_LISTED_JOBS = 100
 
 ID = re.compile(r"[0-9a-f]{32}\Z")
 
-KEY_HEADER = "Idempotency-Key"
-KEY = re.compile(r"[ -~]{1,255}\Z")
+KEY_FORM = re.compile(r"[ -~]{1,255}\Z")
 
-router = APIRouter()
+router = APIRouter(tags=["tables"])
 
 
 def _jobs(request: Request) -> Jobs:
@@ -79,25 +86,9 @@ def _answer(job: Job, status: int = 200) -> Response:
     "/v1/tables",
     status_code=202,
     response_model=TableJob,
-    responses=problems(TABLE_TEXTS, 400, 408, 413, 415, 422, 500, 503, 504),
-    openapi_extra={
-        "parameters": [
-            {
-                "name": KEY_HEADER,
-                "in": "header",
-                "required": False,
-                "description": "Any text that names this request. A request that is sent again "
-                "with it begins no second table: its answer is the first one.",
-                "schema": {
-                    "type": "string",
-                    "minLength": 1,
-                    "maxLength": 255,
-                    "pattern": "^[ -~]+$",
-                },
-            }
-        ],
-        "requestBody": body_of(TableRequest, JSON[0]),
-    },
+    operation_id="create_table",
+    responses={**problems(TABLE_TEXTS, 400, 408, 413, 415, 422, 500, 503, 504), **BEGUN},
+    openapi_extra={"parameters": [KEY], "requestBody": body_of(TableRequest, JSON[0])},
     summary="Begin a table of designs over axes or a list",
 )
 async def begin(request: Request) -> Response:
@@ -127,7 +118,7 @@ def _key_of(request: Request) -> str | None:
     keys = request.headers.getlist(KEY_HEADER)
     if not keys:
         return None
-    if len(keys) > 1 or not KEY.match(keys[0]):
+    if len(keys) > 1 or not KEY_FORM.match(keys[0]):
         raise _refuse_key(
             "be given once, as 1 to 255 printable ASCII characters", code="unreadable_key"
         )
@@ -143,7 +134,8 @@ def _refuse_key(rule: str, code: str) -> ProblemError:
 @router.get(
     "/v1/tables",
     response_model=TableJobs,
-    responses=problems(TABLE_TEXTS, 503),
+    operation_id="list_tables",
+    responses=problems(TABLE_TEXTS, 500, 503),
     summary="The newest tables",
 )
 async def list_tables(request: Request) -> Response:
@@ -157,10 +149,11 @@ async def list_tables(request: Request) -> Response:
 @router.get(
     "/v1/tables/{id}",
     response_model=TableJob,
-    responses=problems(TABLE_TEXTS, 404, 503),
+    operation_id="get_table",
+    responses=problems(TABLE_TEXTS, 404, 500, 503),
     summary="State and progress of a table",
 )
-async def state(request: Request, id: str) -> Response:
+async def state(request: Request, id: JobId) -> Response:
     """Answer with the state, rows done, rate and time left."""
     return _answer(await _find_job(request, id))
 
@@ -168,10 +161,11 @@ async def state(request: Request, id: str) -> Response:
 @router.delete(
     "/v1/tables/{id}",
     response_model=TableJob,
-    responses=problems(TABLE_TEXTS, 404, 409, 503),
+    operation_id="delete_table",
+    responses=problems(TABLE_TEXTS, 404, 409, 500, 503),
     summary="Cancel a table, or delete one that has ended",
 )
-async def delete(request: Request, id: str) -> Response:
+async def delete(request: Request, id: JobId) -> Response:
     """Cancel an unfinished job, or delete one that has ended, with its rows and files.
 
     The state changes at once; rows and files are erased thereafter. The answer is the state of the
@@ -197,10 +191,11 @@ async def delete(request: Request, id: str) -> Response:
     "/v1/tables/{id}/resume",
     status_code=202,
     response_model=TableJob,
-    responses=problems(TABLE_TEXTS, 404, 409, 503),
+    operation_id="resume_table",
+    responses=problems(TABLE_TEXTS, 404, 409, 500, 503),
     summary="Go on with a table that has failed",
 )
-async def resume(request: Request, id: str) -> Response:
+async def resume(request: Request, id: JobId) -> Response:
     """Compute what failed once more; the rows that are done are kept."""
     jobs = _jobs(request)
     job = await _find_job(request, id)
@@ -224,17 +219,11 @@ async def resume(request: Request, id: str) -> Response:
 @router.get(
     "/v1/tables/{id}/events",
     response_class=Response,
-    responses={
-        **problems(TABLE_TEXTS, 404, 503),
-        200: {
-            "description": "An event `progress` for each change, then one with the name of the "
-            "last state; `gone` where the table was deleted",
-            "content": {"text/event-stream": {}},
-        },
-    },
+    operation_id="watch_table",
+    responses={**problems(TABLE_TEXTS, 404, 500, 503), **EVENTS},
     summary="Progress of a table as server-sent events",
 )
-async def events(request: Request, id: str) -> Response:
+async def events(request: Request, id: JobId) -> Response:
     """Send the state whenever it changes, until the job has ended."""
     job = await _find_job(request, id)
     return StreamingResponse(
@@ -247,21 +236,17 @@ async def events(request: Request, id: str) -> Response:
 @router.get(
     "/v1/tables/{id}/result",
     response_class=Response,
-    responses={
-        **problems(TABLE_TEXTS, 404, 409, 413, 416, 422, 500, 503, 504),
-        200: {
-            "description": "The file",
-            "content": {export.media_type: {} for export in EXPORTS.values()},
-        },
-        206: {"description": "A part of the file"},
-        304: {"description": "The client has it"},
-    },
+    operation_id="get_table_result",
+    responses={**problems(TABLE_TEXTS, 404, 409, 413, 416, 422, 500, 503, 504), **FILES},
+    openapi_extra={"parameters": FILE_HEADERS},
     summary="The file of a table, in any format",
 )
 async def result(
     request: Request,
-    id: str,
-    format: Annotated[str, Query(json_schema_extra={"enum": list(FORMATS)})] = "csv",
+    id: JobId,
+    format: Annotated[
+        str, Query(description="Format of the file.", json_schema_extra={"enum": list(FORMATS)})
+    ] = "csv",
 ) -> Response:
     """Answer with the file; takes Range, If-Range and If-None-Match."""
     jobs = _jobs(request)

@@ -207,7 +207,7 @@ OPERATION = Operation(request=DummyRequest, response=DummyResponse, run=run)
             (
                 "TABLE: dict[str, Row] = {\n",
                 "TABLE: dict[str, Row] = {\n"
-                '    "dummy": Row("/v1/dummies", "A dummy", "dummy", "a dummy"),\n',
+                '    "dummy": Row("/v1/dummies", "A dummy", "", "designs", "dummy", "a dummy"),\n',
             )
         ]
     },
