@@ -72,11 +72,11 @@ EVENTS: dict[int | str, Json] = {
 }
 
 
-def _content(export: Export) -> tuple[str, Json]:
+def _content(export: Export, *, part: bool = False) -> tuple[str, Json]:
     """Return the media type of a format, without parameters, and what a client reads of it."""
     media_type = export.media_type.partition(";")[0]
     if media_type == "application/json":
-        return media_type, {"schema": {"type": "object"}}
+        return media_type, {} if part else {"schema": {"type": "object"}}  # a part is no JSON
     if media_type.startswith("text/"):
         return media_type, {"schema": {"type": "string"}}
     return media_type, {"schema": {"type": "string", "format": "binary"}}
@@ -97,10 +97,7 @@ FILES: dict[int | str, Json] = {
     206: {
         "description": "The part of the file that the header Range asks for",
         "headers": _FILE_HEADERS | _headers(Content_Range="Which part it is."),
-        "content": {
-            export.media_type.partition(";")[0]: {"schema": {"type": "string", "format": "binary"}}
-            for export in EXPORTS.values()
-        },
+        "content": dict(_content(export, part=True) for export in EXPORTS.values()),
     },
     304: {"description": "The client has the file already", "headers": _ETAG},
 }
