@@ -193,8 +193,10 @@ def _over_the_next(best: Candidate, second: Candidate) -> str:
         return f"{second.name} is the same shaper here"
     first, next_one = _rank(best), _rank(second)
     if first[0] < next_one[0]:
-        share = second.end_s / best.end_s - 1
-        return f"the next, {second.name}, takes {second.end_s:.4g} s, {percent(share)} more"
+        takes = f"the next, {second.name}, takes {second.end_s:.4g} s"
+        if best.end_s == 0:  # a single step serves, and no share of its time is more
+            return takes
+        return f"{takes}, {percent(second.end_s / best.end_s - 1)} more"
     if first[1] < next_one[1]:
         return f"{second.name} takes as long, but is insensitive over a narrower band"
     if first[2] < next_one[2]:

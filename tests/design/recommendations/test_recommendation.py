@@ -55,6 +55,13 @@ def test_specified_insensitivity_is_as_fast_as_any_positive_shaper_up_to_its_gap
     assert found.recommended.duration_s <= best.duration_s
 
 
+def test_where_a_step_alone_serves_nothing_is_a_share_of_its_time() -> None:
+    damped = Mode(natural_frequency_rad_s=6.0, damping_ratio=0.02)
+    found = asked(damped, tolerance=np.nextafter(1.0, 0.0))
+    assert found.recommended.end_s == 0.0
+    assert found.why[1] == f"the next, si, takes {found.candidates[1].end_s:.4g} s"
+
+
 def test_behind_the_asymmetric_drive_of_the_thesis_its_own_shapers_win() -> None:
     found = asked(actuator=THESIS, half_width=0.12)
     told = everything(found)
