@@ -32,9 +32,19 @@ async def _answer_refusal(request: Request, error: HTTPException) -> Response:
         404: (NOT_FOUND, f"there is no {request.url.path}"),
         405: (METHOD_NOT_ALLOWED, f"{request.url.path} does not take {request.method}"),
     }
+    headers = dict(error.headers or {})
+    if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED and (methods := _methods_of(request)):
+        headers["Allow"] = methods
     refused = ProblemKind("refused", HTTPStatus(error.status_code), 1, "The request was refused")
     kind, detail = known.get(error.status_code, (refused, str(error)))
-    return await _answer_problem(request, ProblemError(Problem(kind, detail), error.headers))
+    return await _answer_problem(request, ProblemError(Problem(kind, detail), headers))
+
+
+def _methods_of(request: Request) -> str:
+    """Return the documented methods of the path; the framework names those of one route alone."""
+    path = getattr(request.scope.get("route"), "path", "")
+    item = request.app.openapi()["paths"].get(path, {})
+    return ", ".join(method.upper() for method in sorted(item))
 
 
 def problem_response(problem: Problem, request_id: str | None) -> Response:

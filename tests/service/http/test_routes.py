@@ -126,6 +126,8 @@ def test_what_there_is_not_is_a_problem_too() -> None:
     wrong = service.ask("GET", "/v1/designs")
     require_problem(wrong, 405, "method-not-allowed", "/v1/designs does not take GET")
     assert wrong.headers["allow"] == "POST"
+    file = service.ask("POST", "/assets/swagger-ui/swagger-ui.css")
+    require_problem(file, 405, "method-not-allowed", "does not take POST")
 
 
 @pytest.mark.parametrize("path", ["/docs", "/openapi.json", "/assets/swagger-ui/swagger-ui.css"])

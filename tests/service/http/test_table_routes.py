@@ -82,6 +82,18 @@ def test_a_table_that_is_none_is_not_found(
     require_problem(missing, 404, "not-found", "there is no table job")
 
 
+@pytest.mark.parametrize(
+    ("path", "methods"), [("/v1/tables", "GET, POST"), (f"/v1/tables/{ID}", "DELETE, GET")]
+)
+def test_a_path_of_several_routes_names_the_methods_of_all(
+    service: InProcess, path: str, methods: str
+) -> None:
+    for method in ("PUT", "OPTIONS"):
+        refused = service.ask(method, path)
+        require_problem(refused, 405, "method-not-allowed", f"does not take {method}")
+        assert refused.headers["allow"] == methods
+
+
 @pytest.mark.parametrize(("method", "path"), [("POST", "/v1/tables"), *EVERY_ROUTE])
 def test_a_store_that_does_not_answer_is_told_by_every_route(
     service: InProcess, jobs: MemoryJobs, method: str, path: str
