@@ -1,7 +1,7 @@
 """The OpenAPI document: what the framework says of the routes, made fit for client generators."""
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any
 
 from fastapi import FastAPI
@@ -119,17 +119,13 @@ def _finish_schema(schema: Json, document: Json) -> None:
     Client generators drop a route whose schema has an object as a default. What stands in its place
     is for people: the service fills it in.
     """
-    for field in _fields(schema):
+    for field in schema.get("properties", {}).values():
         default = field.get("default")
         if isinstance(default, dict | list):
             del field["default"]
             field["description"] = f"{_described(field, document)} {_words_of(default)}"
         elif "const" in field:
             field.setdefault("description", f"Always {field['const']}.")
-
-
-def _fields(schema: Json) -> Iterator[Json]:
-    yield from schema.get("properties", {}).values()
 
 
 def _described(field: Json, document: Json) -> str:

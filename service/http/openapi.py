@@ -52,6 +52,11 @@ TABLE_TEXTS = _TEXTS | {
 """What a status says of a request about tables."""
 
 
+def reference_to(model: type[BaseModel]) -> Json:
+    """Return where `finish_document` puts a model."""
+    return {"$ref": SCHEMAS.format(model=model.__name__)}
+
+
 _HEADERS: dict[int, Json] = {
     416: {
         "headers": {
@@ -87,7 +92,7 @@ def problems(texts: Mapping[int, str], *codes: int) -> dict[int | str, Json]:
     dict of int or str to dict
         A response of OpenAPI by status.
     """
-    content = {"application/problem+json": {"schema": _reference(ProblemDocument)}}
+    content = {"application/problem+json": {"schema": reference_to(ProblemDocument)}}
     return {
         code: {"description": texts[code], "content": content, **_HEADERS.get(code, {})}
         for code in codes
@@ -109,7 +114,7 @@ def body_of(model: type[BaseModel], media_type: str) -> Json:
     dict
         A request body of OpenAPI, by a reference that `finish_document` fulfils.
     """
-    return {"required": True, "content": {media_type: {"schema": _reference(model)}}}
+    return {"required": True, "content": {media_type: {"schema": reference_to(model)}}}
 
 
 def lines_of(media_types: Sequence[str], *models: type[BaseModel]) -> Json:
@@ -128,8 +133,13 @@ def lines_of(media_types: Sequence[str], *models: type[BaseModel]) -> Json:
         A media type of OpenAPI by name. OpenAPI 3.1 has no word for lines: they are a string.
     """
     names = " or a ".join(model.__name__ for model in models)
-    lines = {"oneOf": [_reference(model) for model in models]}
-    schema = {"type": "string", "description": f"Each line is a {names}.", "x-lines": lines}
+    lines = {"oneOf": [reference_to(model) for model in models]}
+    schema = {
+        "type": "string",
+        "pattern": "[^\\r\\n]",  # one line at least
+        "description": f"Each line is a {names}.",
+        "x-lines": lines,
+    }
     return {media_type: {"schema": schema} for media_type in media_types}
 
 
@@ -155,7 +165,3 @@ def serve_docs(app: FastAPI) -> None:
             swagger_css_url=f"{ASSETS}/swagger-ui.css",
             swagger_favicon_url=f"{ASSETS}/favicon.png",
         )
-
-
-def _reference(model: type[BaseModel]) -> Json:
-    return {"$ref": SCHEMAS.format(model=model.__name__)}

@@ -6,17 +6,19 @@ from fastapi import Path
 
 from design.export.kind import Export
 from design.export.registry import EXPORTS
-
-Json = dict[str, Any]
+from schemas.tables import TableJob
+from service.http.openapi import Json, reference_to
 
 KEY_HEADER = "Idempotency-Key"
+
+ID_FORM = "^[0-9a-f]{32}$"
 
 JobId = Annotated[
     str,
     Path(
         description="Id of the table job.",
         examples=["0123456789abcdef0123456789abcdef"],
-        json_schema_extra={"pattern": "^[0-9a-f]{32}$"},  # not `pattern`: another id is a 404
+        json_schema_extra={"pattern": ID_FORM},  # not `pattern`: another id is a 404
     ),
 ]
 
@@ -56,6 +58,20 @@ BEGUN: dict[int | str, Json] = {
     }
 }
 
+EVENT = {
+    "type": "object",
+    "properties": {
+        "event": {"enum": ["progress", "done", "failed", "cancelled", "gone"]},
+        "data": {
+            "type": "string",
+            "contentMediaType": "application/json",
+            "contentSchema": reference_to(TableJob),
+        },
+    },
+    "required": ["event", "data"],
+}
+"""One event, parsed. OpenAPI 3.1 has no place for it: there a stream is a string."""
+
 EVENTS: dict[int | str, Json] = {
     200: {
         "description": "An event `progress` for each change, then one with the name of the "
@@ -64,6 +80,7 @@ EVENTS: dict[int | str, Json] = {
         "content": {
             "text/event-stream": {
                 "schema": {"type": "string"},
+                "x-events": EVENT,
                 "example": 'event: progress\ndata: {"id": "0123456789abcdef0123456789abcdef", ...}'
                 "\n\n",
             }
