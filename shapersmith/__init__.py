@@ -20,6 +20,7 @@ from shapersmith.name_clash import import_own_packages
 import_own_packages()
 
 if TYPE_CHECKING:
+    from shapersmith.client import Client
     from shapersmith.errors import (
         InfeasibleDesignError,
         InvalidInputError,
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
         ShapersmithError,
         SolverFailedError,
         TimeLimitError,
+        UnreachableError,
     )
     from shapersmith.given import (
         AngleSwing,
@@ -91,12 +93,13 @@ else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-HOMES = ("errors", "given", "results", "here")
+HOMES = ("errors", "given", "results", "here", "client")
 """Modules of the public names; none of them imports a solver."""
 
 __all__ = [
     "AngleSwing",
     "Axis",
+    "Client",
     "DampingBand",
     "DampingRange",
     "DeflectionSwing",
@@ -132,6 +135,7 @@ __all__ = [
     "SpringMass",
     "StepCommand",
     "TimeLimitError",
+    "UnreachableError",
     "design",
     "field_map",
     "fit",

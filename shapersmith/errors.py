@@ -6,13 +6,22 @@ ShapersmithError
 ├── SolverFailedError      a solver gave up, or its answer did not verify
 ├── TimeLimitError         the work ran past its time
 └── ServiceError           the service is overloaded, refuses the request, or has a fault
+    └── UnreachableError   it gave no answer at all
 """
 
+from http import HTTPStatus
 from typing import NoReturn
 
 from schemas.problems import FieldFault, ProblemDocument
 from schemas.trace import TraceStepOut
-from service.problems import INFEASIBLE, INVALID, NOT_JSON, SOLVER_FAILED, TIME_LIMIT
+from service.problems import (
+    INFEASIBLE,
+    INVALID,
+    NOT_JSON,
+    SOLVER_FAILED,
+    TIME_LIMIT,
+    ProblemKind,
+)
 
 
 class ShapersmithError(Exception):
@@ -77,12 +86,24 @@ class ServiceError(ShapersmithError):
     """The service is overloaded, refuses the request, or has a fault."""
 
 
+class UnreachableError(ServiceError):
+    """The service gave no answer."""
+
+
+UNREACHABLE = ProblemKind(
+    "unreachable", HTTPStatus.SERVICE_UNAVAILABLE, 1, "The service does not answer"
+)
+STRANGE_ANSWER = ProblemKind(
+    "strange-answer", HTTPStatus.BAD_GATEWAY, 1, "The answer cannot be read"
+)
+
 CLASS_OF: dict[str, type[ShapersmithError]] = {
     INVALID.name: InvalidInputError,
     NOT_JSON.name: InvalidInputError,
     INFEASIBLE.name: InfeasibleDesignError,
     SOLVER_FAILED.name: SolverFailedError,
     TIME_LIMIT.name: TimeLimitError,
+    UNREACHABLE.name: UnreachableError,
 }
 """Classes by the name of the problem; any other is a `ServiceError`."""
 
