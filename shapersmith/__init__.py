@@ -55,6 +55,7 @@ if TYPE_CHECKING:
         SensitivityRange,
         SpringMass,
         StepCommand,
+        TableAxis,
         shaper,
     )
     from shapersmith.here import (
@@ -75,6 +76,7 @@ if TYPE_CHECKING:
         Sensitivity,
         Simulation,
     )
+    from shapersmith.tables import table
 
     __version__: str
 else:
@@ -93,8 +95,8 @@ else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
-HOMES = ("errors", "given", "results", "here", "client")
-"""Modules of the public names; none of them imports a solver."""
+HOMES = ("errors", "given", "results", "here", "client", "tables")
+"""Modules of the public names, in the order in which one is looked for."""
 
 __all__ = [
     "AngleSwing",
@@ -134,6 +136,7 @@ __all__ = [
     "SolverFailedError",
     "SpringMass",
     "StepCommand",
+    "TableAxis",
     "TimeLimitError",
     "UnreachableError",
     "design",
@@ -144,6 +147,7 @@ __all__ = [
     "sensitivity",
     "shaper",
     "simulate",
+    "table",
 ]
 
 

@@ -23,6 +23,7 @@ from schemas import (
     recommendations,
     sensitivity_curves,
     simulations,
+    tables,
 )
 from schemas.base import Wire
 from schemas.shaper_request import ShaperRequest
@@ -207,6 +208,10 @@ class ListCommand(Given, simulations.ListCommand):
 
 class Axis(Given, maps.AxisIn):
     """One field of a map and its values: a range, or `values`."""
+
+
+class TableAxis(Given, tables.TableAxis):
+    """One field of a table and its values: a range with its `points`, or `values`."""
 
 
 class Move(Given, maps.MoveIn):

@@ -17,12 +17,22 @@ from schemas.maps import MapResponse
 from schemas.recommendations import RecommendationResponse
 from schemas.sensitivity import SensitivityResponse
 from schemas.simulations import SimulationResponse
+from schemas.tables import TableJob
 from service.operations.table import load
+from service.problems import SOLVER_FAILED, Problem
+from shapersmith.errors import raise_problem
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from service.cli.rendering import Response
+
+
+def require_done(job: TableJob) -> TableJob:
+    """Return a table job that is done; of any other, raise its problem."""
+    if job.state != "done":
+        raise_problem(Problem(SOLVER_FAILED, job.reason or f"the table is {job.state}").document())
+    return job
 
 
 class Result(Wire):

@@ -79,14 +79,14 @@ def test_no_answer_is_an_error_of_its_own() -> None:
 
 
 @contextmanager
-def stranger(status: int, body: bytes) -> Iterator[str]:
-    """Serve one answer that is none of shapersmith, and yield the address."""
+def stranger(status: int, body: bytes, missing: int = 0) -> Iterator[str]:
+    """Serve one answer that is none of shapersmith, or breaks off, and yield the address."""
 
     class Answering(BaseHTTPRequestHandler):
         def do_POST(self) -> None:
             self.rfile.read(int(self.headers["content-length"]))
             self.send_response(status)
-            self.send_header("content-length", str(len(body)))
+            self.send_header("content-length", str(len(body) + missing))
             self.end_headers()
             self.wfile.write(body)
 
@@ -110,3 +110,12 @@ def test_what_is_no_answer_of_shapersmith_is_said(status: int, body: bytes) -> N
     ):
         shapersmith.Client(address).design(**CRANE)
     assert caught.value.code == "strange_answer"
+
+
+@pytest.mark.parametrize("status", [200, 502])
+def test_an_answer_that_breaks_off_is_none(status: int) -> None:
+    with (
+        stranger(status, b"{}", missing=1) as address,
+        pytest.raises(shapersmith.UnreachableError, match="IncompleteRead"),
+    ):
+        shapersmith.Client(address).design(**CRANE)
