@@ -52,7 +52,9 @@ class Given(Wire):
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401
-    """Return an array as a list and a number of NumPy as Python's own; all else as it is."""
+    """Return arrays and tuples as lists, numbers of NumPy as Python's own; all else as it is."""
+    if isinstance(value, tuple):
+        return list(value)
     return value.tolist() if hasattr(value, "tolist") else value
 
 

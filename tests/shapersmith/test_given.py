@@ -107,6 +107,11 @@ def test_several_modes_are_sent_without_their_kinds() -> None:
     }
 
 
+def test_a_tuple_is_a_list() -> None:
+    steps = shapersmith.Impulses(times_s=(0, 0.9), amplitudes=(0.5, 0.5))  # type: ignore[arg-type]
+    assert steps == shapersmith.Impulses(times_s=[0, 0.9], amplitudes=[0.5, 0.5])
+
+
 def test_a_drive_behind_limits_keeps_what_follows_them() -> None:
     drive = shapersmith.RateLimited(
         accel_limit_m_s2=0.3,
