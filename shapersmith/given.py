@@ -1,7 +1,7 @@
 """What is given: the wire models, with their `kind` filled in and their faults as our errors."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Literal, NoReturn, Self
 
 from pydantic import (
@@ -44,11 +44,19 @@ class Given(Wire):
     @classmethod
     def _validate(cls, values: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:  # noqa: ANN401
         if isinstance(values, dict):
-            values = {name: _plain(value) for name, value in values.items()}
+            fields = cls.model_fields
+            kind = {"kind": fields["kind"].default} if "kind" in fields else {}
+            values = kind | {name: _plain(value) for name, value in values.items()}
         try:
             return handler(values)
         except ValidationError as error:
-            _refuse(error, values)
+            _refuse(error, values, cls._validate_json)
+
+    @classmethod
+    def _validate_json(cls, body: str) -> object:
+        """Validate JSON by the model of the wire that this one is made from."""
+        wire: type[Wire] = cls.__bases__[1]
+        return wire.model_validate_json(body, by_alias=True, by_name=True)
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401
@@ -58,9 +66,20 @@ def _plain(value: Any) -> Any:  # noqa: ANN401
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def _refuse(error: ValidationError, values: object) -> NoReturn:
-    body = json.dumps(values, default=repr)
+def _refuse(
+    error: ValidationError, values: object, validate_json: Callable[[str], object]
+) -> NoReturn:
+    """Raise the error in the words of HTTP, which are those for JSON."""
+    body = json.dumps(values, default=_unpacked_or_named)
+    try:
+        validate_json(body)
+    except ValidationError as error_of_json:
+        error = error_of_json
     raise_problem(problem_of_validation(error, body).document())
+
+
+def _unpacked_or_named(value: object) -> object:
+    return _unpacked(value) if isinstance(value, Wire) else repr(value)
 
 
 def as_json(value: object) -> bytes:
@@ -252,4 +271,4 @@ def shaper(kind: str, **parameters: object) -> ShaperRequest:
     try:
         return _SHAPER.validate_python(values)
     except ValidationError as error:
-        _refuse(error, values)
+        _refuse(error, values, _SHAPER.validate_json)

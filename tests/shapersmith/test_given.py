@@ -69,6 +69,37 @@ def test_a_value_is_refused_in_the_words_of_http(field: str, value: object) -> N
     assert caught.value.code == problem.code
 
 
+DRIVE = {**CRANE["actuator"], "kind": "second_order"}
+
+
+@pytest.mark.parametrize(
+    ("model", "changed"),
+    [
+        (shapersmith.SecondOrder, {"decel": 5}),
+        (shapersmith.SecondOrder, {"decel": {"damping_ratio": "0.8"}}),
+        (shapersmith.RateLimited, {"then": {"kind": "none"}}),
+        (shapersmith.RateLimited, {"then": [1]}),
+    ],
+)
+def test_a_value_of_another_type_is_refused_in_the_words_of_http(
+    model: type[Wire], changed: dict[str, Any]
+) -> None:
+    limited = {"accel_limit_m_s2": 0.3, "decel_limit_m_s2": 0.4, "speed_m_s": 1.0}
+    values = {**(limited if model is shapersmith.RateLimited else DRIVE), **changed}
+    values["kind"] = model.model_fields["kind"].default
+    problem = respond("design", json.dumps({**CRANE, "actuator": values}).encode())
+    assert isinstance(problem, Problem)
+    with pytest.raises(shapersmith.InvalidInputError) as caught:
+        model(**values)
+    told = [(f"/actuator{one.pointer}", one.code, one.detail) for one in caught.value.errors]
+    assert told == [(one.pointer, one.code, one.detail) for one in problem.errors]
+
+
+def test_what_json_cannot_hold_is_refused_by_its_name() -> None:
+    with pytest.raises(shapersmith.InvalidInputError, match=r"/cable_length_m: .*<object object"):
+        shapersmith.Pendulum(cable_length_m=object())  # type: ignore[arg-type]
+
+
 def test_a_missing_field_is_named() -> None:
     with pytest.raises(shapersmith.InvalidInputError, match=r"^/cable_length_m: Field required$"):
         shapersmith.Pendulum()  # type: ignore[call-arg]
