@@ -14,6 +14,7 @@ from schemas.actuators import ActuatorIn
 from schemas.base import Wire
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
+from schemas.varied import Varied
 from schemas.warnings import WarningOut, Warnings
 
 FIELDS: dict[str, PlantField] = {
@@ -26,7 +27,7 @@ FIELDS: dict[str, PlantField] = {
 """Fields that can be fitted over, as JSON pointers into the request."""
 
 
-class FitIn(Wire):
+class FitIn(Varied):
     """Over which field to fit, and how well."""
 
     over: Annotated[

@@ -12,6 +12,7 @@ from design.model.plants.pendulum import STANDARD_GRAVITY_M_S2, Pendulum
 from design.model.plants.scheduled import Scheduled
 from design.model.plants.spring_mass import SpringMass
 from schemas.base import PlantDamping, Positive, Wire, WireOf, name_field
+from schemas.varied import Varied
 
 
 class BareMode(WireOf[Mode]):
@@ -75,7 +76,7 @@ class SpringMassIn(WireOf[SpringMass]):
     damping_ratio: PlantDamping = 0.0
 
 
-class ScheduledIn(Wire):
+class ScheduledIn(Varied):
     """A plant with one field anywhere in a range; its value in `plant` is not used."""
 
     kind: Literal["scheduled"]

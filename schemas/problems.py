@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, Strict
 
 from schemas.base import Wire, leave_out_none
 from schemas.trace import TraceStepOut
@@ -34,7 +34,7 @@ class ProblemDocument(Wire):
         ),
     ]
     detail: str
-    errors: tuple[FieldFault, ...] = ()
+    errors: Annotated[tuple[FieldFault, ...], Strict(strict=False)] = ()
     request_id: str | None = None
     trace: Annotated[
         list[TraceStepOut] | None,
