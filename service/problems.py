@@ -27,6 +27,7 @@ from schemas.trace import TraceStepOut
 from schemas.units import other_names
 from service.plain_words import echo, refusal
 from service.repeated_names import RepeatedNameError
+from service.unreadable_json import why_unreadable
 
 
 @dataclass(frozen=True, slots=True)
@@ -273,7 +274,7 @@ def problem_of_validation(
     """
     faults = [fault for fault in error.errors(include_url=False) if fault["type"] != ECHO]
     if faults[0]["type"] == "json_invalid":
-        return Problem(NOT_JSON, faults[0]["msg"])
+        return Problem(NOT_JSON, why_unreadable(body, faults[0]["msg"]))
     parsed = json.loads(body)
     named = tuple(
         _fault(fault, pointer(fault["loc"], parsed), model) for fault in faults[:MAX_FAULTS]

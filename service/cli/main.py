@@ -97,7 +97,11 @@ def _parser() -> argparse.ArgumentParser:
     for operation, row in OPERATIONS.items():
         summary = f"{row.help} (POST {row.path})"
         command = commands.add_parser(row.command, help=summary, description=summary)
-        command.add_argument("request", metavar="REQUEST.json", help="the request; - reads stdin")
+        command.add_argument(
+            "request",
+            metavar="REQUEST",
+            help="the request, .json or .toml; - reads JSON from stdin",
+        )
         _add_format(command, PROGRAMS if operation == "design" else ())
         if row.drawn:
             if operation == "design":
@@ -181,19 +185,24 @@ def _table(options: argparse.Namespace) -> int:
     except CommandError as error:
         print(f"shapersmith: {error}", file=sys.stderr)  # noqa: T201
         return FAILED
-    return _tell(done, as_json=False) if isinstance(done, Problem) else done
+    return _tell(done, options, as_json=False) if isinstance(done, Problem) else done
 
 
 def _answer(options: argparse.Namespace) -> int:
     plot: Path | None = getattr(options, "plot", None)
-    body, read = _read(options.request)
+    content, read = _read(options.request)
     if plot is not None:
         _require_picture(plot, read)
 
     # --help must not wait for it
+    from service.cli.reading import ReadingError, read_request  # noqa: PLC0415
     from service.dispatch import respond  # noqa: PLC0415
     from service.problems import Problem  # noqa: PLC0415
 
+    try:
+        body = read_request(content, toml=options.request.lower().endswith(".toml"))
+    except ReadingError as error:
+        return _tell(error.problem, options, as_json=options.format == "json")
     operation = COMMANDS[options.command]
     if options.format in PROGRAMS:
         if plot is not None:
@@ -202,13 +211,13 @@ def _answer(options: argparse.Namespace) -> int:
 
         written = design_file(body, options.format)
         if isinstance(written, Problem):
-            return _tell(written, as_json=False)
+            return _tell(written, options, as_json=False)
         sys.stdout.write(written.decode())
         return OK
     asked = {"trace": True} if getattr(options, "trace", False) else {}
     response = respond(operation, body, asked)
     if isinstance(response, Problem):
-        return _tell(response, as_json=options.format == "json")
+        return _tell(response, options, as_json=options.format == "json")
     if plot is not None:
         from service.files import write_whole  # noqa: PLC0415
 
@@ -271,8 +280,11 @@ def _print(response: "Response", text_format: str | None) -> None:
     sys.stdout.flush()
 
 
-def _tell(problem: "Problem", *, as_json: bool) -> int:
-    line = f"shapersmith: {problem.kind.name}: {problem.detail}"
+def _tell(problem: "Problem", options: argparse.Namespace, *, as_json: bool) -> int:
+    file = (
+        f"{options.request} " if problem.kind.name == "not-json" and options.request != "-" else ""
+    )
+    line = f"shapersmith: {problem.kind.name}: {file}{problem.detail}"
     if as_json:
         line = problem.document().model_dump_json(exclude_none=True)
     print(line, file=sys.stderr)  # noqa: T201
