@@ -39,6 +39,16 @@ class UsageError(Exception):
     """The command line asks for what cannot be."""
 
 
+class _Version(argparse.Action):
+    """Print the version; it is looked up only then, for --help must not wait for it."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from service.version import version  # noqa: PLC0415
+
+        sys.stdout.write(f"shapersmith {version()}\n")
+        parser.exit()
+
+
 def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> int:
     """Run one command and return its exit status.
 
@@ -63,6 +73,7 @@ def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> i
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     options = _parser().parse_args(arguments)
     try:
+        _require_json_if_pretty(options)
         if options.command == "serve":
             return serve(options.host, options.port)
         if options.command == "shapers":
@@ -82,6 +93,11 @@ def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> i
         return FAILED
 
 
+def _require_json_if_pretty(options: argparse.Namespace) -> None:
+    if getattr(options, "pretty", False) and options.format not in {None, "json"}:
+        raise UsageError(f"--pretty goes with json, not with {options.format}")
+
+
 def _silence_stdout() -> None:
     """Keep Python from complaining once more when it flushes at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -93,6 +109,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Input shapers for flexible machines whose actuators are not ideal.",
         epilog=__doc__.partition("\n\n")[2] if __doc__ else None,
     )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for operation, row in OPERATIONS.items():
         summary = f"{row.help} (POST {row.path})"
@@ -122,6 +139,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_format(command: argparse.ArgumentParser, more: tuple[str, ...] = ()) -> None:
+    command.add_argument("--pretty", action="store_true", help="indent the JSON of the answer")
     programs = f"; {', '.join(PROGRAMS)}: the shaper as a program or a line of firmware"
     command.add_argument(
         "--format",
@@ -225,14 +243,14 @@ def _answer(options: argparse.Namespace) -> int:
         request = case.request.model_validate_json(body).model_copy(update=asked)
         if case.draw is not None:
             write_whole(plot, case.draw(request, PICTURES[plot.suffix]))
-    _print(response, options.format)  # type: ignore[arg-type]
+    _print(response, options)  # type: ignore[arg-type]
     return OK
 
 
 def _shapers(options: argparse.Namespace) -> int:
     from service.catalogue import shaper_catalogue  # noqa: PLC0415
 
-    _print(shaper_catalogue(), options.format)
+    _print(shaper_catalogue(), options)
     return OK
 
 
@@ -269,13 +287,14 @@ def _require_file(path: Path, read: os.stat_result, what: str) -> None:
         raise UsageError(f"cannot write {path}: the folder {path.parent} is read-only")
 
 
-def _print(response: "Response", text_format: str | None) -> None:
-    if text_format in {None, "json"}:
-        sys.stdout.write(response.model_dump_json(by_alias=True) + "\n")
+def _print(response: "Response", options: argparse.Namespace) -> None:
+    if options.format in {None, "json"}:
+        indent = 2 if options.pretty else None
+        sys.stdout.write(response.model_dump_json(by_alias=True, indent=indent) + "\n")
     else:
         from service.cli import rendering  # noqa: PLC0415 - it knows the answers of all commands
 
-        write = rendering.as_table if text_format == "table" else rendering.as_csv
+        write = rendering.as_table if options.format == "table" else rendering.as_csv
         sys.stdout.write(write(response))
     sys.stdout.flush()
 
