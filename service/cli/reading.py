@@ -179,7 +179,10 @@ def _lines(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
 
 
 def _from_csv(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
-    table = csv.reader(text.splitlines(), strict=True)
+    lines = text.splitlines()
+    separator = _separator(lines)
+    _refuse_mixed_decimals(name, separator, lines)
+    table = csv.reader(lines, strict=True, delimiter=separator)
     designs: list[tuple[int, dict[str, Any]]] = []
     header: list[str] = []
     try:
@@ -195,10 +198,32 @@ def _from_csv(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
                     code="cells_unlike_headings",
                 )
             else:
-                designs.append((number, _nest(name, number, header, cells)))
+                points = cells if separator == "," else [one.replace(",", ".") for one in cells]
+                designs.append((number, _nest(name, number, header, points)))
     except csv.Error as error:
         _refuse(f"{name} line {table.line_num}: {error}", code="line_not_csv")
     return designs
+
+
+def _separator(lines: list[str]) -> str:
+    """Return what separates cells: what the headings hold; pointers of numbers hold none."""
+    headings = next((line for line in lines if line.strip()), "")
+    return next((one for one in (";", "\t") if one in headings), ",")
+
+
+def _refuse_mixed_decimals(name: str, separator: str, lines: list[str]) -> None:
+    """Refuse points beside decimal commas: 1,234 may be either a little or a thousand."""
+    if separator == ",":
+        return
+    point, comma = (
+        next((number for number, line in enumerate(lines, start=1) if sign in line), None)
+        for sign in (".", ",")
+    )
+    if point is not None and comma is not None:
+        _refuse(
+            f"{name} line {max(point, comma)}: decimal commas and points in one list: take one",
+            code="decimals_mixed",
+        )
 
 
 def _header(name: str, number: int, cells: list[str]) -> list[str]:
