@@ -73,12 +73,13 @@ class FitIn(Varied):
         InvalidInputError
             If such a plant has no field of that name.
         """
-        in_list = self.over.startswith("/plant/modes/")
-        if self.over not in FIELDS or in_list != (plant_kind == "modes"):
+        in_list = plant_kind == "modes"
+        if self.over not in FIELDS or self.over.startswith("/plant/modes/") != in_list:
+            served = [one for one in FIELDS if one.startswith("/plant/modes/") == in_list]
             raise InvalidInputError(
                 "over",
                 self.over,
-                f"the pointer of a number in a plant of kind {plant_kind!r}",
+                f"one of {', '.join(served)}",
                 code="not_a_number_of_plant",
             )
         return FitRange(

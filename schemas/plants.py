@@ -109,7 +109,7 @@ class ScheduledIn(Varied):
             raise InvalidInputError(
                 "over",
                 self.over,
-                f"a field of {self.plant.kind}: {', '.join(fields)}",
+                f"one of {', '.join(fields)}",
                 code="field_not_scheduled",
             )
         with name_field("plant"):

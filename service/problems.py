@@ -27,6 +27,7 @@ from schemas.trace import TraceStepOut
 from schemas.units import other_names
 from service.plain_words import echo, refusal
 from service.repeated_names import RepeatedNameError
+from service.suggestions import meaning_of_choice
 from service.unreadable_json import why_unreadable
 
 
@@ -240,6 +241,8 @@ def problem_of_design(error: DesignError, body: bytes | str = b"null") -> Proble
     if isinstance(error, InvalidInputError):
         path = _as_given(error.path, json.loads(body))
         told = f"must be {error.rule}, got {echo(error.value)}"
+        if isinstance(error.value, str):
+            told += meaning_of_choice(error.value, error.rule)
         if path != error.path:
             told += f" in SI units ({error.path[-1]})"
         fault = FieldFault(pointer=_shorten(json_pointer(path)), code=error.code, detail=told)

@@ -48,6 +48,9 @@ FOREIGN_UNITS = (
 )
 """The longer ends first; feet, inches, pounds and standard gravity by their definitions."""
 
+CHOICE = "one of "
+"""How a rule begins that lists names."""
+
 CLOSE = 0.6
 """Share of letters that two names have in common at least, as difflib has it."""
 
@@ -74,15 +77,44 @@ def meaning_of_field(name: str, fields: Sequence[str]) -> str:
     >>> meaning_of_field("cable_lenght_mm", ["kind", "cable_length_m"])
     'did you mean cable_length_mm or cable_length_m?'
     """
+    near = _near(name, fields)
+    return near or f"the fields are {', '.join(fields)}"
+
+
+def meaning_of_choice(value: str, rule: str) -> str:
+    """Return what may have been meant by a field that is chosen by name.
+
+    Parameters
+    ----------
+    value, rule
+        Its name or path, and the rule that it breaks, ``one of`` some names or paths.
+
+    Returns
+    -------
+    str
+        The end of a sentence; empty where nothing is close, or the rule is another.
+
+    Examples
+    --------
+    >>> meaning_of_choice("/plant/cable_length_in", "one of cable_length_m, gravity_m_s2")
+    '; give cable_length_m, 39.3701 times smaller, or cable_length_mm, 25.4 times larger'
+    """
+    if not rule.startswith(CHOICE):
+        return ""
+    names = [one.rpartition("/")[2] for one in rule.removeprefix(CHOICE).split(", ")]
+    near = _near(value.rpartition("/")[2], list(dict.fromkeys(names)))
+    return f"; {near}" if near else ""
+
+
+def _near(name: str, fields: Sequence[str]) -> str:
+    """Return the names that are near, or those in other units; empty where none is."""
     known = [*fields, *(other for field in fields for other in other_names(field))]
     for end, si_end, in_si in FOREIGN_UNITS:
         field = name.removesuffix(end) + si_end
         if name.endswith(end) and field in fields and field != name:
             return f"give {_listed(_in_units(field, in_si), 'or')}"
     close = close_names(name, known)
-    if not close:
-        return f"the fields are {', '.join(fields)}"
-    return f"did you mean {_listed(close, 'or')}?"
+    return f"did you mean {_listed(close, 'or')}?" if close else ""
 
 
 def close_names(name: str, known: Iterable[str]) -> list[str]:

@@ -14,6 +14,7 @@ from pydantic_core.core_schema import ErrorType
 from schemas.units import other_names
 from service.catalogue import EXAMPLE_ACTUATORS, shaper_catalogue
 from service.dispatch import respond
+from service.jobs.plan import plan_table
 from service.operations.table import load
 from service.plain_words import RULES
 from service.problems import CODE_OF_TYPE, Problem
@@ -225,3 +226,42 @@ def test_the_document_shows_answers_as_they_are() -> None:
         inner[name] = json.loads(value) if value else 1
         (fault,) = refused("design", json.dumps(request).encode()).errors
         assert fault.detail.startswith(told)
+
+
+CENTIMETRES = "give cable_length_m, 100 times smaller, or cable_length_mm, 10 times larger"
+
+
+@pytest.mark.parametrize(
+    ("operation", "changed", "pointer"),
+    [
+        ("fit", {"fit": {**FIT, "over": "/plant/cable_length_cm"}}, "/fit/over"),
+        ("map", {"x": {**AXIS, "field": "/plant/cable_length_cm"}}, "/x/field"),
+        (
+            "design",
+            {
+                "plant": {
+                    "kind": "scheduled",
+                    "plant": CRANE["plant"],
+                    "over": "cable_length_cm",
+                    "from": 50,
+                    "to": 100,
+                }
+            },
+            "/plant/over",
+        ),
+    ],
+)
+def test_a_chosen_field_in_a_unit_that_is_not_read_is_answered_with_its_factor(
+    operation: str, changed: dict[str, Any], pointer: str
+) -> None:
+    (fault,) = refused(operation, json.dumps({**CRANE, **changed}).encode()).errors
+    assert fault.pointer == pointer
+    assert fault.detail.endswith(f"; {CENTIMETRES}")
+
+
+def test_an_axis_of_a_table_is_answered_as_other_fields_are() -> None:
+    design = {name: CRANE[name] for name in ("plant", "actuator", "shaper")}
+    axis = {"field": "/plant/cable_lenght_m", "values": [1.0]}
+    problem = plan_table(json.dumps({"design": design, "axes": [axis]}).encode())
+    assert isinstance(problem, Problem)
+    assert "did you mean cable_length_m or cable_length_mm?" in problem.detail
