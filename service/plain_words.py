@@ -8,7 +8,8 @@ from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
 from schemas.fields_at import expected_at, kinds_of
-from schemas.units import other_names
+from schemas.pointers import json_pointer
+from schemas.units import other_names, reading_of
 from service.suggestions import close_names, meaning_of_field
 
 MAX_ECHO_CHARACTERS = 80
@@ -101,9 +102,22 @@ def echo(value: object) -> str:
 
 
 def _meaning(where: tuple[int | str, ...], model: type[BaseModel]) -> str:
-    models = [one for one in expected_at(model, where[:-1]) if isinstance(one, type)]
-    fields = [name for one in models if issubclass(one, BaseModel) for name in _in_order(one)]
-    return meaning_of_field(str(where[-1]), fields)
+    name = str(where[-1])
+    fields = [one for inner in _models_at(model, where[:-1]) for one in _in_order(inner)]
+    reading = reading_of(name)
+    sought = name if reading is None else reading.name
+    places = [
+        json_pointer([outer, name])
+        for outer in _in_order(model)
+        if outer != where[0]
+        and any(sought in _in_order(inner) for inner in _models_at(model, (outer,)))
+    ]
+    return f"did you mean {_either(places)}?" if places else meaning_of_field(name, fields)
+
+
+def _models_at(model: type[BaseModel], where: tuple[int | str, ...]) -> list[type[BaseModel]]:
+    types = (one for one in expected_at(model, where) if isinstance(one, type))
+    return [one for one in types if issubclass(one, BaseModel)]
 
 
 def _in_order(model: type[BaseModel]) -> list[str]:

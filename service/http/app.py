@@ -70,7 +70,9 @@ def create_app(
     app = FastAPI(
         title="shapersmith",
         version=version(),
-        description="Input shapers for flexible machines whose actuators are not ideal.",
+        description="Input shapers for flexible machines whose actuators are not ideal. Fields are "
+        "in SI units; requests may give them in others by the ends of their names (_mm, _ms, _hz, "
+        "_deg), a natural_frequency_rad_s as period_s, and a damping_ratio as log_decrement.",
         lifespan=lifespan,
         docs_url=None,
         redoc_url=None,

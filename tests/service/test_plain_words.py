@@ -134,6 +134,7 @@ def test_an_unknown_kind_is_answered_with_every_kind() -> None:
         ("cable_lenght_m", "did you mean cable_length_m"),
         ("damping_ratio_percent", "give damping_ratio, 100 times smaller"),
         ("gravity_g", "give gravity_m_s2, 9.80665 times larger"),
+        ("natural_frequency_hz", "the fields are kind, cable_length_m"),  # of another kind of plant
         ("colour", "the fields are kind, cable_length_m, damping_ratio, gravity_m_s2"),
     ],
 )
@@ -141,6 +142,23 @@ def test_an_unknown_field_is_answered_with_what_may_be_meant(name: str, told: st
     (fault,) = refused("design", with_value(CRANE, ("plant", name), 1)).errors
     assert (fault.pointer, fault.code) == (f"/plant/{name}", "extra_forbidden")
     assert told in fault.detail
+
+
+@pytest.mark.parametrize(
+    ("path", "told"),
+    [
+        (("damping_ratio",), "did you mean /plant/damping_ratio?"),
+        (("cable_length_mm",), "did you mean /plant/cable_length_mm?"),
+        (("sample_time_s",), "did you mean /shaper/sample_time_s?"),
+        (("plant", "dead_time_ms"), "did you mean /actuator/dead_time_ms?"),
+        (("plant", "points"), "did you mean /sensitivity/points?"),
+    ],
+)
+def test_a_field_of_another_object_is_answered_with_its_place(
+    path: tuple[str, ...], told: str
+) -> None:
+    (fault,) = refused("design", with_value(CRANE, path, 1)).errors
+    assert fault.detail == f"is no field here; {told}"
 
 
 @pytest.mark.parametrize("unit", FOREIGN_UNITS, ids=lambda unit: f"{unit.end}{unit.si_end}")
