@@ -46,6 +46,10 @@ SI_ENDS = ("_per_s", "_rad_s", "_m_s3", "_m_s2", "_m_s", "_n_m", "_rad", "_m", "
 """The longer ends first: a speed in m/s is no time in s."""
 
 
+MAX_NAME_CHARACTERS = 64
+"""Characters of a name that may be one of a field: of what strangers send, no more is kept."""
+
+
 def frequency_of_period(period_s: float) -> float:
     """Return an angular frequency [rad/s]; 0, which none has, for 0."""
     return math.tau / period_s if period_s else 0.0
@@ -98,7 +102,6 @@ def _scaled(times: float, over: float, value: float) -> float:
     return value * times / over
 
 
-@lru_cache(maxsize=1024)
 def reading_of(name: str) -> Reading | None:
     """Return how a name is read.
 
@@ -112,6 +115,11 @@ def reading_of(name: str) -> Reading | None:
     >>> reading_of("cable_length_mm").name, reading_of("cable_length_mm").convert(800)
     ('cable_length_m', 0.8)
     """
+    return _reading_of(name) if len(name) <= MAX_NAME_CHARACTERS else None
+
+
+@lru_cache(maxsize=1024)
+def _reading_of(name: str) -> Reading | None:
     if name in STAND_INS:
         field, scale = STAND_INS[name]
         return Reading(field, scale, even=False)

@@ -17,7 +17,7 @@ from schemas.fits import FIELDS, FitIn
 from schemas.maps import AxisIn
 from schemas.plants import ModeIn, PlantIn, ScheduledIn
 from schemas.tables import TableAxis, TableRequest
-from schemas.units import STAND_INS, UNITS, other_names, reading_of
+from schemas.units import MAX_NAME_CHARACTERS, STAND_INS, UNITS, other_names, reading_of
 from service.dispatch import answer
 from service.operations.table import TABLE, load
 from tests.conftest import CRANE
@@ -169,7 +169,9 @@ def test_a_thousandth_is_the_same_number_as_its_decimals(millimetres: int) -> No
     assert reading.convert(millimetres) == float(f"{millimetres}e-3")
 
 
-@pytest.mark.parametrize("name", ["speed_m_ms", "rows_per_ms", "times_mm_h", "_mm", "hz", ""])
+@pytest.mark.parametrize(
+    "name", ["speed_m_ms", "rows_per_ms", "times_mm_h", "_mm", "hz", "", f"{'x' * 100}_mm"]
+)
 def test_a_name_that_ends_in_no_unit_is_not_read(name: str) -> None:
     assert reading_of(name) is None
 
@@ -265,6 +267,7 @@ def test_listed_designs_are_read_in_any_unit_and_kept_in_si() -> None:
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
 def test_no_name_of_a_field_is_a_unit_of_another(model: type[BaseModel]) -> None:
     names = wire_names(model)
+    assert max(map(len, names), default=0) < MAX_NAME_CHARACTERS - len("_mm_s3")
     for name in names:
         reading = reading_of(name)
         assert reading is None or reading.name not in names
