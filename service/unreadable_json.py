@@ -55,15 +55,18 @@ def why_unreadable(content: bytes | str, otherwise: str) -> str:
     """
     try:
         text = content if isinstance(content, str) else _decoded(content)
-        if not text.strip():
-            return "the text is empty: a JSON object is expected"
+    except ValueError as error:
+        return str(error)
+    if not text.strip():
+        return "the text is empty: a JSON object is expected"
+    try:
         json.loads(text)
     except json.JSONDecodeError as error:
         return _told(text, error)
     except RecursionError:
         return "lists or objects are nested too deep"
-    except ValueError as error:
-        return str(error)
+    except ValueError:
+        return "a whole number has more digits than are read"
     return otherwise
 
 

@@ -58,6 +58,7 @@ def test_a_cause_is_named_with_line_column_and_excerpt(right: str, wrong: str, t
         (TEXT.encode("utf-16"), "UTF-16"),
         (TEXT.encode("utf-16-be"), "UTF-16-BE"),
         (b'{\n"plant": "\xe9"}', "line 2, column 11: byte 0xe9 is no UTF-8"),
+        (b'{"plant": 1' + b"0" * 5000 + b"}", "a whole number has more digits than are read"),
         (b"[" * 100_000, "nested too deep"),
         (b'{"plant": "\\ud800"}', "hex escape"),
     ],
