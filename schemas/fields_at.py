@@ -6,13 +6,13 @@ from typing import Annotated, Any, Literal, get_args, get_origin
 from pydantic import BaseModel
 
 
-def expected_at(model: type[BaseModel], location: Sequence[int | str]) -> tuple[Any, ...]:
+def expected_at(model: Any, location: Sequence[int | str]) -> tuple[Any, ...]:  # noqa: ANN401
     """Return the types that are expected at a place.
 
     Parameters
     ----------
     model
-        Model of the request.
+        Model of the request, or a union of models.
     location
         Names, tags of unions and numbers of list items, as pydantic says them.
 
@@ -21,7 +21,7 @@ def expected_at(model: type[BaseModel], location: Sequence[int | str]) -> tuple[
     tuple
         Models or other types; empty where none is known.
     """
-    here: tuple[Any, ...] = (model,)
+    here = tuple(_types(model))
     for step in location:
         here = _inner(here, step)
     return here

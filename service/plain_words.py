@@ -50,7 +50,7 @@ WORDS = {True: "true", False: "false", None: "null"}
 NUMBER = re.compile(r"\s*[-+]?\d+([.,]\d+)?([eE][-+]?\d+)?\s*")
 
 
-def refusal(fault: ErrorDetails, model: type[BaseModel], given: str) -> str:
+def refusal(fault: ErrorDetails, model: Any, given: str) -> str:  # noqa: ANN401
     """Return what is wrong with a field, to be read after its name.
 
     Parameters
@@ -58,7 +58,7 @@ def refusal(fault: ErrorDetails, model: type[BaseModel], given: str) -> str:
     fault
         As pydantic says it.
     model
-        Model of the request.
+        Model of the request, or a union of models.
     given
         Name of the field as the request has it: in another unit, maybe.
 
@@ -101,21 +101,21 @@ def echo(value: object) -> str:
     return text if len(text) <= MAX_ECHO_CHARACTERS else f"{text[: MAX_ECHO_CHARACTERS - 3]}..."
 
 
-def _meaning(where: tuple[int | str, ...], model: type[BaseModel]) -> str:
+def _meaning(where: tuple[int | str, ...], model: Any) -> str:  # noqa: ANN401
     name = str(where[-1])
     fields = [one for inner in _models_at(model, where[:-1]) for one in _in_order(inner)]
     reading = reading_of(name)
     sought = name if reading is None else reading.name
     places = [
         json_pointer([outer, name])
-        for outer in _in_order(model)
+        for outer in dict.fromkeys(one for root in _models_at(model, ()) for one in _in_order(root))
         if outer != where[0]
         and any(sought in _in_order(inner) for inner in _models_at(model, (outer,)))
     ]
     return f"did you mean {_either(places)}?" if places else meaning_of_field(name, fields)
 
 
-def _models_at(model: type[BaseModel], where: tuple[int | str, ...]) -> list[type[BaseModel]]:
+def _models_at(model: Any, where: tuple[int | str, ...]) -> list[type[BaseModel]]:  # noqa: ANN401
     types = (one for one in expected_at(model, where) if isinstance(one, type))
     return [one for one in types if issubclass(one, BaseModel)]
 

@@ -7,7 +7,7 @@ from http import HTTPStatus
 from itertools import zip_longest
 from typing import Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from design.errors import (
@@ -257,7 +257,9 @@ def problem_of_design(error: DesignError, body: bytes | str = b"null") -> Proble
 
 
 def problem_of_validation(
-    error: ValidationError, body: bytes | str, model: type[BaseModel]
+    error: ValidationError,
+    body: bytes | str,
+    model: Any,  # noqa: ANN401
 ) -> Problem:
     """Translate what the wire models refused.
 
@@ -268,7 +270,7 @@ def problem_of_validation(
     body
         The text that the model was given.
     model
-        The model.
+        The model, or a union of models.
 
     Returns
     -------
@@ -362,7 +364,7 @@ def _as_given(path: Path, here: Any) -> Path:  # noqa: ANN401
     return tuple(parts)
 
 
-def _fault(fault: ErrorDetails, where: str, model: type[BaseModel]) -> FieldFault:
+def _fault(fault: ErrorDetails, where: str, model: Any) -> FieldFault:  # noqa: ANN401
     names = [name for name in path_of_pointer(where) if not name.isdecimal()]
     return FieldFault(
         pointer=_shorten(where),

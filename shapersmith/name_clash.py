@@ -13,7 +13,7 @@ OWN_PACKAGES = ("design", "schemas", "service")
 
 
 def import_own_packages() -> None:
-    """Import the three packages, so that later changes of `sys.path` cannot replace them.
+    """Import the three packages, so that `sys.path` may change later.
 
     Raises
     ------

@@ -10,10 +10,12 @@ import urllib.error
 import urllib.request
 from pathlib import Path
 
+from design.pictures.design_sheet import figure_bytes
 from schemas.design_request import DesignRequest
 from schemas.designs import DesignResponse
 from schemas.problems import ProblemDocument
 from service.catalogue import THESIS_CRANE
+from service.cli.main import PICTURES
 from service.cli.rendering import as_table
 from service.files import write_whole
 from service.operations.design_picture import design_picture
@@ -109,9 +111,10 @@ def _show(address: str, kind: str, folder: Path) -> None:
     )
     response = DesignResponse.model_validate_json(_ask(request))
     _say(f"{kind} for the thesis's crane:\n\n{as_table(response)}")
-    for image_format in ("png", "svg"):
-        picture = folder / f"{kind}.{image_format}"
-        write_whole(picture, design_picture(DesignRequest.model_validate_json(body), image_format))
+    figure = design_picture(DesignRequest.model_validate_json(body))
+    for suffix, image_format in PICTURES.items():
+        picture = folder / f"{kind}{suffix}"
+        write_whole(picture, figure_bytes(figure, image_format))
         _say(f"wrote {picture}")
 
 

@@ -9,7 +9,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from design.export.formats import FORMATS
 from service.operations.table import TABLE as OPERATIONS
@@ -32,7 +32,7 @@ PROGRAMS = tuple(name for name, row in FORMATS.items() if row.is_program)
 
 MAX_WORKERS = 1024
 
-PICTURES = {".png": "png", ".svg": "svg"}
+PICTURES: dict[str, Literal["png", "svg"]] = {".png": "png", ".svg": "svg"}
 
 
 class UsageError(Exception):
@@ -237,12 +237,13 @@ def _answer(options: argparse.Namespace) -> int:
     if isinstance(response, Problem):
         return _tell(response, options, as_json=options.format == "json")
     if plot is not None:
+        from design.pictures.design_sheet import figure_bytes  # noqa: PLC0415
         from service.files import write_whole  # noqa: PLC0415
 
         case = load(operation)
         request = case.request.model_validate_json(body).model_copy(update=asked)
         if case.draw is not None:
-            write_whole(plot, case.draw(request, PICTURES[plot.suffix]))
+            write_whole(plot, figure_bytes(case.draw(request), PICTURES[plot.suffix]))
     _print(response, options)  # type: ignore[arg-type]
     return OK
 

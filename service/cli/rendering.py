@@ -1,6 +1,7 @@
 """Answers as text for people and spreadsheets."""
 
 import csv
+import html
 import io
 from collections.abc import Iterable, Sequence
 
@@ -31,6 +32,12 @@ Response = (
 )
 
 
+MAX_HTML_ROWS = 20
+"""Rows of a table in a notebook; a longer one is cut."""
+
+HTML_DIGITS = 6
+
+
 def as_csv(response: Response) -> str:
     """Return the table of an answer as CSV, floats in full."""
     out = io.StringIO()
@@ -50,6 +57,20 @@ def as_table(response: Response) -> str:
         for row in cells
     ]
     return "\n".join([*lines, *_findings(response)]) + "\n"
+
+
+def as_html(response: Response) -> str:
+    """Return an answer as a small table of HTML with its findings below."""
+    head, *rows = _rows(response)
+    shown = rows if len(rows) <= MAX_HTML_ROWS else [*rows[: MAX_HTML_ROWS - 1], ["…"]]
+    lines = [_html_row("th", head), *(_html_row("td", row) for row in shown)]
+    found = html.escape("\n".join(_findings(response)).strip())
+    return f"<table>{''.join(lines)}</table><pre>{found}</pre>"
+
+
+def _html_row(tag: str, row: Iterable[object]) -> str:
+    cells = (f"<{tag}>{html.escape(_cell(value, HTML_DIGITS))}</{tag}>" for value in row)
+    return f"<tr>{''.join(cells)}</tr>"
 
 
 def _cell(value: object, digits: int) -> str:

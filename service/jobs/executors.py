@@ -5,7 +5,7 @@ import re
 import signal
 import threading
 from collections.abc import Callable
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import cast
 
@@ -98,6 +98,12 @@ def processes(workers: int) -> Started:
             process.kill()  # in the middle of a chunk, which is computed anew
 
     return Started(pool, workers + 1, end, fault)
+
+
+def thread() -> Started:
+    """Return a thread, for a caller that may start no processes."""
+    pool = ThreadPoolExecutor(1)
+    return Started(pool, 1, lambda: pool.shutdown(wait=False, cancel_futures=True), str)
 
 
 def fault_of(code: int | None) -> str:

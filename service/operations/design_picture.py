@@ -1,27 +1,28 @@
 """One design as a picture."""
 
-from typing import Literal
+from typing import TYPE_CHECKING
 
 from design.analysis.sensitivity import SensitivityRange, sensitivity
 from design.analysis.worst_mode import worst_of
 from schemas.design_request import DesignRequest
 from service.operations.requested_design import requested_design
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-def design_picture(request: DesignRequest, image_format: Literal["png", "svg"]) -> bytes:
+
+def design_picture(request: DesignRequest) -> "Figure":
     """Draw one design, or the search for it where its trace is asked for.
 
     Parameters
     ----------
     request
         The plant, the actuator and the shaper.
-    image_format
-        Format of the picture.
 
     Returns
     -------
-    bytes
-        The picture.
+    Figure
+        The sheet of the design, or of its search.
 
     Raises
     ------
@@ -34,15 +35,14 @@ def design_picture(request: DesignRequest, image_format: Literal["png", "svg"]) 
     TimeLimitError
         If a solver ran past its time.
     """
-    from design.pictures.design_sheet import design_sheet, figure_bytes  # noqa: PLC0415 - matplotlib takes a second
+    from design.pictures.design_sheet import design_sheet  # noqa: PLC0415 - matplotlib takes a second
     from design.pictures.trace_sheet import trace_sheet  # noqa: PLC0415
 
     done = requested_design(request)
     if request.trace:
-        return figure_bytes(trace_sheet(request.shaper.kind, done.trace), image_format)
+        return trace_sheet(request.shaper.kind, done.trace)
     modes, actuator, curves = done.plant.modes, request.actuator.to_design(), done.curves
     if not curves:
         usual = SensitivityRange()
         curves = [sensitivity(done.design.impulses, mode, actuator, usual) for mode in modes]
-    sheet = design_sheet(request.shaper.kind, modes, actuator, done.design, worst_of(curves))
-    return figure_bytes(sheet, image_format)
+    return design_sheet(request.shaper.kind, modes, actuator, done.design, worst_of(curves))

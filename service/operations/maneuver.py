@@ -1,6 +1,6 @@
 """A whole move from rest to rest."""
 
-from typing import Literal
+from typing import TYPE_CHECKING
 
 from design.analysis.claims_found import zeros_of
 from design.model.actuators.registry import Actuator
@@ -13,6 +13,9 @@ from schemas.samples import continuous_options
 from service.operations.operation import Operation
 from service.operations.subject import subject_of
 from service.version import version
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 NO_MOVE_ON_SAMPLES = (
     "a move's distance is met exactly by times between the samples; the field beside shaper gives "
@@ -38,20 +41,18 @@ def whole_move(request: ManeuverRequest) -> ManeuverResponse:
     return ManeuverResponse.from_design(request.shaper.kind, move, played, version())
 
 
-def move_picture(request: ManeuverRequest, image_format: Literal["png", "svg"]) -> bytes:
+def move_picture(request: ManeuverRequest) -> "Figure":
     """Draw the move that `whole_move` designs.
 
     Parameters
     ----------
     request
         The plant, the actuator, the shaper and how far.
-    image_format
-        Format of the picture.
 
     Returns
     -------
-    bytes
-        The picture.
+    Figure
+        Command, velocity and payload.
 
     Raises
     ------
@@ -62,11 +63,10 @@ def move_picture(request: ManeuverRequest, image_format: Literal["png", "svg"]) 
     SolverFailedError
         If no move found was verified.
     """
-    from design.pictures.design_sheet import figure_bytes  # noqa: PLC0415 - matplotlib takes a second
-    from design.pictures.move_sheet import move_sheet  # noqa: PLC0415
+    from design.pictures.move_sheet import move_sheet  # noqa: PLC0415 - matplotlib takes a second
 
     plant, actuator, move = _move_of(request)
-    return figure_bytes(move_sheet(request.shaper.kind, plant.mode, actuator, move), image_format)
+    return move_sheet(request.shaper.kind, plant.mode, actuator, move)
 
 
 def _move_of(request: ManeuverRequest) -> tuple[Plant, Actuator, Maneuver]:

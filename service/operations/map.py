@@ -1,6 +1,6 @@
 """What a shaper does, or is, over one or two fields."""
 
-from typing import Literal
+from typing import TYPE_CHECKING
 
 from design.analysis.warnings import sum_warnings
 from design.fields import Axis
@@ -12,6 +12,9 @@ from schemas.maps import MapRequest, MapResponse
 from service.operations.found_shaper import found_shaper
 from service.operations.operation import Operation
 from service.operations.subject import subject_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def map_over_fields(request: MapRequest) -> MapResponse:
@@ -41,20 +44,18 @@ def map_over_fields(request: MapRequest) -> MapResponse:
     return MapResponse.from_design(request, x, y, found, warnings)
 
 
-def map_picture(request: MapRequest, image_format: Literal["png", "svg"]) -> bytes:
+def map_picture(request: MapRequest) -> "Figure":
     """Draw the map that `map_over_fields` returns.
 
     Parameters
     ----------
     request
         The plant, the actuator, the shaper, the quantity and one or two fields.
-    image_format
-        Format of the picture.
 
     Returns
     -------
-    bytes
-        The picture.
+    Figure
+        The map, or the curve where there is one axis.
 
     Raises
     ------
@@ -65,11 +66,10 @@ def map_picture(request: MapRequest, image_format: Literal["png", "svg"]) -> byt
     SolverFailedError
         If such a shaper was found and not verified.
     """
-    from design.pictures.design_sheet import figure_bytes  # noqa: PLC0415
-    from design.pictures.map_sheet import map_sheet  # noqa: PLC0415
+    from design.pictures.map_sheet import map_sheet  # noqa: PLC0415 - matplotlib takes a second
 
     case, x, y, found = _make_map(request)
-    return figure_bytes(map_sheet(case, x, y, found), image_format)
+    return map_sheet(case, x, y, found)
 
 
 def _make_map(request: MapRequest) -> tuple[MapCase, Axis, Axis | None, Map]:

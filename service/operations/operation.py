@@ -2,11 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel
 
 from schemas.base import Wire
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -22,10 +25,10 @@ class Operation:
     run
         From the one to the other.
     draw
-        From a request and ``png`` or ``svg`` to a picture of the answer; None without one.
+        From a request to a figure of the answer; None without one.
     """
 
     request: type[Wire]
     response: type[Wire]
     run: Callable[[Any], BaseModel]
-    draw: Callable[[Any, Any], bytes] | None = None
+    draw: "Callable[[Any], Figure] | None" = None

@@ -107,3 +107,19 @@ def test_the_residual_over_the_sample_time_is_printed_and_drawn(tmp_path: Path) 
     # The peers' figures of a longer sample: one split swings alike, and is not of unity magnitude.
     assert left["umzv", "split"] == [0.0] * 4
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_shapers_of_a_changing_cable_are_printed_and_a_move_is_drawn(tmp_path: Path) -> None:
+    picture = tmp_path / "move.png"
+    done = subprocess.run(
+        [sys.executable, EXAMPLES[6], picture], capture_output=True, text=True, check=True
+    )
+    *table, refusal = done.stdout.splitlines()
+    rows = {name: [float(one) for one in told] for name, *told in map(str.split, table[2:])}
+    assert len(rows) == 4
+    assert [row[0] for row in rows.values()] == sorted(row[0] for row in rows.values())
+    assert max(max(row[1:]) for row in rows.values()) <= 5.0
+    assert rows["umzvd"][3] == 2.45  # as the README says of the thesis's crane
+    assert rows["numzvd"][3] == 0.0
+    assert refusal.startswith("within 0.5 s: none of ")
+    assert picture.read_bytes().startswith(b"\x89PNG")

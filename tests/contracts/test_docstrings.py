@@ -20,7 +20,7 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 def documented_files() -> Iterator[str]:
     """Yield the public modules as paths from the root."""
-    for package in ("design", "schemas", "service"):
+    for package in ("design", "schemas", "service", "shapersmith"):
         for path in sorted((ROOT / package).rglob("*.py")):
             if not path.stem.startswith("_") or path.stem == "__init__":
                 yield path.relative_to(ROOT).as_posix()
