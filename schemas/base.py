@@ -3,13 +3,13 @@
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from typing import Annotated, Any, ClassVar, Generic, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from design.checks import MAX_VALUE
 from design.errors import InvalidInputError
-from design.model.plants.mode import MAX_DAMPING_RATIO
 
 
 class Wire(BaseModel):
@@ -17,25 +17,35 @@ class Wire(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _read_units(cls, given: Any) -> Any:  # noqa: ANN401 - any JSON
+        """Read fields that are not in SI units."""
+        if isinstance(given, dict) and not given.keys() <= wire_names(cls):
+            from schemas.units import in_si  # noqa: PLC0415 - most requests use no other units
+
+            return in_si(given, wire_names(cls))
+        return given
+
     def canonical(self) -> str:
         """Return the canonical JSON: one line, keys sorted, with defaults."""
         told = self.model_dump(mode="json", by_alias=True, exclude_none=True)
         return json.dumps(told, sort_keys=True, separators=(",", ":"))
 
 
+@cache
+def wire_names(model: type[BaseModel]) -> frozenset[str]:
+    """Return the names of a model's fields on the wire."""
+    return frozenset(field.alias or name for name, field in model.model_fields.items())
+
+
 Record = TypeVar("Record")
 
 
 class WireOf(Wire, Generic[Record]):
-    """The wire form of a record of the mathematics, whose fields are its own except `kind`.
+    """The wire form of a record of the mathematics, whose fields are its own except `kind`."""
 
-    Attributes
-    ----------
-    RECORD
-        Class of the record.
-    """
-
-    RECORD: ClassVar[type[Any]]
+    RECORD: ClassVar[type[Any]]  # Class of the record
 
     def to_design(self) -> Record:
         """Build the design record; a fault has the path of its field."""
@@ -74,9 +84,6 @@ def leave_out_none(description: str) -> Any:  # noqa: ANN401 - as pydantic's own
 
 Positive = Annotated[float, Field(gt=0, le=MAX_VALUE)]
 Version = Annotated[str, Field(description="Version of shapersmith that answered.")]
-PlantDamping = Annotated[
-    float, Field(ge=0, le=MAX_DAMPING_RATIO, description="Share of critical damping [-].")
-]
 
 
 @contextmanager

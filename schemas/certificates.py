@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, Strict
 
 from design.analysis.certificate import Certificate, Claim
 from schemas.base import Wire, leave_out_none
@@ -19,7 +19,7 @@ class ClaimOut(Wire):
         leave_out_none("Number of the plant's mode, from 0; left out for the first mode."),
     ]
     band: Annotated[
-        tuple[float, float] | None,
+        Annotated[tuple[float, float], Strict(strict=False)] | None,
         leave_out_none(
             "For band: its ends, as ratios of the mode's frequency; otherwise left out."
         ),

@@ -1,11 +1,16 @@
-"""Wire form of a curve over the damping ratio."""
+"""Wire form of a damping ratio, and of a curve over it."""
 
 from typing import Annotated
 
 from pydantic import Field
 
 from design.analysis.damping_curve import MAX_CURVE_POINTS, DampingRange
-from schemas.base import PlantDamping, Wire
+from design.model.plants.mode import MAX_DAMPING_RATIO
+from schemas.base import Wire
+
+PlantDamping = Annotated[
+    float, Field(ge=0, le=MAX_DAMPING_RATIO, description="Share of critical damping [-].")
+]
 
 
 class DampingIn(Wire):

@@ -14,6 +14,7 @@ from schemas.actuators import ActuatorIn
 from schemas.base import Wire
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
+from schemas.varied import Varied
 from schemas.warnings import WarningOut, Warnings
 
 FIELDS: dict[str, PlantField] = {
@@ -26,7 +27,7 @@ FIELDS: dict[str, PlantField] = {
 """Fields that can be fitted over, as JSON pointers into the request."""
 
 
-class FitIn(Wire):
+class FitIn(Varied):
     """Over which field to fit, and how well."""
 
     over: Annotated[
@@ -72,12 +73,13 @@ class FitIn(Wire):
         InvalidInputError
             If such a plant has no field of that name.
         """
-        in_list = self.over.startswith("/plant/modes/")
-        if self.over not in FIELDS or in_list != (plant_kind == "modes"):
+        in_list = plant_kind == "modes"
+        if self.over not in FIELDS or self.over.startswith("/plant/modes/") != in_list:
+            served = [one for one in FIELDS if one.startswith("/plant/modes/") == in_list]
             raise InvalidInputError(
                 "over",
                 self.over,
-                f"the pointer of a number in a plant of kind {plant_kind!r}",
+                f"one of {', '.join(served)}",
                 code="not_a_number_of_plant",
             )
         return FitRange(

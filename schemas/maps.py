@@ -22,6 +22,7 @@ from schemas.plants import PlantIn
 from schemas.pointers import path_of
 from schemas.samples import continuous_options
 from schemas.shapers import ShaperIn
+from schemas.varied import Varied
 from schemas.warnings import WarningOut, Warnings
 
 MAX_MAP_AXIS_POINTS = 2000
@@ -34,7 +35,7 @@ NOT_ON_SAMPLES = (
 """Why a shaper that is designed in every cell, or for a move, takes no sample time."""
 
 
-class AxisIn(Wire):
+class AxisIn(Varied):
     """One field and its values: ``from``, ``to`` and ``points``, or ``values``."""
 
     field: Annotated[

@@ -11,7 +11,9 @@ from design.model.plants.modes import MAX_MODES, Modes
 from design.model.plants.pendulum import STANDARD_GRAVITY_M_S2, Pendulum
 from design.model.plants.scheduled import Scheduled
 from design.model.plants.spring_mass import SpringMass
-from schemas.base import PlantDamping, Positive, Wire, WireOf, name_field
+from schemas.base import Positive, Wire, WireOf, name_field
+from schemas.damping import PlantDamping
+from schemas.varied import Varied
 
 
 class BareMode(WireOf[Mode]):
@@ -75,7 +77,7 @@ class SpringMassIn(WireOf[SpringMass]):
     damping_ratio: PlantDamping = 0.0
 
 
-class ScheduledIn(Wire):
+class ScheduledIn(Varied):
     """A plant with one field anywhere in a range; its value in `plant` is not used."""
 
     kind: Literal["scheduled"]
@@ -111,7 +113,7 @@ class ScheduledIn(Wire):
             raise InvalidInputError(
                 "over",
                 self.over,
-                f"a field of {self.plant.kind}: {', '.join(fields)}",
+                f"one of {', '.join(fields)}",
                 code="field_not_scheduled",
             )
         with name_field("plant"):

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, Strict
 
 from schemas.base import Wire, leave_out_none
 from schemas.trace import TraceStepOut
@@ -35,7 +35,9 @@ class ProblemDocument(Wire):
     ]
     detail: Annotated[str, Field(description="What went wrong, in words with figures.")]
     errors: Annotated[
-        tuple[FieldFault, ...], Field(description="Fields that break their rules, 20 at most.")
+        tuple[FieldFault, ...],
+        Strict(strict=False),
+        Field(description="Fields that break their rules, 20 at most."),
     ] = ()
     request_id: Annotated[
         str | None, Field(description="Id of the request, as in the header X-Request-Id.")

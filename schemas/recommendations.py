@@ -19,7 +19,8 @@ from design.recommendations.requirements import (
     Sign,
 )
 from schemas.actuators import ActuatorIn
-from schemas.base import PlantDamping, Positive, Version, Wire, leave_out_none
+from schemas.base import Positive, Version, Wire, leave_out_none
+from schemas.damping import PlantDamping
 from schemas.impulses import ImpulsesWire
 from schemas.insensitivity import InsensitivityOut
 from schemas.plants import BareMode, PlantIn

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, ValidationError
+from pydantic import AfterValidator, Field, ValidationError
 
 from design.curve_fit.fit_range import plants_at_ends
 from design.errors import InvalidInputError
@@ -32,6 +32,8 @@ from schemas.plants import PlantIn
 from schemas.pointers import path_of
 from schemas.samples import grid_of, refuse_samples
 from schemas.shapers import ShaperIn
+from schemas.units import all_in_si
+from schemas.varied import Varied
 
 MAX_TABLE_AXIS_POINTS = 10_000_000
 """Points of one axis; its values are held in memory."""
@@ -87,7 +89,7 @@ class TableDesign(Wire):
         )
 
 
-class TableAxis(Wire):
+class TableAxis(Varied):
     """One field and its values: ``from``, ``to`` and ``points``, or ``values``."""
 
     field: Annotated[
@@ -172,6 +174,7 @@ class TableRequest(Wire):
     ] = None
     designs: Annotated[
         list[dict[str, Any]] | None,
+        AfterValidator(all_in_si),
         Field(description="In place of axes: objects that are each merged over design."),
     ] = None
     designs_file: Annotated[

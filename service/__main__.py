@@ -20,6 +20,7 @@ def serve_with_settings(host: str, port: int) -> int:
 
     from service.http.server import PortTakenError, serve  # noqa: PLC0415
     from service.jobs.database import StoreError  # noqa: PLC0415
+    from service.plain_words import refusal  # noqa: PLC0415
     from service.settings import PREFIX, Settings  # noqa: PLC0415
 
     if not 0 <= port <= 65535:  # noqa: PLR2004 - the range of a port
@@ -29,7 +30,7 @@ def serve_with_settings(host: str, port: int) -> int:
     except ValidationError as error:
         fault = error.errors()[0]
         name = f"{PREFIX}{'_'.join(map(str, fault['loc'])).upper()}"
-        raise UsageError(f"{name}: {fault['msg']}, got {fault['input']!r}") from None
+        raise UsageError(f"{name}: {refusal(fault, Settings, name)}") from None
     try:
         serve(settings, host=host, port=port)
     except (PortTakenError, StoreError) as error:

@@ -69,7 +69,7 @@ def respond(
     try:
         request = case.request.model_validate_json(body)
     except ValidationError as error:
-        return problem_of_validation(error, body)
+        return problem_of_validation(error, body, case.request)
     try:
         loads(body)  # every name stands once
     except RepeatedNameError as error:
@@ -77,4 +77,4 @@ def respond(
     try:
         return case.run(request.model_copy(update=asked) if asked else request)
     except DesignError as error:
-        return problem_of_design(error)
+        return problem_of_design(error, body)

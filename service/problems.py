@@ -14,15 +14,21 @@ from design.errors import (
     DesignError,
     InfeasibleDesignError,
     InvalidInputError,
+    Path,
     SolverFailedError,
     TimeLimitError,
     path_of,
 )
 from design.trace import TraceStep
 from schemas.pointers import json_pointer
+from schemas.pointers import path_of as path_of_pointer
 from schemas.problems import FieldFault, ProblemDocument
 from schemas.trace import TraceStepOut
+from schemas.units import other_names
+from service.plain_words import echo, refusal
 from service.repeated_names import RepeatedNameError
+from service.suggestions import meaning_of_choice
+from service.unreadable_json import why_unreadable
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,11 +125,8 @@ CODE_OF_TYPE = {
 """Codes of what the wire models refuse, by pydantic's type of fault: those that would be several
 for one meaning. Any other, as ``missing`` and ``extra_forbidden``, is its own code."""
 
-MAX_TEXT_CHARACTERS = 300
-"""Characters of a pointer or a rule that an answer repeats."""
-
-MAX_ECHO_CHARACTERS = 80
-"""Characters of a refused value that a message repeats."""
+MAX_POINTER_CHARACTERS = 300
+"""Characters of a pointer that an answer repeats."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,18 +219,33 @@ def invalid_fields(detail: str, faults: tuple[FieldFault, ...]) -> Problem:
     return Problem(INVALID, detail, faults, code=codes.pop() if len(codes) == 1 else None)
 
 
-def problem_of_design(error: DesignError) -> Problem:
-    """Translate an error of the mathematics."""
+def problem_of_design(error: DesignError, body: bytes | str = b"null") -> Problem:
+    """Translate an error of the mathematics.
+
+    Parameters
+    ----------
+    error
+        The error.
+    body
+        The request as JSON, whose fields may be in other units than those of the mathematics.
+
+    Returns
+    -------
+    Problem
+        With the fields at fault as the request names them.
+    """
     if isinstance(error, InvalidInputError) and " " in error.name:
         # No field of the request: what a format finds in a row, made by the request as a whole.
-        told = f"{error.name}: must be {error.rule}, got {_echo(error.value)}"
+        told = f"{error.name}: must be {error.rule}, got {echo(error.value)}"
         return invalid_fields(told, (FieldFault(pointer="", code=error.code, detail=told),))
     if isinstance(error, InvalidInputError):
-        fault = FieldFault(
-            pointer=_shorten(json_pointer(error.path)),
-            code=error.code,
-            detail=f"must be {error.rule}, got {_echo(error.value)}",
-        )
+        path = _as_given(error.path, json.loads(body))
+        told = f"must be {error.rule}, got {echo(error.value)}"
+        if isinstance(error.value, str):
+            told += meaning_of_choice(error.value, error.rule)
+        if path != error.path:
+            told += f" in SI units ({error.path[-1]})"
+        fault = FieldFault(pointer=_shorten(json_pointer(path)), code=error.code, detail=told)
         return invalid_fields(_sentence(fault), (fault,))
     faults: tuple[FieldFault, ...] = ()
     if isinstance(error, InfeasibleDesignError):
@@ -238,7 +256,11 @@ def problem_of_design(error: DesignError) -> Problem:
     return Problem(KIND_OF[type(error)], str(error), faults, code=error.code, trace=error.trace)
 
 
-def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
+def problem_of_validation(
+    error: ValidationError,
+    body: bytes | str,
+    model: Any,  # noqa: ANN401
+) -> Problem:
     """Translate what the wire models refused.
 
     Parameters
@@ -247,6 +269,8 @@ def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
         The error of the model.
     body
         The text that the model was given.
+    model
+        The model, or a union of models.
 
     Returns
     -------
@@ -255,15 +279,10 @@ def problem_of_validation(error: ValidationError, body: bytes | str) -> Problem:
     """
     faults = [fault for fault in error.errors(include_url=False) if fault["type"] != ECHO]
     if faults[0]["type"] == "json_invalid":
-        return Problem(NOT_JSON, faults[0]["msg"])
+        return Problem(NOT_JSON, why_unreadable(body, faults[0]["msg"]))
     parsed = json.loads(body)
     named = tuple(
-        FieldFault(
-            pointer=_shorten(pointer(fault["loc"], parsed)),
-            code=CODE_OF_TYPE.get(fault["type"], fault["type"]),
-            detail=_shorten(_refusal(fault)),
-        )
-        for fault in faults[:MAX_FAULTS]
+        _fault(fault, pointer(fault["loc"], parsed), model) for fault in faults[:MAX_FAULTS]
     )
     told = "; ".join(map(_sentence, named))
     if len(faults) > MAX_FAULTS:
@@ -303,7 +322,8 @@ def pointer(location: tuple[int | str, ...], body: Any) -> str:  # noqa: ANN401 
     """
     parts: list[str] = []
     here = body
-    for step, after in zip_longest(location, location[1:]):
+    for said, after in zip_longest(location, location[1:]):
+        step = _name_given(said, here)
         if isinstance(here, dict) and here.get("kind") == step:
             # A field may have the name of the tag: a list is not entered by a name.
             entered = isinstance(after, str) and not isinstance(here.get(step), dict)
@@ -322,10 +342,35 @@ def pointer(location: tuple[int | str, ...], body: Any) -> str:  # noqa: ANN401 
     return json_pointer(parts)
 
 
-def _refusal(fault: ErrorDetails) -> str:
-    if fault["type"] in {"missing", "extra_forbidden"}:
-        return str(fault["msg"])
-    return f"{fault['msg']}, got {_echo(fault['input'])}"
+def _name_given(name: int | str, here: Any) -> int | str:  # noqa: ANN401 - any JSON
+    """Return the name by which an object has a field: in another unit, maybe."""
+    if not isinstance(here, dict) or not isinstance(name, str) or name in here:
+        return name
+    return next((other for other in other_names(name) if other in here), name)
+
+
+def _as_given(path: Path, here: Any) -> Path:  # noqa: ANN401
+    """Return a path with the names by which the request has its fields."""
+    parts: list[str] = []
+    for name in path:
+        given = str(_name_given(name, here))
+        parts.append(given)
+        if isinstance(here, dict):
+            here = here.get(given)
+        elif isinstance(here, list) and name.isdecimal() and int(name) < len(here):
+            here = here[int(name)]
+        else:
+            here = None
+    return tuple(parts)
+
+
+def _fault(fault: ErrorDetails, where: str, model: Any) -> FieldFault:  # noqa: ANN401
+    names = [name for name in path_of_pointer(where) if not name.isdecimal()]
+    return FieldFault(
+        pointer=_shorten(where),
+        code=CODE_OF_TYPE.get(fault["type"], fault["type"]),
+        detail=refusal(fault, model, names[-1] if names else ""),
+    )
 
 
 def _sentence(fault: FieldFault) -> str:
@@ -333,9 +378,5 @@ def _sentence(fault: FieldFault) -> str:
 
 
 def _shorten(text: str) -> str:
-    return text if len(text) <= MAX_TEXT_CHARACTERS else f"{text[: MAX_TEXT_CHARACTERS - 3]}..."
-
-
-def _echo(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= MAX_ECHO_CHARACTERS else f"{text[: MAX_ECHO_CHARACTERS - 3]}..."
+    most = MAX_POINTER_CHARACTERS
+    return text if len(text) <= most else f"{text[: most - 3]}..."

@@ -50,7 +50,7 @@ class Given(Wire):
         try:
             return handler(values)
         except ValidationError as error:
-            _refuse(error, values, cls._validate_json)
+            _refuse(error, values, cls._validate_json, cls.__bases__[1])
 
     @classmethod
     def _validate_json(cls, body: str) -> object:
@@ -67,7 +67,10 @@ def _plain(value: Any) -> Any:  # noqa: ANN401
 
 
 def _refuse(
-    error: ValidationError, values: object, validate_json: Callable[[str], object]
+    error: ValidationError,
+    values: object,
+    validate_json: Callable[[str], object],
+    model: Any,  # noqa: ANN401 - a model, or a union of them
 ) -> NoReturn:
     """Raise the error in the words of HTTP, which are those for JSON."""
     body = json.dumps(values, default=_unpacked_or_named)
@@ -75,7 +78,7 @@ def _refuse(
         validate_json(body)
     except ValidationError as error_of_json:
         error = error_of_json
-    raise_problem(problem_of_validation(error, body).document())
+    raise_problem(problem_of_validation(error, body, model).document())
 
 
 def _unpacked_or_named(value: object) -> object:
@@ -104,8 +107,8 @@ class Mode(Given, plants.ModeIn):
     Mode(natural_frequency_rad_s=3.5, damping_ratio=0.0, kind='mode')
     >>> Mode(natural_frequency_rad_s=-3.5)
     Traceback (most recent call last):
-    shapersmith.errors.InvalidInputError: /natural_frequency_rad_s: Input should be greater than 0, got -3.5
-    """  # noqa: E501 - as it is printed
+    shapersmith.errors.InvalidInputError: /natural_frequency_rad_s: must be greater than 0, got -3.5
+    """
 
     kind: Literal["mode"] = "mode"
 
@@ -271,4 +274,4 @@ def shaper(kind: str, **parameters: object) -> ShaperRequest:
     try:
         return _SHAPER.validate_python(values)
     except ValidationError as error:
-        _refuse(error, values, _SHAPER.validate_json)
+        _refuse(error, values, _SHAPER.validate_json, ShaperIn)

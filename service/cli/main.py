@@ -39,6 +39,16 @@ class UsageError(Exception):
     """The command line asks for what cannot be."""
 
 
+class _Version(argparse.Action):
+    """Print the version; it is looked up only then, for --help must not wait for it."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        from service.version import version  # noqa: PLC0415
+
+        sys.stdout.write(f"shapersmith {version()}\n")
+        parser.exit()
+
+
 def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> int:
     """Run one command and return its exit status.
 
@@ -63,6 +73,7 @@ def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> i
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     options = _parser().parse_args(arguments)
     try:
+        _require_json_if_pretty(options)
         if options.command == "serve":
             return serve(options.host, options.port)
         if options.command == "shapers":
@@ -82,6 +93,11 @@ def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> i
         return FAILED
 
 
+def _require_json_if_pretty(options: argparse.Namespace) -> None:
+    if getattr(options, "pretty", False) and options.format not in {None, "json"}:
+        raise UsageError(f"--pretty goes with json, not with {options.format}")
+
+
 def _silence_stdout() -> None:
     """Keep Python from complaining once more when it flushes at exit."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -93,11 +109,16 @@ def _parser() -> argparse.ArgumentParser:
         description="Input shapers for flexible machines whose actuators are not ideal.",
         epilog=__doc__.partition("\n\n")[2] if __doc__ else None,
     )
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for operation, row in OPERATIONS.items():
         summary = f"{row.help} (POST {row.path})"
         command = commands.add_parser(row.command, help=summary, description=summary)
-        command.add_argument("request", metavar="REQUEST.json", help="the request; - reads stdin")
+        command.add_argument(
+            "request",
+            metavar="REQUEST",
+            help="the request, .json or .toml; - reads JSON from stdin",
+        )
         _add_format(command, PROGRAMS if operation == "design" else ())
         if row.drawn:
             if operation == "design":
@@ -118,6 +139,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_format(command: argparse.ArgumentParser, more: tuple[str, ...] = ()) -> None:
+    command.add_argument("--pretty", action="store_true", help="indent the JSON of the answer")
     programs = f"; {', '.join(PROGRAMS)}: the shaper as a program or a line of firmware"
     command.add_argument(
         "--format",
@@ -181,19 +203,24 @@ def _table(options: argparse.Namespace) -> int:
     except CommandError as error:
         print(f"shapersmith: {error}", file=sys.stderr)  # noqa: T201
         return FAILED
-    return _tell(done, as_json=False) if isinstance(done, Problem) else done
+    return _tell(done, options, as_json=False) if isinstance(done, Problem) else done
 
 
 def _answer(options: argparse.Namespace) -> int:
     plot: Path | None = getattr(options, "plot", None)
-    body, read = _read(options.request)
+    content, read = _read(options.request)
     if plot is not None:
         _require_picture(plot, read)
 
     # --help must not wait for it
+    from service.cli.reading import ReadingError, read_request  # noqa: PLC0415
     from service.dispatch import respond  # noqa: PLC0415
     from service.problems import Problem  # noqa: PLC0415
 
+    try:
+        body = read_request(content, toml=options.request.lower().endswith(".toml"))
+    except ReadingError as error:
+        return _tell(error.problem, options, as_json=options.format == "json")
     operation = COMMANDS[options.command]
     if options.format in PROGRAMS:
         if plot is not None:
@@ -202,13 +229,13 @@ def _answer(options: argparse.Namespace) -> int:
 
         written = design_file(body, options.format)
         if isinstance(written, Problem):
-            return _tell(written, as_json=False)
+            return _tell(written, options, as_json=False)
         sys.stdout.write(written.decode())
         return OK
     asked = {"trace": True} if getattr(options, "trace", False) else {}
     response = respond(operation, body, asked)
     if isinstance(response, Problem):
-        return _tell(response, as_json=options.format == "json")
+        return _tell(response, options, as_json=options.format == "json")
     if plot is not None:
         from design.pictures.design_sheet import figure_bytes  # noqa: PLC0415
         from service.files import write_whole  # noqa: PLC0415
@@ -217,14 +244,14 @@ def _answer(options: argparse.Namespace) -> int:
         request = case.request.model_validate_json(body).model_copy(update=asked)
         if case.draw is not None:
             write_whole(plot, figure_bytes(case.draw(request), PICTURES[plot.suffix]))
-    _print(response, options.format)  # type: ignore[arg-type]
+    _print(response, options)  # type: ignore[arg-type]
     return OK
 
 
 def _shapers(options: argparse.Namespace) -> int:
     from service.catalogue import shaper_catalogue  # noqa: PLC0415
 
-    _print(shaper_catalogue(), options.format)
+    _print(shaper_catalogue(), options)
     return OK
 
 
@@ -261,19 +288,23 @@ def _require_file(path: Path, read: os.stat_result, what: str) -> None:
         raise UsageError(f"cannot write {path}: the folder {path.parent} is read-only")
 
 
-def _print(response: "Response", text_format: str | None) -> None:
-    if text_format in {None, "json"}:
-        sys.stdout.write(response.model_dump_json(by_alias=True) + "\n")
+def _print(response: "Response", options: argparse.Namespace) -> None:
+    if options.format in {None, "json"}:
+        indent = 2 if options.pretty else None
+        sys.stdout.write(response.model_dump_json(by_alias=True, indent=indent) + "\n")
     else:
         from service.cli import rendering  # noqa: PLC0415 - it knows the answers of all commands
 
-        write = rendering.as_table if text_format == "table" else rendering.as_csv
+        write = rendering.as_table if options.format == "table" else rendering.as_csv
         sys.stdout.write(write(response))
     sys.stdout.flush()
 
 
-def _tell(problem: "Problem", *, as_json: bool) -> int:
-    line = f"shapersmith: {problem.kind.name}: {problem.detail}"
+def _tell(problem: "Problem", options: argparse.Namespace, *, as_json: bool) -> int:
+    file = (
+        f"{options.request} " if problem.kind.name == "not-json" and options.request != "-" else ""
+    )
+    line = f"shapersmith: {problem.kind.name}: {file}{problem.detail}"
     if as_json:
         line = problem.document().model_dump_json(exclude_none=True)
     print(line, file=sys.stderr)  # noqa: T201

@@ -15,6 +15,7 @@ from schemas.problems import FieldFault
 from service.problems import NOT_JSON, Problem, invalid_fields, problem_of_repetition
 from service.repeated_names import RepeatedNameError
 from service.strict_json import loads
+from service.unreadable_json import why_unreadable
 
 LISTED = re.compile(r"/designs/(\d+)(/.*)?\Z")
 
@@ -87,21 +88,15 @@ def read_source(content: bytes, *, toml: bool, folder: Path) -> Source:
     ReadingError
         If a file is missing, or a line of it is bad: says which.
     """
-    try:
-        text = content.decode()
-        body = tomllib.loads(text) if toml else loads(text)
-    except RepeatedNameError as error:
-        raise ReadingError(problem_of_repetition(error)) from None
-    except ValueError as error:
-        raise ReadingError(Problem(NOT_JSON, str(error))) from None
+    body = _value_of(content, toml=toml)
     name = body.get("designs_file") if isinstance(body, dict) else None
     if not isinstance(name, str):
         return Source(json.dumps(body, default=str).encode())
     if "designs" in body:
         _refuse("designs_file and designs: give one of them", code="designs_said_twice")
     try:
-        with (folder / name).open(encoding="utf-8-sig") as file:
-            listed, read = file.read(), os.fstat(file.fileno())
+        with (folder / name).open("rb") as file:
+            listed, read = in_utf8(file.read()).decode(), os.fstat(file.fileno())
     except OSError as error:
         _refuse(f"cannot read {name}: {error.strerror}", code="file_not_readable")
     except UnicodeDecodeError as error:
@@ -111,6 +106,52 @@ def read_source(content: bytes, *, toml: bool, folder: Path) -> Source:
     body["designs"] = [design for _, design in designs]
     lines = [line for line, _ in designs]
     return Source(json.dumps(body, default=str).encode(), name, read, lines)
+
+
+def read_request(content: bytes, *, toml: bool) -> bytes:
+    """Return a request as JSON in UTF-8.
+
+    Parameters
+    ----------
+    content
+        JSON or TOML, in UTF-8 or, with or without a byte order mark, in UTF-16 or UTF-32.
+    toml
+        Whether it is TOML.
+
+    Returns
+    -------
+    bytes
+        JSON as it is: whoever reads it finds its faults.
+
+    Raises
+    ------
+    ReadingError
+        If it is no TOML.
+    """
+    if not toml:
+        return in_utf8(content)
+    return json.dumps(_value_of(content, toml=True), default=str).encode()
+
+
+def in_utf8(content: bytes) -> bytes:
+    """Return a text in UTF-8 without a mark; as it is where it cannot be read."""
+    encoding = json.detect_encoding(content)
+    try:
+        return content if encoding == "utf-8" else content.decode(encoding).encode()
+    except UnicodeDecodeError:
+        return content
+
+
+def _value_of(content: bytes, *, toml: bool) -> Any:  # noqa: ANN401
+    text = in_utf8(content)
+    try:
+        return tomllib.loads(text.decode()) if toml else loads(text)
+    except RepeatedNameError as error:
+        raise ReadingError(problem_of_repetition(error)) from None
+    except (ValueError, RecursionError) as error:
+        told = str(error) if toml else why_unreadable(text, str(error))
+        problem = Problem(NOT_JSON, f"no TOML: {told}" if toml else told)
+        raise ReadingError(problem) from None
 
 
 def _refuse(detail: str, code: str) -> NoReturn:
@@ -126,7 +167,8 @@ def _lines(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
         try:
             design = loads(line)
         except ValueError as error:
-            _refuse(f"{name} line {number}: {error}", code="line_not_json")
+            told = why_unreadable(line, str(error)).removeprefix("line 1, ")
+            _refuse(f"{name} line {number}: {told}", code="line_not_json")
         if not isinstance(design, dict):
             _refuse(
                 f"{name} line {number}: must be a JSON object, got {line[:80]}",
@@ -137,7 +179,10 @@ def _lines(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
 
 
 def _from_csv(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
-    table = csv.reader(text.splitlines(), strict=True)
+    lines = text.splitlines()
+    separator = _separator(lines)
+    _refuse_mixed_decimals(name, separator, lines)
+    table = csv.reader(lines, strict=True, delimiter=separator)
     designs: list[tuple[int, dict[str, Any]]] = []
     header: list[str] = []
     try:
@@ -153,10 +198,32 @@ def _from_csv(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
                     code="cells_unlike_headings",
                 )
             else:
-                designs.append((number, _nest(name, number, header, cells)))
+                points = cells if separator == "," else [one.replace(",", ".") for one in cells]
+                designs.append((number, _nest(name, number, header, points)))
     except csv.Error as error:
         _refuse(f"{name} line {table.line_num}: {error}", code="line_not_csv")
     return designs
+
+
+def _separator(lines: list[str]) -> str:
+    """Return what separates cells: what the headings hold; pointers of numbers hold none."""
+    headings = next((line for line in lines if line.strip()), "")
+    return next((one for one in (";", "\t") if one in headings), ",")
+
+
+def _refuse_mixed_decimals(name: str, separator: str, lines: list[str]) -> None:
+    """Refuse points beside decimal commas: 1,234 may be either a little or a thousand."""
+    if separator == ",":
+        return
+    point, comma = (
+        next((number for number, line in enumerate(lines, start=1) if sign in line), None)
+        for sign in (".", ",")
+    )
+    if point is not None and comma is not None:
+        _refuse(
+            f"{name} line {max(point, comma)}: decimal commas and points in one list: take one",
+            code="decimals_mixed",
+        )
 
 
 def _header(name: str, number: int, cells: list[str]) -> list[str]:

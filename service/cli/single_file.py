@@ -26,8 +26,8 @@ def design_file(body: bytes, format_name: str) -> bytes | Problem:
     try:
         request = DesignRequest.model_validate_json(body)
     except ValidationError as error:
-        return problem_of_validation(error, body)
+        return problem_of_validation(error, body, DesignRequest)
     try:
         return file_of(request, format_name)
     except DesignError as error:
-        return problem_of_design(error)
+        return problem_of_design(error, body)

@@ -14,7 +14,9 @@ from service.http.openapi import SCHEMAS, Json
 
 DESCRIPTION = """\
 Bodies and answers are JSON in SI units. The unit is the end of a field's name, as in `_s`, `_m` \
-and `_rad_s`. A ratio has none.
+and `_rad_s`. A ratio has none. Requests may give a field in another unit by the end of its name: \
+`_mm`, `_ms`, `_hz`, `_deg`. `period_s` stands for `natural_frequency_rad_s`, `log_decrement` for \
+`damping_ratio`.
 
 Each refusal is a problem document (RFC 9457) of media type `application/problem+json`. Its \
 `errors` name each field at fault by a JSON pointer. A path that no route has is answered with \

@@ -58,7 +58,7 @@ def plan_table(body: bytes) -> Plan | Problem:
     try:
         request = TableRequest.model_validate_json(body)
     except ValidationError as error:
-        return problem_of_validation(error, body)
+        return problem_of_validation(error, body, TableRequest)
     try:
         loads(body)  # every name stands once
     except RepeatedNameError as error:
@@ -66,7 +66,7 @@ def plan_table(body: bytes) -> Plan | Problem:
     try:
         return plan_of(request)
     except DesignError as error:
-        return problem_of_design(error)
+        return problem_of_design(error, body)
 
 
 def plan_of(request: TableRequest) -> Plan:

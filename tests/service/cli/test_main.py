@@ -256,3 +256,26 @@ def test_a_move_is_drawn(tmp_path: Path) -> None:
     drawn = shapersmith_apart("maneuver", "-", "--plot", str(picture), given=request)
     assert (drawn.returncode, drawn.stderr) == (0, "")
     assert picture.read_text().startswith("<?xml")
+
+
+def test_the_version_is_printed_as_answers_have_it() -> None:
+    told = shapersmith("--version")
+    answered = json.loads(shapersmith("design", "-", given=CRANE).stdout)["version"]
+    assert (told.returncode, told.stdout) == (0, f"shapersmith {answered}\n")
+
+
+@pytest.mark.parametrize("arguments", [("design", "-"), ("shapers",)])
+def test_json_is_indented_on_request(arguments: tuple[str, ...]) -> None:
+    plain = shapersmith(*arguments, given=CRANE).stdout
+    for formats in ((), ("--format", "json")):
+        pretty = shapersmith(*arguments, "--pretty", *formats, given=CRANE).stdout
+        assert pretty.startswith('{\n  "shaper')
+        assert json.loads(pretty) == json.loads(plain)
+    assert plain.count("\n") == 1
+
+
+@pytest.mark.parametrize("text_format", ["table", "csv", "st"])
+def test_what_is_no_json_is_not_indented(text_format: str) -> None:
+    refused = shapersmith("design", "-", "--pretty", "--format", text_format, given=CRANE)
+    assert (refused.returncode, refused.stdout) == (2, "")
+    assert refused.stderr == f"shapersmith: --pretty goes with json, not with {text_format}\n"

@@ -1,5 +1,6 @@
 """Lists of designs beside a specification: each fault is refused by its code."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,9 @@ from service.cli.reading import ReadingError, read_source
         ("d.csv", b"/plant/a,/plant/a\n1,2\n", "heading_not_pointer"),
         ("d.csv", b"/plant,/plant/a\n1,2\n", "heading_not_pointer"),
         ("d.csv", b'/plant/cable_length_m\n"0.6\n', "line_not_csv"),
+        ("d.csv", b"/plant/cable_length_m;/plant/damping_ratio\n0,6;0.01\n", "decimals_mixed"),
+        ("d.csv", b"/plant/cable_length_m;/plant/damping_ratio\n1.234,5;0\n", "decimals_mixed"),
+        ("d.csv", b"/plant/cable_length_m;/plant/damping_ratio\n0,6,1;0\n", "cell_not_finite"),
         ("d.jsonl", b'{"plant": {}}\n{"plant"\n', "line_not_json"),
         ("d.jsonl", b"[]\n", "line_not_object"),
         ("d.jsonl", b"\xff\n", "file_not_utf8"),
@@ -37,3 +41,23 @@ def test_designs_are_listed_here_or_in_a_file(tmp_path: Path) -> None:
     with pytest.raises(ReadingError) as refused:
         read_source(body, toml=False, folder=tmp_path)
     assert refused.value.problem.code == "designs_said_twice"
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+@pytest.mark.parametrize(
+    ("separator", "decimal"), [(",", "."), (";", "."), (";", ","), ("\t", "."), ("\t", ",")]
+)
+def test_a_list_is_read_as_spreadsheets_of_any_country_write_it(
+    tmp_path: Path, encoding: str, separator: str, decimal: str
+) -> None:
+    rows = (("/plant/cable_length_mm", "/plant/damping_ratio"), ("600.5", "1e-2"), ("700", "0.02"))
+    text = "\r\n".join(
+        separator.join(cell.replace(".", decimal) for cell in cells) for cells in rows
+    )
+    (tmp_path / "d.csv").write_text(text, encoding=encoding)
+    source = read_source(b'{"designs_file": "d.csv"}', toml=False, folder=tmp_path)
+    assert json.loads(source.body)["designs"] == [
+        {"plant": {"cable_length_mm": 600.5, "damping_ratio": 0.01}},
+        {"plant": {"cable_length_mm": 700.0, "damping_ratio": 0.02}},
+    ]
+    assert source.lines == [2, 3]

@@ -18,7 +18,7 @@ def test_an_overflowing_number_is_not_finite(client: httpx.Client) -> None:
         {
             "pointer": NATURAL,
             "code": "not_finite",
-            "detail": "Input should be a finite number, got inf",
+            "detail": "must be a finite number, got inf",
         }
     ]
 

@@ -72,7 +72,7 @@ def service(tmp_path_factory: pytest.TempPathFactory) -> InProcess:
         (math.inf, "not_finite", "finite"),
         (-math.inf, "not_finite", "finite"),
         (math.nan, "not_finite", "finite"),
-        (1e13, "out_of_range", "less than or equal to 1000000000000"),
+        (1e13, "out_of_range", "at most 1e+12"),
         (1e-13, "out_of_range", "between 1e-12 and 1e+12"),
     ],
 )

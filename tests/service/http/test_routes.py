@@ -34,7 +34,7 @@ def test_a_design_is_answered_with_its_time_and_the_id_that_was_sent() -> None:
 @pytest.mark.parametrize("path", OPERATIONS)
 def test_each_operation_names_what_it_misses(path: str) -> None:
     answer = InProcess().ask("POST", path, {})
-    require_problem(answer, 422, "invalid-input", "Field required")
+    require_problem(answer, 422, "invalid-input", "must be given")
     assert answer.json()["errors"]
     assert answer.headers["server-timing"].startswith("work;dur=")
 

@@ -51,7 +51,7 @@ def test_a_table_is_begun_listed_and_shown(service: InProcess, begun: str) -> No
 
 
 def test_what_is_wrong_with_a_table_is_named(service: InProcess) -> None:
-    require_problem(service.ask("POST", "/v1/tables", {}), 422, "invalid-input", "Field required")
+    require_problem(service.ask("POST", "/v1/tables", {}), 422, "invalid-input", "must be given")
     require_problem(service.ask("POST", "/v1/tables", b"{"), 400, "not-json")
     headers = {"content-type": "text/csv"}
     refused = service.ask("POST", "/v1/tables", b"{}", headers=headers)

@@ -1,0 +1,116 @@
+"""Why a text is no JSON, in the words of who wrote it: where, what stands there, what is meant."""
+
+import json
+import re
+from json import detect_encoding
+
+EXCERPT_CHARACTERS = 24
+"""Characters of a line that are shown before and after a fault."""
+
+AT_FAULT = (
+    (r"\d,", r"\d", "a decimal comma: numbers have a point, as 0.8"),
+    (r"", r"//|/\*|#", "a comment: JSON has none; TOML has, on the command line"),
+    (r",\s*", r"[}\]]", "a comma before a closing bracket: JSON has none there"),
+    (r"", r",\s*[}\]]", "a comma before a closing bracket: JSON has none there"),
+    (r"", r"'", "single quotes: JSON has double quotes"),
+    (
+        r"",
+        "[\u201c\u201d\u201e\u201f\u00ab\u00bb\u2018\u2019]",
+        "typographic quotes: JSON has straight double ones",
+    ),
+    (r"", r"(True|False|None)\b", "a word of Python: JSON has true, false and null"),
+    (r"[-+]?", r"\.\d", "a number without a digit ahead of its point: write 0.5"),
+    (r"", r"\+", "a plus sign: JSON numbers have none ahead"),
+    (r"(^|[^\d.])-?0", r"\d", "a number with a zero ahead: JSON has none there"),
+    (r"\d", r"\.(?!\d)", "a number without a digit after its point: write 1.0"),
+    (r"[{,]\s*", r"\w", "a name without double quotes"),
+)
+"""What stands before and at a fault, and what it is; the first that fits is said."""
+
+MEANING = {
+    "Extra data": "more text after the end of the value: one request a text",
+    "Expecting ',' delimiter": "a comma is missing ahead of this",
+    "Expecting ':' delimiter": "a colon is missing ahead of this",
+    "Expecting property name enclosed in double quotes": "a name in double quotes is expected",
+    "Expecting value": "a value is expected",
+    "Unterminated string starting at": "a text whose closing quote is missing",
+    "Invalid control character at": "a line break or tab within a text",
+    "Invalid \\escape": "a backslash within a text: JSON writes two",
+}
+"""What Python's reader says, in the same words as the rest."""
+
+
+def why_unreadable(content: bytes | str, otherwise: str) -> str:
+    """Return why a text is no JSON.
+
+    Parameters
+    ----------
+    content, otherwise
+        The text, and what to say where no cause is known.
+
+    Returns
+    -------
+    str
+        Line, column, cause and excerpt, counted from 1.
+    """
+    try:
+        text = content if isinstance(content, str) else _decoded(content)
+    except ValueError as error:
+        return str(error)
+    if not text.strip():
+        return "the text is empty: a JSON object is expected"
+    try:
+        json.loads(text)
+    except json.JSONDecodeError as error:
+        return _told(text, error)
+    except RecursionError:
+        return "lists or objects are nested too deep"
+    except ValueError:
+        return "a whole number has more digits than are read"
+    return otherwise
+
+
+def _decoded(content: bytes) -> str:
+    encoding = detect_encoding(content)
+    if encoding != "utf-8":
+        mark = "UTF-8 with a byte order mark" if encoding == "utf-8-sig" else encoding.upper()
+        raise ValueError(f"the text is {mark}: send UTF-8 without a byte order mark")
+    try:
+        return content.decode()
+    except UnicodeDecodeError as error:
+        before = content[: error.start].decode()
+        line, column = _place(before, len(before))
+        told = f"byte 0x{content[error.start]:02x} is no UTF-8: save the text as UTF-8"
+        raise ValueError(f"line {line}, column {column}: {told}") from None
+
+
+def _told(text: str, error: json.JSONDecodeError) -> str:
+    at = error.pos
+    line, column = _place(text, at)
+    return f"line {line}, column {column}: {_cause(text, at, error.msg)}, near {_excerpt(text, at)}"
+
+
+def _cause(text: str, at: int, said: str) -> str:
+    before, after = text[max(at - 100, 0) : at], text[at : at + 100]
+    if not text[at:].strip():
+        return "the text ends here: a bracket or a quote is not closed"
+    if not said.startswith(("Unterminated", "Invalid")):
+        for ahead, here, cause in AT_FAULT:
+            if re.search(rf"(?:{ahead})\Z", before) and re.match(here, after):
+                return cause
+    return MEANING.get(said, said)
+
+
+def _place(text: str, at: int) -> tuple[int, int]:
+    """Return line and column of a character, counted from 1."""
+    return text.count("\n", 0, at) + 1, at - text.rfind("\n", 0, at)
+
+
+def _excerpt(text: str, at: int) -> str:
+    """Return the part of a line that holds a character."""
+    start = text.rfind("\n", 0, at) + 1
+    end = text.find("\n", at)
+    line_end = len(text) if end < 0 else end
+    first, last = max(start, at - EXCERPT_CHARACTERS), min(line_end, at + EXCERPT_CHARACTERS)
+    dots = ("..." if first > start else "", "..." if last < line_end else "")
+    return f"`{dots[0]}{text[first:last].strip()}{dots[1]}`"
