@@ -1,6 +1,7 @@
 """The processes of a service, as the system tells of them."""
 
 import os
+import signal
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -45,6 +46,15 @@ def children(pid: int) -> set[int]:
         if one.parent == pid:
             found |= {one.pid} | children(one.pid)
     return found
+
+
+def end(pid: int, number: int = signal.SIGKILL) -> bool:
+    """End a process that was seen; return False if it has ended by itself meanwhile."""
+    try:
+        os.kill(pid, number)
+    except ProcessLookupError:
+        return False
+    return True
 
 
 def running(pids: set[int]) -> set[int]:

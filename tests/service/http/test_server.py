@@ -16,7 +16,7 @@ import pytest
 
 from tests.conftest import CRANE, Running, changed, running_service
 from tests.patience import PATIENT_S
-from tests.processes import TICKS_PER_SECOND, children, running, until, workers
+from tests.processes import TICKS_PER_SECOND, children, end, running, until, workers
 from tests.service.cli.commands import shapersmith
 
 ENDLESS: dict[str, Any] = {
@@ -138,7 +138,7 @@ def test_a_request_that_crashes_every_worker_is_given_up_at_the_second(alone: Ru
         while thread.is_alive():
             for pid, used in workers(alone).items():
                 if used > before.get(pid, 0.0) + WORKED_S:
-                    os.kill(pid, signal.SIGSEGV)
+                    end(pid, signal.SIGSEGV)
             thread.join(0.05)
         assert (answers[0].status_code, answers[0].json()["type"]) == (
             500,

@@ -20,7 +20,7 @@ from service.workers.pool import MAX_DEATHS, WorkerPool
 from service.workers.runs import SplitError, TaskError
 from tests import pool_tasks as tasks
 from tests.patience import PATIENT_S
-from tests.processes import running
+from tests.processes import end, running
 from tests.processes import until as until_in_time
 
 MEGABYTE = 1024**2
@@ -262,7 +262,7 @@ def test_a_pool_is_full_again_whatever_was_killed_idle(victim: str, times: int) 
                     await until(lambda: not running({server()}))
                 if victim != "fork server":
                     for pid in seen:
-                        os.kill(pid, signal.SIGKILL)
+                        end(pid)
                 now: set[int] = set()
                 async with asyncio.timeout(PATIENT_S):
                     while len(now) < 2:
