@@ -6,7 +6,7 @@ ratio. All models read them here, by the names of their fields; answers keep SI.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from functools import lru_cache, partial
@@ -214,12 +214,22 @@ def all_in_si(here: Any) -> Any:  # noqa: ANN401 - any JSON
         If a field is given twice.
     """
     if isinstance(here, list):
-        return [all_in_si(one) for one in here]
+        changed = _changed(enumerate(here))
+        if not changed:
+            return here  # millions of designs are not held twice
+        return [changed.get(number, one) for number, one in enumerate(here)]
     if not isinstance(here, dict):
         return here
+    changed = _changed(here.items())
+    inner = {**here, **changed} if changed else here
     fields = set()
     for name in here:
         reading = reading_of(name)
         fields.add(name if reading is None else reading.name)
-    inner = {name: all_in_si(value) for name, value in here.items()}
     return inner if fields == here.keys() else in_si(inner, fields)
+
+
+def _changed(parts: Iterable[tuple[Any, Any]]) -> dict[Any, Any]:
+    """Return the parts that are not the same in SI units, by number or name."""
+    read = ((where, part, all_in_si(part)) for where, part in parts)
+    return {where: told for where, part, told in read if told is not part}

@@ -17,7 +17,7 @@ from schemas.fits import FIELDS, FitIn
 from schemas.maps import AxisIn
 from schemas.plants import ModeIn, PlantIn, ScheduledIn
 from schemas.tables import TableAxis, TableRequest
-from schemas.units import MAX_NAME_CHARACTERS, STAND_INS, UNITS, other_names, reading_of
+from schemas.units import MAX_NAME_CHARACTERS, STAND_INS, UNITS, all_in_si, other_names, reading_of
 from service.dispatch import answer
 from service.operations.table import TABLE, load
 from tests.conftest import CRANE
@@ -271,3 +271,11 @@ def test_no_name_of_a_field_is_a_unit_of_another(model: type[BaseModel]) -> None
     for name in names:
         reading = reading_of(name)
         assert reading is None or reading.name not in names
+
+
+def test_what_is_in_si_units_is_held_once() -> None:
+    designs: list[dict[str, Any]] = [{}, {"plant": {"damping_ratio": 0.01}}]
+    assert all_in_si(designs) is designs
+    read = all_in_si([*designs, {"plant": {"log_decrement": 0.0}}])
+    assert read[1] is designs[1]
+    assert read[2] == {"plant": {"damping_ratio": 0.0}}
