@@ -1,4 +1,7 @@
-"""The calls, each an operation: arguments are the fields of its request, by name."""
+"""The calls, each an operation: arguments are the fields of its request, by name.
+
+Longer than other modules: most of it says what each argument is, where an editor shows it.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping

@@ -5,7 +5,6 @@ import time
 import urllib.error
 import urllib.request
 from pathlib import Path
-from typing import TypeVar
 from urllib.parse import quote
 
 from pydantic import ValidationError
@@ -14,13 +13,10 @@ from schemas.problems import ProblemDocument
 from schemas.tables import TableJob
 from service.operations.table import TABLE
 from service.problems import INVALID, Problem
-from shapersmith.calls import Calls
+from shapersmith.calls import Answered, Calls
 from shapersmith.errors import STRANGE_ANSWER, UNREACHABLE, raise_problem
 from shapersmith.given import Json, as_json
-from shapersmith.results import Result, require_done
-
-Answered = TypeVar("Answered", bound=Result)
-
+from shapersmith.results import require_done
 
 PAUSE_S = 0.2
 """Between two looks at a table that is being computed [s]."""

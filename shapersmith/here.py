@@ -1,14 +1,9 @@
 """The functions of the package: the operations, computed in this process."""
 
-from typing import TypeVar
-
 from service.dispatch import respond
 from service.problems import Problem
-from shapersmith.calls import Calls
+from shapersmith.calls import Answered, Calls
 from shapersmith.errors import raise_problem
-from shapersmith.results import Result
-
-Answered = TypeVar("Answered", bound=Result)
 
 
 class Here(Calls):

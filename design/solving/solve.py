@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from design.formulations.formulation import Convolution, Formulation
 from design.solvers.budget import Budget
 from design.solvers.solution import Solution
+from design.solving.by_formulation import solver_of
 from design.solving.convolution import convolve_solutions
-from design.solving.solvers import solver_of
 
 
 def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[Solution]:

@@ -9,7 +9,7 @@ from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.plants.mode import Mode
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
-from design.solving.solvers import SOLVERS, solver_of
+from design.solving.by_formulation import SOLVERS, solver_of
 from service.workers.memory import settle
 
 

@@ -15,8 +15,8 @@ from design.pipeline import design
 from design.shapers.negative import NegativeOptions
 from design.shapers.positive import MzvOptions
 from design.shapers.registry import SHAPERS
+from design.solving.by_formulation import SOLVERS, solver_of
 from design.solving.distinct_steps import distinct_steps
-from design.solving.solvers import SOLVERS, solver_of
 
 MIN_STEP_SHARE = 1e-12
 """Share of all steps' sizes that no step has to be below where no mode is damped [-]."""
