@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.syntax import parsed
+
 ROOT = Path(__file__).parents[2]
 
 MAX_SUMMARY_CHARACTERS = 72
@@ -99,7 +101,7 @@ def faults_of(function: Function) -> list[str]:
 
 @pytest.mark.parametrize("name", list(documented_files()))
 def test_public_functions_say_arguments_results_and_errors(name: str) -> None:
-    functions = public_functions(ast.parse((ROOT / name).read_text()).body)
+    functions = public_functions(parsed(ROOT / name).body)
     faults = {
         f"{name}:{function.lineno} {label}": faults_of(function) for label, function in functions
     }

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.syntax import parsed
+
 ROOT = Path(__file__).parents[2]
 
 DOCUMENTS = [
@@ -52,7 +54,7 @@ def prose(document: Path) -> str:
 def texts(module: Path) -> Iterator[str]:
     """Yield what a module says: its messages, descriptions and docstrings."""
     lines_of_files = LINES_OF_FILES.get(str(module.relative_to(ROOT)), ())
-    for node in ast.walk(ast.parse(module.read_text())):
+    for node in ast.walk(parsed(module)):
         text = node.value if isinstance(node, ast.Constant) else None
         if isinstance(text, str) and not text.startswith(lines_of_files):
             yield text

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from design import errors
+from tests.syntax import parsed
 
 ROOT = Path(__file__).parents[2]
 
@@ -58,7 +59,7 @@ def words_of_tests() -> frozenset[str]:
     return frozenset(
         node.value
         for path in (ROOT / "tests").rglob("test_*.py")
-        for node in ast.walk(ast.parse(path.read_text()))
+        for node in ast.walk(parsed(path))
         if isinstance(node, ast.Constant) and isinstance(node.value, str)
     )
 
@@ -69,7 +70,7 @@ def errors_raised() -> list[Raised]:
     found = []
     for package in ("design", "schemas", "service"):
         for path in sorted((ROOT / package).rglob("*.py")):
-            for node in ast.walk(ast.parse(path.read_text())):
+            for node in ast.walk(parsed(path)):
                 if not (isinstance(node, ast.Call) and isinstance(node.func, ast.Name)):
                     continue
                 if node.func.id in MESSAGE:

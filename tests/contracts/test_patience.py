@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.syntax import parsed
+
 TESTS = Path(__file__).parents[1]
 
 LIMITS = {
@@ -66,5 +68,5 @@ def limits(tree: ast.AST) -> Iterator[float]:
     ids=lambda path: str(path.relative_to(TESTS)),
 )
 def test_no_limit_is_short_by_accident(path: Path) -> None:
-    found = {one for one in limits(ast.parse(path.read_text())) if one < MIN_COST_S}
+    found = {one for one in limits(parsed(path)) if one < MIN_COST_S}
     assert found == SHORT.get(str(path.relative_to(TESTS)), set())
