@@ -1,5 +1,6 @@
 """Rows of a table: designed, proven, each with a status."""
 
+import itertools
 import zlib
 from dataclasses import dataclass, fields, replace
 
@@ -15,7 +16,7 @@ from design.shapers.options import NoOptions
 from design.shapers.settle_options import SettleOptions
 from design.tables.designed_rows import DesignedRows, empty_rows
 from design.tables.parameters import RowParameters, of_one_mode_and_lags, row_parameters
-from design.tables.rows import FAILED, INFEASIBLE, Rows
+from design.tables.rows import FAILED, INFEASIBLE, Rows, join_rows
 from design.tables.sampled_rows import sampled_rows
 from design.tables.specification import TableSpecification
 from design.types import BoolArray, FloatArray
@@ -25,6 +26,10 @@ IndexArray = NDArray[np.int_]
 
 GUARDED_SHARE = 5000
 """One row in this many is designed by the pipeline as well, to guard against a wrong branch [-]."""
+
+RUN_ROWS = 50_000
+"""As many rows are designed at a time: what is held meanwhile fits the processor's caches, and is
+used again for the next. Fresh memory costs a busy machine more than the arithmetic [-]."""
 
 SAME = 1e-10
 """Times that differ by less are the same, as a share of the duration [-]."""
@@ -72,7 +77,14 @@ def compute_rows(specification: TableSpecification, start: int, stop: int) -> Ro
         Every row with a status. A row marked verified holds what its shaper claims with the
         actuator given; one marked verified_ideal does with an ideal one alone.
     """
-    return compute_with_counts(specification, start, stop)[0]
+    if specification.grid is not None:
+        return sampled_rows(specification, start, stop)  # together as wide as the widest
+    specification = with_impulse_count(specification)
+    ends = [*range(start + RUN_ROWS, stop, RUN_ROWS), stop]
+    return join_rows([
+        compute_with_counts(specification, first, end)[0]
+        for first, end in itertools.pairwise([start, *ends])
+    ])
 
 
 def compute_with_counts(

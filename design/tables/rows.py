@@ -84,6 +84,31 @@ class Rows:
         return held
 
 
+def join_rows(runs: Sequence[Rows]) -> Rows:
+    """Return runs of one table as one.
+
+    Parameters
+    ----------
+    runs
+        Each begins where the last ends; all as wide. At least one.
+
+    Returns
+    -------
+    Rows
+        All their rows.
+    """
+    first = runs[0].first
+    return Rows(
+        first=first,
+        fields=np.concatenate([run.fields for run in runs]),
+        results=np.concatenate([run.results for run in runs]),
+        status=np.concatenate([run.status for run in runs]),
+        reasons={
+            run.first - first + row: reason for run in runs for row, reason in run.reasons.items()
+        },
+    )
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Subject:
     """What the rows of a table are designs of, before a field is varied.

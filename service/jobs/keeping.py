@@ -14,6 +14,7 @@ import threading
 from service.jobs.running import STOP_WAIT_S
 from service.settings import Settings
 from service.workers import own_path
+from service.workers.memory import variables_to_keep_memory
 
 LOG = logging.getLogger("shapersmith.jobs")
 
@@ -73,8 +74,10 @@ class Keeper:
         with self._changing:
             if self._stop.is_set():
                 return "was not wanted any more"
+            # What a person has set about memory holds.
+            env = variables_to_keep_memory() | os.environ | own_path.variables()
             process = self._process = subprocess.Popen(
-                COMMAND, stdin=subprocess.PIPE, bufsize=0, env=os.environ | own_path.variables()
+                COMMAND, stdin=subprocess.PIPE, bufsize=0, env=env
             )
         if process.stdin is None:
             raise OSError("it has no lifeline")

@@ -122,6 +122,20 @@ def test_rows_do_not_depend_on_where_a_run_begins() -> None:
     assert [part.first for part in parts] == list(range(0, 56, 7))
 
 
+def test_rows_designed_a_few_at_a_time_are_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Byte for byte, and each reason stands with its row."""
+    options = SettleOptions(max_duration_periods=1.5)
+    table = random_table(40, 7, order=2, poles=(1.0, 2.0), options=options)
+    whole = compute_rows(table, 3, 40)
+    assert len(whole.reasons) > 1
+    monkeypatch.setattr(compute, "RUN_ROWS", 7)
+    runs = compute_rows(table, 3, 40)
+    assert runs.first == whole.first
+    assert runs.reasons == whole.reasons
+    for name in ("fields", "results", "status"):
+        assert getattr(runs, name).tobytes() == getattr(whole, name).tobytes()
+
+
 def test_almost_all_rows_are_compiled_and_some_are_guarded() -> None:
     rows, counts = compute_with_counts(random_table(4000, 9, order=1), 0, 4000)
     assert (rows.status == VERIFIED).all()

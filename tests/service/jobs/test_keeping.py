@@ -99,3 +99,17 @@ def test_no_tables_no_process(tmp_path: Path) -> None:
     started = [thread.name for thread in threading.enumerate()]
     jobs.close()
     assert "table-jobs" not in started
+
+
+def test_processes_of_tables_use_their_memory_again_unless_a_person_says_otherwise(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To fetch it anew for each run of rows holds up a virtual machine for 100 ms."""
+    monkeypatch.setenv("MALLOC_TRIM_THRESHOLD_", "131072")
+    with running_service(tmp_path / "log", workers=1, job_workers=1) as service:
+        process = at_work(service)
+        for one in (process, *children(process)):
+            told = Path(f"/proc/{one}/environ").read_bytes().split(b"\0")
+            assert b"MALLOC_MMAP_MAX_=0" in told
+            assert b"ARROW_DEFAULT_MEMORY_POOL=system" in told
+            assert b"MALLOC_TRIM_THRESHOLD_=131072" in told
