@@ -3,6 +3,7 @@
 A path leads from the request down to a number: ``("plant", "modes", "0", "damping_ratio")``.
 """
 
+import bisect
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, Literal
@@ -10,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from design.errors import InvalidInputError
-from design.types import FloatArray
+from design.types import FloatArray, IntArray
 
 Path = tuple[str, ...]
 
@@ -46,6 +47,11 @@ class Axis:
 
     path: Path
     values: FloatArray
+
+    @property
+    def telling(self) -> FloatArray:
+        """All that a rule or an amplitude can turn on: here every value."""
+        return self.values
 
 
 def vary(record: Any, path: Sequence[str], value: float) -> Any:  # noqa: ANN401
@@ -100,17 +106,91 @@ def vary(record: Any, path: Sequence[str], value: float) -> Any:  # noqa: ANN401
     return replace(record, **{name: value})
 
 
+@dataclass(frozen=True, slots=True)
+class EvenRange:
+    """The values of a range, evenly spaced by some measure; each is made when it is asked for.
+
+    Attributes
+    ----------
+    start, stop
+        Ends of the range, both among the values.
+    size
+        Number of values m, >= 1.
+    spacing
+        By which measure.
+
+    Raises
+    ------
+    InvalidInputError
+        If the range is empty, or reaches zero and is spaced geometrically.
+    """
+
+    start: float
+    stop: float
+    size: int
+    spacing: Spacing
+
+    def __post_init__(self) -> None:
+        if not self.stop > self.start:
+            raise InvalidInputError(
+                "to", self.stop, f"greater than from, {self.start!r}", code="range_reversed"
+            )
+        if self.spacing == "geometric" and self.start <= 0:
+            raise InvalidInputError(
+                "from", self.start, "> 0 for geometric spacing", code="geometric_from_zero"
+            )
+
+    def __getitem__(self, places: IntArray) -> FloatArray:
+        """Return the values at some places from 0 to m - 1, of the same shape; they rise."""
+        steps = max(self.size - 1, 1)
+        if self.spacing == "linear":
+            values = self.start + places * ((self.stop - self.start) / steps)
+        elif self.spacing == "geometric":
+            first, last = np.log10(self.start), np.log10(self.stop)
+            values = 10.0 ** (first + places * ((last - first) / steps))
+        else:
+            middle, half = (self.start + self.stop) / 2, (self.stop - self.start) / 2
+            values = middle - half * np.cos(np.pi * places / steps)
+        values[places == self.size - 1] = self.stop
+        values[places == 0] = self.start
+        return values
+
+    @property
+    def telling(self) -> FloatArray:
+        """The first value, the last, the least above zero: a rule turns there."""
+        places = range(self.size)
+        above_zero = bisect.bisect_right(places, 0.0, key=lambda one: self[np.array([one])][0])
+        return self[np.array(sorted({0, min(above_zero, self.size - 1), self.size - 1}))]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LongAxis:
+    """One field and a range of values, too many to be held.
+
+    Attributes
+    ----------
+    path
+        As of `Axis`.
+    values
+        The range, in the field's own unit.
+    """
+
+    path: Path
+    values: EvenRange
+
+    @property
+    def telling(self) -> FloatArray:
+        """The first value, the last, and the least above zero."""
+        return self.values.telling
+
+
 def space_evenly(start: float, stop: float, points: int, spacing: Spacing) -> FloatArray:
     """Return the values of a range, evenly spaced by some measure.
 
     Parameters
     ----------
-    start, stop
-        Ends of the range, both among the values.
-    points
-        Number of values m, >= 1.
-    spacing
-        By which measure.
+    start, stop, points, spacing
+        As of `EvenRange`.
 
     Returns
     -------
@@ -120,30 +200,14 @@ def space_evenly(start: float, stop: float, points: int, spacing: Spacing) -> Fl
     Raises
     ------
     InvalidInputError
-        If the range is empty, or reaches zero and is spaced geometrically.
+        As of `EvenRange`.
 
     Examples
     --------
     >>> space_evenly(1.0, 100.0, 3, "geometric").tolist()
     [1.0, 10.0, 100.0]
     """
-    if not stop > start:
-        raise InvalidInputError("to", stop, f"greater than from, {start!r}", code="range_reversed")
-    if spacing == "linear":
-        return np.linspace(start, stop, points)
-    if spacing == "chebyshev":
-        angles = np.pi * np.arange(points) / max(points - 1, 1)
-        middle, half = (start + stop) / 2, (stop - start) / 2
-        values = middle - half * np.cos(angles)
-        values[0] = start
-        if points > 1:
-            values[-1] = stop
-        return values
-    if start <= 0:
-        raise InvalidInputError(
-            "from", start, "> 0 for geometric spacing", code="geometric_from_zero"
-        )
-    return np.geomspace(start, stop, points)
+    return EvenRange(start, stop, points, spacing)[np.arange(points)]
 
 
 def unit_of(name: str) -> str:

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, Field, ValidationError
 from design.curve_fit.fit_range import plants_at_ends
 from design.errors import InvalidInputError
 from design.export.program import DEFAULT_TITLE
-from design.fields import Axis, Path, Spacing, space_evenly
+from design.fields import Axis, EvenRange, LongAxis, Path, Spacing
 from design.tables.rows import Subject, TableHead
 from design.tables.specification import (
     COLUMNS,
@@ -112,22 +112,34 @@ class TableAxis(Varied):
         list[float] | None, Field(description="Values in place of from, to and points.")
     ] = None
 
-    def to_design(self) -> Axis:
-        """Build the design record."""
-        return Axis(path=path_of(self.field), values=self._values())
+    def to_design(self) -> Axis | LongAxis:
+        """Build the design record.
+
+        Returns
+        -------
+        Axis or LongAxis
+            The latter of a range, whose values are made as they are needed.
+
+        Raises
+        ------
+        InvalidInputError
+            If values and a range are given, half a range, an empty one, or one of too many points.
+        """
+        path = path_of(self.field)
+        if self.values is None:
+            return LongAxis(path=path, values=self._range())
+        if (self.from_, self.to, self.points) != (None, None, None):
+            raise InvalidInputError(
+                "values", "values and a range", "given alone", code="values_and_range"
+            )
+        return Axis(path=path, values=np.array(self.values, dtype=np.float64))
 
     @property
     def size(self) -> int:
         """Number of its values, before any is made."""
         return len(self.values) if self.values is not None else self.points or 0
 
-    def _values(self) -> FloatArray:
-        if self.values is not None:
-            if (self.from_, self.to, self.points) != (None, None, None):
-                raise InvalidInputError(
-                    "values", "values and a range", "given alone", code="values_and_range"
-                )
-            return np.array(self.values, dtype=np.float64)
+    def _range(self) -> EvenRange:
         if self.from_ is None or self.to is None or self.points is None:
             raise InvalidInputError(
                 "from",
@@ -142,7 +154,7 @@ class TableAxis(Varied):
                 f"at most {MAX_TABLE_AXIS_POINTS} on one axis",
                 code="too_many_points",
             )
-        return space_evenly(self.from_, self.to, self.points, self.spacing)
+        return EvenRange(self.from_, self.to, self.points, self.spacing)
 
 
 class Tolerances(Wire):
@@ -287,7 +299,7 @@ def with_subject(head: TableHead) -> TableHead:
     return replace(head, subject=request.to_design().subject)
 
 
-def _axis(number: int, axis: TableAxis) -> Axis:
+def _axis(number: int, axis: TableAxis) -> Axis | LongAxis:
     with name_field(f"axes.{number}"):
         return axis.to_design()
 

@@ -5,7 +5,6 @@ import zlib
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from design.claims import ZERO_LIMITS
 from design.errors import DesignError, InfeasibleDesignError, InvalidInputError
@@ -19,10 +18,7 @@ from design.tables.parameters import RowParameters, of_one_mode_and_lags, row_pa
 from design.tables.rows import FAILED, INFEASIBLE, Rows, join_rows
 from design.tables.sampled_rows import sampled_rows
 from design.tables.specification import TableSpecification
-from design.types import BoolArray, FloatArray
-
-IndexArray = NDArray[np.int_]
-
+from design.types import BoolArray, FloatArray, IntArray
 
 GUARDED_SHARE = 5000
 """One row in this many is designed by the pipeline as well, to guard against a wrong branch [-]."""
@@ -237,7 +233,7 @@ def _enter_proven(
     designed_for: _Drive,
     given: _Drive,
     w: FloatArray,
-    index: IndexArray,
+    index: IntArray,
     times: FloatArray,
     table: DesignedRows,
 ) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from design.checks import require_between
 from design.errors import InvalidInputError
-from design.fields import Axis, Path, vary
+from design.fields import Axis, LongAxis, Path, vary
 from design.model.actuators.registry import Actuator
 from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
@@ -88,7 +88,7 @@ class TableSpecification:
     kind: ShaperKind
     options: ShaperOptions | None
     grid: SampleGrid | None = None
-    axes: tuple[Axis, ...] = ()
+    axes: tuple[Axis | LongAxis, ...] = ()
     listed: FloatArray | None = None
     listed_paths: tuple[Path, ...] = ()
     columns: tuple[str, ...] = DEFAULT_COLUMNS
@@ -137,7 +137,7 @@ class TableSpecification:
                     f"axes.{number}.values", [], "one or more values", code="no_values"
                 )
             place = f"axes.{number}.values"
-            self._check_values(axis.path, axis.values, lambda _, place=place: place)
+            self._check_values(axis.path, axis.telling, lambda _, place=place: place)
         self._check_amplitudes()
         self._check_size()
 
@@ -274,7 +274,9 @@ class TableSpecification:
         options = [self.options]
         for number, path in enumerate(self.fields):
             if path[0] == "shaper":
-                values = self.axes[number].values if self.listed is None else self.listed[:, number]
+                values = (
+                    self.axes[number].telling if self.listed is None else self.listed[:, number]
+                )
                 options += [
                     vary(self.options, path[1:], float(end)) for end in (values.min(), values.max())
                 ]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from design.fields import Axis, Spacing, space_evenly, vary
+from design.fields import Axis, EvenRange, Spacing, space_evenly, vary
 from design.model.plants.mode import Mode
 from design.model.plants.modes import Modes
 from design.pictures.map_sheet import axis_label
@@ -48,6 +48,41 @@ def test_a_range_rises_from_end_to_end(spacing: Spacing) -> None:
     values = space_evenly(0.3, 0.7, 8, spacing)
     assert (values[0], values[-1], values.size) == (0.3, 0.7, 8)
     assert np.all(np.diff(values) > 0)
+
+
+def test_ranges_are_those_of_numpy_bit_by_bit_wherever_they_are_read() -> None:
+    random = np.random.default_rng(1)
+    for _ in range(300):
+        start = random.normal() * 10 ** random.uniform(-3, 5)
+        stop, points = start + 10 ** random.uniform(-4, 5), int(random.integers(1, 300))
+        linear = EvenRange(start, stop, points, "linear")
+        np.testing.assert_array_equal(
+            linear[np.arange(points)], np.linspace(start, stop, points), strict=True
+        )
+        geometric = EvenRange(abs(start), abs(start) + 1.0, points, "geometric")
+        np.testing.assert_array_equal(
+            geometric[np.arange(points)], np.geomspace(abs(start), abs(start) + 1.0, points)
+        )
+        some = random.integers(0, points, (3, 2))
+        for one in (linear, geometric, EvenRange(start, stop, points, "chebyshev")):
+            np.testing.assert_array_equal(one[some], one[np.arange(points)][some], strict=True)
+
+
+@pytest.mark.parametrize(
+    ("start", "size", "told"),
+    [
+        (-1.0, 11, [-1.0, 0.2, 1.0]),
+        (0.0, 11, [0.0, 0.1, 1.0]),
+        (0.5, 11, [0.5, 1.0]),
+        (-2, 1, [-2]),
+    ],
+)
+def test_the_telling_values_of_a_long_range(start: float, size: int, told: list[float]) -> None:
+    """First, last and least above zero: of a range of 10^15 values no more is ever made."""
+    assert EvenRange(start, 1.0, size, "linear").telling == pytest.approx(told)
+    long = EvenRange(start, 1.0, 10**15, "linear").telling
+    assert long[0] == start
+    assert long[-1] == 1.0
 
 
 def test_an_empty_range_and_a_logarithm_of_zero_are_refused() -> None:
