@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.analysis.residual import residual_vectors
-from design.claims import ZERO_LIMITS, Promise
+from design.claims import ZERO_LIMITS, Promise, Quantity
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
@@ -15,7 +15,12 @@ from design.sampling.left import FREQUENCY_ERROR
 from design.sampling.sample_grid import AnyIntArray
 from design.types import ComplexArray, FloatArray
 
-ORDERS = {"residual": 0, "slope": 1, "second_derivative": 2, "third_derivative": 3}
+ORDERS: dict[Quantity, int] = {
+    "residual": 0,
+    "slope": 1,
+    "second_derivative": 2,
+    "third_derivative": 3,
+}
 """Derivatives of V by what they are called."""
 
 CIRCLE, RADIUS = 16, 0.02
@@ -43,6 +48,15 @@ class Asked:
     zeros: int
     nominal: float | None
     bands: tuple[tuple[tuple[float, float], float], ...]
+
+    @property
+    def zero_limits(self) -> FloatArray:
+        """What counts as zero, in the scale of `Drive.zero_rows`, shape (zeros,)."""
+        return np.array([
+            ZERO_LIMITS[quantity] * FREQUENCY_ERROR**order / math.factorial(order)
+            for quantity, order in ORDERS.items()
+            if order < self.zeros
+        ])
 
 
 def asked_of(promises: Sequence[Promise], modes: tuple[Mode, ...]) -> tuple[Asked, ...]:

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.claims import ZERO_LIMITS
 from design.model.impulses import Impulses
 from design.sampling.asked import Asked, Drive
-from design.sampling.freedom import Freedom, freedoms
+from design.sampling.freedom import MAX_RELAXED, Freedom, freedoms, relaxed, takes_turns
 from design.solvers import sample_program
 from design.solvers.budget import Budget
 from design.solvers.outcome import Status
@@ -23,9 +22,9 @@ ACCURACY = 1e-7
 EXACT = 1e-13
 """Largest equation that counts as zero: a few hundred roundings of terms of size one [-]."""
 
-NEARLY = 0.5 * ZERO_LIMITS["residual"]
-"""Largest equation that still makes zero what is claimed to be, where a step that is none would be
-needed for less [-]."""
+NEARLY = 0.5
+"""Largest equation, over what counts as zero, that still makes zero what is claimed to be, where a
+step that is none would be needed for less [-]."""
 
 SUMS_FIRST = 1e6
 """Weight of the sums of amplitudes where not all equations can hold [-]."""
@@ -102,11 +101,40 @@ class ClaimsOnSamples:
         limits += [one.nominal for one in self.asked if one.nominal is not None]
         return max(limits, default=None)
 
+    @property
+    def zero_limits(self) -> FloatArray:
+        """What counts as zero in each equation of a zero, shape (m,)."""
+        limits: FloatArray = np.concatenate([one.zero_limits for one in self.asked])
+        return limits
+
     def freedoms(self, last: int) -> list[Freedom]:
         """Return what amplitudes may be on samples, likeliest first."""
-        band = any(one.bands for one in self.asked)
-        alike = self.drive.has_one_set
+        band, alike = self._over_band, self.drive.has_one_set
         return list(freedoms(self.impulses, self.positions, last, band=band, alike=alike))
+
+    def all_freedom(self, last: int) -> Freedom | None:
+        """Return a freedom that has every command on some samples in it.
+
+        Parameters
+        ----------
+        last
+            Number of the last sample.
+
+        Returns
+        -------
+        Freedom or None
+            None where none is known.
+        """
+        band, alike = self._over_band, self.drive.has_one_set
+        if takes_turns(self.impulses, band=band, alike=alike):
+            known = last <= MAX_RELAXED and not self.drive.passes_state_on
+            return relaxed(self.impulses, last) if known else None
+        (freedom,) = self.freedoms(last)
+        return freedom if freedom.complete else None
+
+    @property
+    def _over_band(self) -> bool:
+        return any(one.bands for one in self.asked)
 
     def least(self, freedom: Freedom, *, decide: bool = False) -> Found:
         """Return the least violation of what is asked.
@@ -232,7 +260,7 @@ class ClaimsOnSamples:
         bool
             False where they hold nearly.
         """
-        return bool(np.abs(self._zeros(freedom) @ amplitudes).max(initial=0.0) <= 2 * EXACT)
+        return bool(self._missed(freedom, amplitudes).max(initial=0.0) <= 2 * EXACT)
 
     def _nearest(self, freedom: Freedom) -> FloatArray | None:
         zeros = self._zeros(freedom)
@@ -242,7 +270,19 @@ class ClaimsOnSamples:
         self.budget.spend(outcome.work)
         if outcome.status is not Status.SOLVE_SUCCEEDED:
             return None
-        return polished(program, freedom, outcome.unknowns)
+        amplitudes = polished(program, freedom, outcome.unknowns, self.zero_limits)
+        if amplitudes is None or (self._missed(freedom, amplitudes) > self.zero_limits).any():
+            return None  # with steps left out that are none
+        return amplitudes
+
+    def _missed(self, freedom: Freedom, amplitudes: FloatArray) -> FloatArray:
+        """Return by how much amplitudes miss the zeros, seen at their last step, shape (m,)."""
+        kept = slice(0, int(np.flatnonzero(amplitudes)[-1]) + 1)
+        samples = freedom.samples[kept]
+        signs = None if freedom.signs is None else freedom.signs[kept]
+        rows = [self.drive.zero_rows(one, samples, signs) for one in self.asked]
+        missed: FloatArray = np.abs(np.concatenate(rows) @ amplitudes[kept])
+        return missed
 
 
 def _program(
@@ -293,7 +333,11 @@ def _peaks(curve: Callable[[FloatArray], FloatArray], ratios: FloatArray) -> Flo
 
 
 def polished(
-    program: SampleProgram, freedom: Freedom, unknowns: FloatArray, largest: float = math.inf
+    program: SampleProgram,
+    freedom: Freedom,
+    unknowns: FloatArray,
+    zero_limits: FloatArray,
+    largest: float = math.inf,
 ) -> FloatArray | None:
     """Return amplitudes whose equations hold to rounding.
 
@@ -308,6 +352,8 @@ def polished(
         The program and what it is of.
     unknowns
         Its solution, shape (n,).
+    zero_limits
+        What counts as zero in each vector that is to be, shape (m,).
     largest
         What its bounded vectors may be over their limits, at most [-].
 
@@ -320,7 +366,8 @@ def polished(
     equations = np.concatenate((program.equal, program.zero.real, program.zero.imag))
     sides = np.concatenate((program.right, -program.zero_offset.real, -program.zero_offset.imag))
     weights = np.where(np.arange(sides.size) < sums, SUMS_FIRST, 1.0)
-    for within, absent in itertools.product((EXACT, NEARLY), ABSENT):
+    nearly = NEARLY * np.tile(zero_limits, 2)
+    for within, absent in itertools.product((np.minimum(EXACT, nearly), nearly), ABSENT):
         low, high = unknowns < absent, unknowns > program.highest - absent
         values = np.where(low, 0.0, np.where(high, program.highest, unknowns))
         kept = ~(low | high)
@@ -334,7 +381,7 @@ def polished(
         missing = np.abs(equations @ values - sides)
         if (
             missing[:sums].max(initial=0.0) <= EXACT
-            and missing[sums:].max(initial=0.0) <= within
+            and (missing[sums:] <= within).all()
             and (values >= 0).all()
             and (values <= program.highest).all()
             and (program.below @ values <= program.most + EXACT).all()

@@ -12,26 +12,33 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.claims import Promise
-from design.errors import InfeasibleDesignError
+from design.errors import InfeasibleDesignError, InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.sampling.asked import Drive, asked_of
 from design.sampling.claims_on_samples import MET, POLISHED, ClaimsOnSamples, Found, polished
-from design.sampling.freedom import MAX_RELAXED, Freedom, relaxed, samples_of
+from design.sampling.freedom import Freedom, candidates, samples_of
 from design.sampling.sample_grid import ON_SAMPLE, on_samples
 from design.solvers.budget import Budget
 from design.types import FloatArray
 
 MORE_PERIODS = 10.0
 """How much longer than between the samples a shaper is sought, at most, and at most twice as long
-and a period more [periods]."""
+and three periods more [periods]."""
 
 FOR_EXACT = 2
 """Samples by which a shaper may take longer for zeros that hold to rounding."""
 
-MAX_PROGRAMS = 300
-"""Programs of one search for zeros, at most: one or two are usual."""
+FEW_PATTERNS = 20
+"""Ways to part samples that are tried on more samples than that: there any of many serves."""
+
+MAX_UNKNOWNS = 2000
+"""Samples that may have a step, at most: a program of so many takes two seconds, and its memory
+grows with their square."""
+
+PROVEN = 1e-6
+"""Least bound that refuses zeros: above what counts as one, and the rounding of programs [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -89,6 +96,8 @@ def free_on_samples(
 
     Raises
     ------
+    InvalidInputError
+        If the shaper has too many impulses.
     InfeasibleDesignError
         If no number of samples up to the horizon keeps the promises.
     """
@@ -100,7 +109,17 @@ def free_on_samples(
     )
     first = max(samples_of(float(problem.positions[-1])), 1)
     period = max(mode.period_s for mode in modes) / sample_time_s
-    most = first + math.ceil(min(first, MORE_PERIODS * period) + period)
+    most = first + math.ceil(min(first, MORE_PERIODS * period) + 3 * period)
+    unknowns = candidates(problem.positions, most).size
+    if unknowns > MAX_UNKNOWNS:
+        raise InvalidInputError(
+            "sample_time_s",
+            sample_time_s,
+            f"left out for {impulses.times_s.size} impulses, around which {unknowns} samples may "
+            f"have a step; at most {MAX_UNKNOWNS} are solved for: bring a shaper of fewer modes to "
+            "samples, or of fewer impulses for each",
+            code="too_many_samples_to_solve",
+        )
     if problem.largest_tolerance is not None:
         return _within_tolerance(problem, first, most, problem.largest_tolerance)
     return _of_zeros(problem, first, most)
@@ -136,7 +155,11 @@ def _within_tolerance(
         low, high = (low, middle) if meets(middle) else (middle, high)
     best = problem.least(problem.freedoms(high)[0])
     amplitudes = polished(
-        best.program, best.freedom, best.outcome.unknowns, best.value * (1 + POLISHED)
+        best.program,
+        best.freedom,
+        best.outcome.unknowns,
+        problem.zero_limits,
+        best.value * (1 + POLISHED),
     )
     if amplitudes is None:  # equations that hold to the accuracy of the program
         amplitudes = best.freedom.base + best.freedom.matrix @ best.outcome.unknowns
@@ -176,33 +199,69 @@ def _command(problem: ClaimsOnSamples, freedom: Freedom, amplitudes: FloatArray)
 
 
 def _of_zeros(problem: ClaimsOnSamples, first: int, most: int) -> FreeAmplitudes:
-    """Search the fewest samples on which all zeros can be had, from those of the shaper on.
+    """Search the fewest samples on which all zeros can be had, in steps that double.
 
-    Zeros that need a step too small to be one serve where one or two samples more do no better.
+    From those of the shaper on. Zeros that need a step too small to be one serve where one or two
+    samples more do no better.
 
     Raises
     ------
     InfeasibleDesignError
         If no amplitudes make zero what is claimed to be.
     """
-    programs, last = 0, first
     nearly: tuple[Freedom, FloatArray] | None = None
-    while last <= most and programs < MAX_PROGRAMS:
-        for freedom in problem.freedoms(last):
-            programs += 1
+    exact: tuple[Freedom, FloatArray] | None = None
+
+    def found_on(last: int) -> bool:
+        nonlocal nearly, exact
+        usual = last <= first + FOR_EXACT
+        for freedom in problem.freedoms(last)[: None if usual else FEW_PATTERNS]:
             found = problem.nearest_zero(freedom)
             if found is not None and problem.is_exact(*found):
-                return _zeros_on(problem, *found)
-            if found is not None and nearly is None:
-                nearly, most = found, min(most, last + FOR_EXACT)
-        last += 1
-    if nearly is not None:
-        return _zeros_on(problem, *nearly)
+                exact = found
+                return True
+            nearly = nearly or found
+        return False
+
+    low, high, step = first - 1, first, 1
+    while not found_on(high) and high < most:
+        if nearly is not None:
+            most = min(most, int(nearly[0].samples[-1]) + FOR_EXACT)
+        elif high == first:
+            _require_some(problem, most)
+        low, high = high, min(high + step, most)
+        step *= 1 if high <= first + FOR_EXACT else 2
+    while exact is not None and high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if found_on(middle) else (middle, high)
+    best = exact or nearly
+    if best is not None:
+        return _zeros_on(problem, *best)
     raise InfeasibleDesignError(
-        f"no amplitudes within the limits of the shaper were found that on {first + 1} to {last} "
-        f"samples of {problem.drive.sample_time_s:g} s make zero what it claims to be",
+        f"no amplitudes within the limits of the shaper were found that on {first + 1} to "
+        f"{most + 1} samples of {problem.drive.sample_time_s:g} s make zero what it claims to be",
         code="no_amplitudes_on_samples",
     )
+
+
+def _require_some(problem: ClaimsOnSamples, most: int) -> None:
+    """Check that it is not proven that no amplitudes keep the zeros.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        If it is.
+    """
+    bound = _least_possible(problem, most)
+    if bound is not None and bound > PROVEN:
+        sample_time_s = problem.drive.sample_time_s
+        raise InfeasibleDesignError(
+            f"proven: no command on up to {most + 1} samples of {sample_time_s:g} s, "
+            f"{most * sample_time_s:.4g} s, keeps the limits of the shaper and makes zero what it "
+            f"claims to be; a Taylor term of what is left is {100 * bound:.4g} % or more at 5 % of "
+            "error in frequency: take a shorter sample time",
+            code="proven_none_on_samples",
+        )
 
 
 def _zeros_on(problem: ClaimsOnSamples, freedom: Freedom, amplitudes: FloatArray) -> FreeAmplitudes:
@@ -210,18 +269,14 @@ def _zeros_on(problem: ClaimsOnSamples, freedom: Freedom, amplitudes: FloatArray
     return FreeAmplitudes(
         impulses=_command(problem, freedom, amplitudes),
         bound=0.0,
-        shorter_bound=_shorter_bound(problem, int(freedom.samples[-1]) - 1),
+        shorter_bound=_least_possible(problem, int(freedom.samples[-1]) - 1),
     )
 
 
-def _shorter_bound(problem: ClaimsOnSamples, last: int) -> float | None:
-    """Return what commands on so few samples cannot go below, where that is proven."""
-    freedom = next(iter(problem.freedoms(last)), None) if last > 0 else None
-    if freedom is None or not freedom.complete:
+def _least_possible(problem: ClaimsOnSamples, last: int) -> float | None:
+    """Return what commands on so many samples cannot go below, where that is proven."""
+    freedom = problem.all_freedom(last) if last > 0 else None
+    if freedom is None:
         return None
-    if freedom.signs is not None:
-        if problem.drive.passes_state_on or last > MAX_RELAXED:
-            return None
-        freedom = relaxed(problem.impulses, last)
     bound = problem.least(freedom).outcome.bound
     return max(bound, 0.0) if math.isfinite(bound) else None

@@ -34,6 +34,9 @@ MAX_RELAXED = 80
 MAX_PATTERNS = 60
 """Ways to part samples among the steps up and down that are tried for one number of samples."""
 
+MAX_LISTED_PATTERNS = 500
+"""Of few samples all ways are, if there are no more."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Freedom:
@@ -141,10 +144,8 @@ def freedoms(
         The shaper, and its times from the first impulse on [samples].
     last
         Number of the last sample.
-    band
-        Whether a tolerance is kept over a band.
-    alike
-        Whether steps up and down go through one set of the drive.
+    band, alike
+        As of `takes_turns`.
 
     Yields
     ------
@@ -153,16 +154,41 @@ def freedoms(
     """
     amplitudes = impulses.amplitudes / impulses.amplitudes.sum()
     samples = candidates(positions, last)
-    levels = np.cumsum(amplitudes)
     if amplitudes.min() >= 0:
         yield _positive(positions, samples)
-        return
-    lowest, highest = min(0.0, float(levels.min())), max(1.0, float(levels.max()))
+    elif takes_turns(impulses, band=band, alike=alike):
+        yield from _patterns(positions, amplitudes, samples)
+    else:
+        yield _within_levels(positions, amplitudes, samples, _levels(impulses))
+
+
+def takes_turns(impulses: Impulses, *, band: bool, alike: bool) -> bool:
+    """Return whether steps take turns, and those down keep their sums.
+
+    Parameters
+    ----------
+    impulses
+        The shaper.
+    band
+        Whether a tolerance is kept over a band.
+    alike
+        Whether steps up and down go through one set of the drive.
+
+    Returns
+    -------
+    bool
+        False of one sign, and of a command that only stays within its levels.
+    """
+    lowest, highest = _levels(impulses)
     beyond = lowest < -LEVEL or (alike and highest > 1 + LEVEL)
-    if band or beyond or is_unity(impulses):
-        yield _within_levels(positions, amplitudes, samples, (lowest, highest))
-        return
-    yield from _patterns(positions, amplitudes, samples)
+    both = impulses.amplitudes.min() < 0 < impulses.amplitudes.max()
+    return bool(both) and not (band or beyond or is_unity(impulses))
+
+
+def _levels(impulses: Impulses) -> tuple[float, float]:
+    """Return the lowest and the highest level of a command from 0 to 1."""
+    levels = np.cumsum(impulses.amplitudes / impulses.amplitudes.sum())
+    return min(0.0, float(levels.min())), max(1.0, float(levels.max()))
 
 
 def _far(positions: FloatArray, samples: FloatArray) -> FloatArray:
@@ -220,6 +246,18 @@ def _patterns(
     """Yield signs of the steps: each impulse has samples in a row, those next to it first."""
     ends = (positions[1:] + positions[:-1]) / 2
     places = np.searchsorted(samples, ends)
+    for cuts in _cuts(places, samples.size):
+        yield _signed(positions, amplitudes, samples, [0, *cuts, samples.size])
+
+
+def _cuts(places: AnyIntArray, count: int) -> Iterator[tuple[int, ...]]:
+    """Yield where samples are parted, all different: those nearest to some places first."""
+    if math.comb(count - 1, places.size) <= MAX_LISTED_PATTERNS:
+        yield from sorted(
+            itertools.combinations(range(1, count), places.size),
+            key=lambda cuts: (int(np.abs(cuts - places).sum()), cuts),
+        )
+        return
     reach = 1
     while (2 * reach + 3) ** places.size <= 3 * MAX_PATTERNS and reach < REACH:
         reach += 1
@@ -229,11 +267,10 @@ def _patterns(
     )
     tried = 0
     for move in moves:
-        cuts = [0, *(places + np.array(move)).tolist(), samples.size]
-        if tried == MAX_PATTERNS or any(b <= a for a, b in itertools.pairwise(cuts)):
-            continue
-        tried += 1
-        yield _signed(positions, amplitudes, samples, cuts)
+        cuts = tuple((places + np.array(move)).tolist())
+        if tried < MAX_PATTERNS and all(a < b for a, b in itertools.pairwise((0, *cuts, count))):
+            tried += 1
+            yield cuts
 
 
 def _signed(

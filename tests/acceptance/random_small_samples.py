@@ -7,6 +7,7 @@ on as many. Of unity magnitude all commands as long are listed.
 """
 
 import json
+import math
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -105,13 +106,19 @@ def _by_cones(judge: OnSamples, wanted: list[Wanted]) -> Compared:
         worst = max(one["value"] for one in claims) / tolerance
         if len(judge.plant.modes) == 1 and worst > as_many * (1 + LESS):
             told.append(f"leaves {worst:.9g} of the tolerance, another command {as_many:.9g}")
-    elif count > 1 and left_on(count - 1) < ZERO:
+    elif count > 1 + _samples_between(judge) and left_on(count - 1) < ZERO:
         told.append(f"{count} samples, zeros are kept on one less")
     return Compared(way="cone program", beaten="; ".join(told))
 
 
+def _samples_between(judge: OnSamples) -> int:
+    """Return how many samples the shaper between them takes: of zeros alone no fewer are sought."""
+    duration_s = float(judge.between["shaper"]["duration_s"])
+    return math.ceil(duration_s / float(judge.shaper["sample_time_s"]) - 1e-9)
+
+
 def _by_listing(judge: OnSamples) -> Compared:
-    drive, sampled = judge.designed_for, judge.answer["sampled"]
+    drive, sampled = judge.actuator, judge.answer["sampled"]  # the residual is with that
     claims = judge.between["certificate"]["claims"]
     if isinstance(drive, RateLimited) or drive.model == "switched" or len(judge.plant.modes) > 1:
         return Compared()

@@ -22,6 +22,10 @@ MAX_LISTED = 12
 ANGLES, RATIOS = 24, 41
 """Sides of a polygon around a circle, and frequencies of a band [-]."""
 
+LISTED_RATIOS = 81
+"""Frequencies of a band for listed commands: every fifth is one of the 17 of a search, so that what
+a search proves of these holds here [-]."""
+
 ERROR = 0.05
 """Error in frequency by which a slope is weighed against the residual [-]."""
 
@@ -111,7 +115,7 @@ def least_of_level_0_or_1(
     Behind a drive whose steps add; with ``slope`` 5 % of the slope more, of a band the largest.
     """
     ratios = np.array([1.0, 1 + DIFFERENCE, 1 - DIFFERENCE])
-    poles = mode.pole_rad_s * (ratios if band is None else np.linspace(*band, RATIOS))
+    poles = mode.pole_rad_s * (ratios if band is None else np.linspace(*band, LISTED_RATIOS))
     gains = {
         up: np.array([gain_and_slope(actuator, pole, accel=up)[0] for pole in poles.tolist()])
         for up in (True, False)

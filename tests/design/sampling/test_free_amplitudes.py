@@ -286,6 +286,61 @@ def test_zeros_that_no_steps_down_of_that_size_make_are_refused() -> None:
     assert caught.value.code == "no_amplitudes_on_samples"
 
 
+@pytest.mark.parametrize("amplitudes", [[0.5, 0.5], [0.9, -0.5, 0.6]])
+def test_zeros_that_no_amplitudes_make_are_refused_with_a_proof(amplitudes: list[float]) -> None:
+    """A mode at the sample rate sees all steps as one."""
+    mode = mode_of(12.5, 0.0)
+    start = shaper([0.04 * number for number in range(len(amplitudes))], amplitudes)
+    with refused("proven_none_on_samples", says=r"^proven: no command on up .* is 100 % or more"):
+        free_on_samples(start, zeros(RESIDUAL), (mode,), Ideal(), 0.08)
+
+
+@pytest.mark.parametrize(
+    ("hertz", "damping", "sample_time_s", "negative"),
+    [
+        (0.9259417724392129 / 2 / math.pi, 0.1007, 2.8892600702, 0.5),  # few samples: all ways
+        (1.0, 0.1646, 0.05339, 0.8654),  # impulses of both signs are less than a sample apart
+        (1.0, 0.65, 0.015466, 0.5),  # on three times as many samples
+    ],
+)
+def test_steps_that_take_turns_are_sought_on_many_numbers_of_samples(
+    hertz: float, damping: float, sample_time_s: float, negative: float
+) -> None:
+    """Where the samples nearest to the impulses have no amplitudes, longer commands do."""
+    mode = mode_of(hertz, damping)
+    kind = SHAPERS["sna_zvd"]
+    made = design(mode, Ideal(), kind, kind.options(negative_amplitude=negative))
+    promises = [promise_of(claim) for claim in made.certificate.claims]
+    found = free_on_samples(made.impulses, promises, (mode,), Ideal(), sample_time_s)
+    amplitudes = found.impulses.amplitudes
+    assert certify(found.impulses, mode, Ideal(), tuple(promises)).verified
+    assert_on_grid(found.impulses, sample_time_s)
+    assert amplitudes[amplitudes < 0].sum() == pytest.approx(-2 * negative, abs=1e-9)
+    turns = np.sign(amplitudes[:-1]) != np.sign(amplitudes[1:])
+    assert turns.sum() <= 4
+
+
+def test_zeros_hold_at_the_last_step_that_there_is() -> None:
+    """What a strongly damped mode has left decays: behind the last step it is nearly nothing.
+
+    The last impulse of this shaper is 1.7e-10 of all: without it zeros would hold at its sample
+    alone, and the third derivative at the last step be 1.7e-4.
+    """
+    mode = Mode(natural_frequency_rad_s=1.9747136831908185, damping_ratio=0.8728926023156949)
+    made = design(mode, Ideal(), SHAPERS["zvddd"])
+    promises = tuple(promise_of(claim) for claim in made.certificate.claims)
+    with refused("no_amplitudes_on_samples"):
+        free_on_samples(made.impulses, promises, (mode,), Ideal(), 0.017773782856923156)
+
+
+def test_more_samples_than_a_program_can_have_are_refused_before_any_is_made() -> None:
+    """The unknowns of 15,625 impulses would ask for 26 GB."""
+    mode = mode_of(1.0, 0.01)
+    many = shaper([0.01 * number for number in range(15_625)], [1 / 15_625] * 15_625)
+    with refused("too_many_samples_to_solve", "sample_time_s", says="15625 impulses"):
+        free_on_samples(many, zeros(RESIDUAL), (mode,), Ideal(), 0.001)
+
+
 def test_many_samples_are_searched_around_the_impulses() -> None:
     mode = mode_of(1, 0.05)
     found = found_for("si", mode, Ideal(), 0.001, half_width=0.15, tolerance=0.05)
