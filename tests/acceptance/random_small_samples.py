@@ -30,8 +30,12 @@ RATIOS = 201
 LESS = 1e-3
 """Share by which a rival may leave less: what is told is a peak, and below it by rounding [-]."""
 
-ZERO = 1e-7
-"""Most that a cone program leaves where amplitudes keep zeros [-]."""
+ZERO = 1e-12
+"""What keeps zeros and limits: weighed by its order, a third derivative counts from 2e-10 on, which
+a cone program alone does not reach [-]."""
+
+ABSENT = (0.0, 1e-7, 1e-5, 1e-3)
+"""Amplitudes that are left as a cone program has them, where the nearest zeros are sought [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,9 +110,37 @@ def _by_cones(judge: OnSamples, wanted: list[Wanted]) -> Compared:
         worst = max(one["value"] for one in claims) / tolerance
         if len(judge.plant.modes) == 1 and worst > as_many * (1 + LESS):
             told.append(f"leaves {worst:.9g} of the tolerance, another command {as_many:.9g}")
-    elif count > 1 + _samples_between(judge) and left_on(count - 1) < ZERO:
-        told.append(f"{count} samples, zeros are kept on one less")
+    elif count > 1 + _samples_between(judge):
+        rival = amplitudes_by_cones(wanted, count - 1, sample_time_s, judge.levels)
+        if rival is not None and _keeps_zeros(wanted, rival, sample_time_s, judge.levels):
+            told.append(f"{count} samples, zeros are kept on one less")
     return Compared(way="cone program", beaten="; ".join(told))
+
+
+def _keeps_zeros(
+    wanted: list[Wanted],
+    near: FloatArray,
+    sample_time_s: float,
+    levels: tuple[float, float] | None,
+) -> bool:
+    """Return whether the zeros nearest to amplitudes are within their limits."""
+    rows = np.concatenate([rows_of(one, near.size, sample_time_s) for one in wanted])
+    equations = np.concatenate((rows.real, rows.imag, np.ones((1, near.size))))
+    sides = np.append(np.zeros(2 * len(rows)), 1.0)
+    low, high = (0.0, 1.0) if levels is None else levels
+    for least in ABSENT:
+        found = np.where(np.abs(near) > least, near, 0.0)
+        kept = found != 0
+        missing = sides - equations @ found
+        found[kept] += np.linalg.lstsq(equations[:, kept], missing, rcond=None)[0]
+        values = found if levels is None else np.cumsum(found)
+        if (
+            np.abs(equations @ found - sides).max() < ZERO
+            and values.min() > low - ZERO
+            and values.max() < high + ZERO
+        ):
+            return True
+    return False
 
 
 def _samples_between(judge: OnSamples) -> int:
