@@ -6,7 +6,7 @@ STAMP := $(VENV)/.installed
 PORT ?= 8000
 
 .DEFAULT_GOAL := help
-.PHONY: help setup serve demo test acceptance check bench chaos lock clean
+.PHONY: help setup serve demo docs test acceptance check bench chaos lock clean
 
 help: ## this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/ -/'
@@ -24,6 +24,9 @@ serve: $(STAMP) ## the service on http://127.0.0.1:8000
 
 demo: $(STAMP) ## serve, design the thesis's crane over HTTP, write pictures to demo-output/
 	$(BIN)/python -m service.cli.demo demo-output
+
+docs: $(STAMP) ## the documentation as a site, in site/
+	$(BIN)/mkdocs build --clean --quiet
 
 test: $(STAMP) ## the tests, within ten minutes on two cores
 	$(BIN)/python -m pytest -n 2 --dist worksteal -q --ignore tests/acceptance
@@ -49,4 +52,4 @@ lock: ## resolve the dependencies anew (needs uv)
 	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 -c requirements.lock --group dev pyproject.toml -o requirements-dev.lock
 
 clean: ## remove what the other targets made
-	rm -rf $(VENV) build dist demo-output shapersmith-data *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) build dist site demo-output shapersmith-data *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

@@ -71,7 +71,7 @@ def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> i
     """
     # As in the workers of the service: on a busy machine threads of BLAS wait for each other.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    options = _parser().parse_args(arguments)
+    options = command_parser().parse_args(arguments)
     try:
         _require_json_if_pretty(options)
         if options.command == "serve":
@@ -103,7 +103,8 @@ def _silence_stdout() -> None:
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _parser() -> argparse.ArgumentParser:
+def command_parser() -> argparse.ArgumentParser:
+    """Return what reads the arguments of the command line."""
     parser = argparse.ArgumentParser(
         prog="shapersmith",
         description="Input shapers for flexible machines whose actuators are not ideal.",

@@ -1,0 +1,46 @@
+"""The documentation as a site: built without a warning, complete, and of no other server."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from design.shapers.registry import SHAPERS
+from service.cli.main import COMMANDS
+
+ROOT = Path(__file__).parents[2]
+
+ELSEWHERE = re.compile(r"""<(?:script|link|img|iframe)\b[^>]*(?:src|href)=["']?(?:https?:)?//""")
+"""What a browser would fetch from another server; a link that a person follows is none."""
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the site; a warning is an error where it is built."""
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--site-dir", str(folder)]
+    subprocess.run(command, cwd=ROOT, check=True)
+    return folder
+
+
+def test_every_page_is_there_and_can_be_searched(site: Path) -> None:
+    index = (site / "search/search_index.json").read_text()
+    pages = [page.stem for page in (ROOT / "docs").glob("*.md")]
+    for page in (*pages, "kinds", "commands"):
+        assert (site / f"{page}.html").is_file(), page
+        assert f'"location":"{page}.html' in index, page
+
+
+def test_the_reference_has_every_kind_and_command(site: Path) -> None:
+    kinds, commands = ((site / f"{page}.html").read_text() for page in ("kinds", "commands"))
+    for kind in SHAPERS:
+        assert f'<h2 id="{kind}">' in kinds, kind
+    for command in (*COMMANDS, "table", "shapers", "serve"):
+        assert f"shapersmith {command}</h2>" in re.sub(r"<a .*?</a>", "", commands), command
+
+
+def test_nothing_is_fetched_from_another_server(site: Path) -> None:
+    for page in site.rglob("*.html"):
+        assert not ELSEWHERE.search(page.read_text()), page
