@@ -79,6 +79,25 @@ class Found:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class NearestZero:
+    """Amplitudes of all zeros.
+
+    Attributes
+    ----------
+    freedom
+        The samples that may have steps, and what these may be.
+    amplitudes
+        On these samples, shape (k,).
+    is_exact
+        Whether all zeros hold to rounding; where not, nearly.
+    """
+
+    freedom: Freedom
+    amplitudes: FloatArray
+    is_exact: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ClaimsOnSamples:
     """A shaper, what is asked of it on samples, and the drive."""
 
@@ -217,7 +236,7 @@ class ClaimsOnSamples:
             return _program(freedom, zeros, np.ones(len(zeros)), zeros[:0], None)
         return _program(freedom, np.concatenate(rows), np.concatenate(limits), zeros, None)
 
-    def nearest_zero(self, freedom: Freedom) -> tuple[Freedom, FloatArray] | None:
+    def nearest_zero(self, freedom: Freedom) -> NearestZero | None:
         """Return amplitudes of all zeros, near the linear split.
 
         Parameters
@@ -227,42 +246,24 @@ class ClaimsOnSamples:
 
         Returns
         -------
-        tuple of Freedom and FloatArray, or None
-            The samples that may have steps, and amplitudes on them, shape (k,); None if no such
-            amplitudes were found.
+        NearestZero or None
+            None if no such amplitudes were found.
         """
-        amplitudes = self._nearest(freedom)
-        if amplitudes is None or freedom.signs is None or not self.drive.passes_state_on:
-            return None if amplitudes is None else (freedom, amplitudes)
+        found = self._nearest(freedom)
+        if found is None or freedom.signs is None or not self.drive.passes_state_on:
+            return found
         # Which set is in force goes by the steps there are: without those that begin no set.
         begun = freedom
         for _ in range(MAX_SETS):
-            begun = begun.restricted(_in_force(begun.signs, amplitudes))
-            amplitudes = self._nearest(begun)
-            if amplitudes is None:
+            begun = begun.restricted(_in_force(begun.signs, found.amplitudes))
+            found = self._nearest(begun)
+            if found is None:
                 break
-            if _in_force(begun.signs, amplitudes).all():
-                return begun, amplitudes
-        begun = freedom.with_beginnings()
-        amplitudes = self._nearest(begun)
-        return None if amplitudes is None else (begun, amplitudes)
+            if _in_force(begun.signs, found.amplitudes).all():
+                return found
+        return self._nearest(freedom.with_beginnings())
 
-    def is_exact(self, freedom: Freedom, amplitudes: FloatArray) -> bool:
-        """Return whether all zeros hold to rounding.
-
-        Parameters
-        ----------
-        freedom, amplitudes
-            Samples that may have steps, and amplitudes on them, shape (k,).
-
-        Returns
-        -------
-        bool
-            False where they hold nearly.
-        """
-        return bool(self._missed(freedom, amplitudes).max(initial=0.0) <= 2 * EXACT)
-
-    def _nearest(self, freedom: Freedom) -> FloatArray | None:
+    def _nearest(self, freedom: Freedom) -> NearestZero | None:
         zeros = self._zeros(freedom)
         cost = freedom.cost / max(1.0, float(np.abs(freedom.cost).max()))
         program = _program(freedom, zeros[:0], np.zeros(0), zeros, cost)
@@ -271,12 +272,17 @@ class ClaimsOnSamples:
         if outcome.status is not Status.SOLVE_SUCCEEDED:
             return None
         amplitudes = polished(program, freedom, outcome.unknowns, self.zero_limits)
-        if amplitudes is None or (self._missed(freedom, amplitudes) > self.zero_limits).any():
+        if amplitudes is None:
+            return None
+        missed = self._missed(freedom, amplitudes, zeros)
+        if (missed > self.zero_limits).any():
             return None  # with steps left out that are none
-        return amplitudes
+        return NearestZero(freedom, amplitudes, bool(missed.max(initial=0.0) <= 2 * EXACT))
 
-    def _missed(self, freedom: Freedom, amplitudes: FloatArray) -> FloatArray:
-        """Return by how much amplitudes miss the zeros, seen at their last step, shape (m,)."""
+    def _missed(self, freedom: Freedom, amplitudes: FloatArray, zeros: ComplexArray) -> FloatArray:
+        """Return what is left of zeros, ``zeros @ amplitudes``, seen at the last step instead."""
+        if amplitudes[-1] != 0:
+            return np.abs(zeros @ amplitudes)
         kept = slice(0, int(np.flatnonzero(amplitudes)[-1]) + 1)
         samples = freedom.samples[kept]
         signs = None if freedom.signs is None else freedom.signs[kept]

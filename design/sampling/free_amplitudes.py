@@ -17,7 +17,14 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.sampling.asked import Drive, asked_of
-from design.sampling.claims_on_samples import MET, POLISHED, ClaimsOnSamples, Found, polished
+from design.sampling.claims_on_samples import (
+    MET,
+    POLISHED,
+    ClaimsOnSamples,
+    Found,
+    NearestZero,
+    polished,
+)
 from design.sampling.freedom import Freedom, candidates, samples_of
 from design.sampling.sample_grid import ON_SAMPLE, on_samples
 from design.solvers.budget import Budget
@@ -31,7 +38,8 @@ FOR_EXACT = 2
 """Samples by which a shaper may take longer for zeros that hold to rounding."""
 
 FEW_PATTERNS = 20
-"""Ways to part samples that are tried on more samples than that: there any of many serves."""
+"""Ways to part samples that are tried on more samples than that, where any of many serves, and
+behind a drive that passes its state on, where each takes milliseconds."""
 
 MAX_UNKNOWNS = 2000
 """Samples that may have a step, at most: a program of so many takes two seconds, and its memory
@@ -209,15 +217,15 @@ def _of_zeros(problem: ClaimsOnSamples, first: int, most: int) -> FreeAmplitudes
     InfeasibleDesignError
         If no amplitudes make zero what is claimed to be.
     """
-    nearly: tuple[Freedom, FloatArray] | None = None
-    exact: tuple[Freedom, FloatArray] | None = None
+    nearly: NearestZero | None = None
+    exact: NearestZero | None = None
 
     def found_on(last: int) -> bool:
         nonlocal nearly, exact
-        usual = last <= first + FOR_EXACT
+        usual = last <= first + FOR_EXACT and not problem.drive.passes_state_on
         for freedom in problem.freedoms(last)[: None if usual else FEW_PATTERNS]:
             found = problem.nearest_zero(freedom)
-            if found is not None and problem.is_exact(*found):
+            if found is not None and found.is_exact:
                 exact = found
                 return True
             nearly = nearly or found
@@ -226,7 +234,7 @@ def _of_zeros(problem: ClaimsOnSamples, first: int, most: int) -> FreeAmplitudes
     low, high, step = first - 1, first, 1
     while not found_on(high) and high < most:
         if nearly is not None:
-            most = min(most, int(nearly[0].samples[-1]) + FOR_EXACT)
+            most = min(most, int(nearly.freedom.samples[-1]) + FOR_EXACT)
         elif high == first:
             _require_some(problem, most)
         low, high = high, min(high + step, most)
@@ -236,7 +244,7 @@ def _of_zeros(problem: ClaimsOnSamples, first: int, most: int) -> FreeAmplitudes
         low, high = (low, middle) if found_on(middle) else (middle, high)
     best = exact or nearly
     if best is not None:
-        return _zeros_on(problem, *best)
+        return _zeros_on(problem, best.freedom, best.amplitudes)
     raise InfeasibleDesignError(
         f"no amplitudes within the limits of the shaper were found that on {first + 1} to "
         f"{most + 1} samples of {problem.drive.sample_time_s:g} s make zero what it claims to be",
