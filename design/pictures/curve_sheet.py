@@ -6,17 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from design.pictures.style import BRIGHT, DEEP, GREEN, GREY, INK, house_style
+from design.pictures.style import GREY, STROKES, house_style
 from design.types import FloatArray
-
-STROKES: tuple[tuple[str, str | tuple[int, tuple[float, ...]]], ...] = (
-    (DEEP, "-"),
-    (BRIGHT, (0, (5, 2))),
-    (INK, (0, (1, 1.4))),
-    (GREY, (0, (7, 2, 1.5, 2))),
-    (GREEN, "-"),
-)
-"""Colour and dashes of each curve: distinct in grey print too."""
 
 HEADROOM = 1.08
 """Height of the panel over that of the highest curve [-]."""
