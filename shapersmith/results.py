@@ -161,7 +161,7 @@ class Simulation(Result, SimulationResponse):
         return {name: np.array(values) for name, values in told.items() if values is not None}
 
 
-class Sensitivity(Result, SensitivityResponse):
+class Sensitivity(Drawn, SensitivityResponse):
     """A sensitivity curve."""
 
     OPERATION = "sensitivity"

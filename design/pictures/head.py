@@ -27,8 +27,11 @@ HEAD_IN = 1.5
 TITLE_IN = 0.3
 """Between the head and the panels, for their titles [in]."""
 
-GAP_IN = (0.14, 0.5)
+GAP_IN = (0.2, 0.5)
 """Least and most between two columns [in]."""
+
+FITTING = 3
+"""How often type is shrunk: its width does not follow its size exactly [-]."""
 
 NAME_PT, VALUE_PT = (11.0, 21.0), 10.0
 """Type sizes: of the name the least and the largest, and of a value [pt]."""
@@ -165,12 +168,13 @@ def _column(figure: Figure, fact: Fact, height: float) -> list[Text]:
 def _place(figure: Figure, columns: list[list[Text]], width: float) -> None:
     """Put the columns side by side, with equal gaps, and shrink them where they do not fit."""
     room = width - 2 * MARGIN_IN - (len(columns) - 1) * GAP_IN[0]
-    wanted = sum(_width_in(figure, column) for column in columns)
-    if wanted > room:
-        for column in columns:
-            for text in column:
-                text.set_fontsize(float(text.get_fontsize()) * room / wanted)
     widths = [_width_in(figure, column) for column in columns]
+    for _ in range(FITTING):
+        if sum(widths) <= room:
+            break
+        for text in (text for column in columns for text in column):
+            text.set_fontsize(float(text.get_fontsize()) * room / sum(widths))
+        widths = [_width_in(figure, column) for column in columns]
     gap = (width - 2 * MARGIN_IN - sum(widths)) / max(len(columns) - 1, 1)
     left = MARGIN_IN
     for column, own in zip(columns, widths, strict=True):

@@ -62,6 +62,7 @@ TABLE: dict[str, Row] = {
         "analysis",
         "sensitivity",
         "sensitivity curve of any impulses",
+        drawn=True,
     ),
     "fit": Row(
         "/v1/fits",

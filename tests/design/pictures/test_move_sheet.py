@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 
@@ -21,7 +20,7 @@ from design.pictures.design_sheet import design_sheet, figure_bytes
 from design.pictures.move_sheet import move_sheet
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
-from design.types import FloatArray
+from tests.design.pictures.drawn import lines, panel, points
 from tests.expm_route import outcome
 
 VERSION = "1.2.3"
@@ -39,20 +38,8 @@ def moved(drive: Actuator, distance_m: float, kind: str = "numzv") -> Maneuver:
     return maneuver(CRANE, drive, SHAPERS[kind], speed_m_s=1.0, distance_m=distance_m)
 
 
-def panel(figure: Figure, name: str) -> Axes:
-    return next(axes for axes in figure.axes if axes.get_label() == name)
-
-
-def line(axes: Axes, gid: str) -> Line2D:
-    return next(one for one in axes.lines if one.get_gid() == gid)
-
-
-def points(drawn: Line2D) -> tuple[FloatArray, FloatArray]:
-    return np.asarray(drawn.get_xdata(), dtype=float), np.asarray(drawn.get_ydata(), dtype=float)
-
-
 def marks(axes: Axes) -> list[Line2D]:
-    return [one for one in axes.lines if str(one.get_gid()).startswith("limit-")]
+    return lines(axes, "limit-")
 
 
 @pytest.mark.parametrize("distance_m", [12.0, -12.0, 0.3])
@@ -76,7 +63,7 @@ def test_the_marks_follow_the_velocity_of_an_ideal_drive_from_end_to_end(
 ) -> None:
     move = moved(drive, 12.0, "numzvd")
     axes = panel(move_sheet("numzvd", CRANE, drive, move, VERSION), "velocity")
-    times, velocity = points(line(axes, "velocity-line"))
+    times, velocity = points(lines(axes, "velocity-line")[0])
     reached = 0.0
     for mark in marks(axes):
         at, levels = points(mark)
@@ -115,7 +102,7 @@ def test_the_payload_hangs_still_after_the_move(drive: Actuator, distance_m: flo
     kind = "umzv" if isinstance(drive, Ideal) else "numzv"
     move = moved(drive, distance_m, kind)
     axes = panel(move_sheet(kind, CRANE, drive, move, VERSION), "payload")
-    times, deflection = points(line(axes, "shaped"))
+    times, deflection = points(lines(axes, "shaped")[0])
     late = times > times[-1] - 2.0
     largest = float(np.abs(deflection).max())
     assert np.abs(deflection[late]).max() < 1e-6 * largest
@@ -128,7 +115,7 @@ def test_a_swing_at_the_start_is_drawn_and_cancelled() -> None:
     begun = AngleSwing(angle_rad=0.02, angle_rate_rad_s=0.01)
     move = maneuver(CRANE, LAGGED, SHAPERS["numzv"], speed_m_s=1.0, distance_m=-0.5, initial=begun)
     axes = panel(move_sheet("numzv", CRANE, LAGGED, move, VERSION), "payload")
-    times, deflection = points(line(axes, "shaped"))
+    times, deflection = points(lines(axes, "shaped")[0])
     assert np.interp(0.0, times, deflection) == pytest.approx(0.02 * 9.0, abs=1e-9)
     rate = (np.interp(0.01, times, deflection) - np.interp(-0.01, times, deflection)) / 0.02
     assert rate == pytest.approx(0.01 * 9.0, abs=5e-3)
