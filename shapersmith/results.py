@@ -148,7 +148,7 @@ class Recommendation(Stepped, RecommendationResponse):
         return self.recommended.impulses
 
 
-class Simulation(Result, SimulationResponse):
+class Simulation(Drawn, SimulationResponse):
     """The motion under a command."""
 
     OPERATION = "simulation"

@@ -239,7 +239,7 @@ def last_event(actuator: Actuator) -> str:
     return "last ramp ends" if isinstance(actuator, RateLimited) else "last switch"
 
 
-def mark_switches(axes: Axes, impulses: Impulses, actuator: Actuator) -> None:
+def mark_switches(axes: Axes, impulses: Impulses, actuator: Actuator, delay_s: float = 0.0) -> None:
     """Draw a line through a panel at every switch, a darker one at the end.
 
     The end is the last switch, or behind limits the end of the last ramp.
@@ -250,8 +250,10 @@ def mark_switches(axes: Axes, impulses: Impulses, actuator: Actuator) -> None:
         A panel over time.
     impulses, actuator
         The command, and what follows it.
+    delay_s
+        Of the end after the command's [s].
     """
-    end = end_of_reference(impulses, actuator)
+    end = end_of_reference(impulses, actuator) + delay_s
     for time in impulses.times_s[impulses.times_s < end].tolist():
         axes.axvline(time, color=PALE, linewidth=0.9, zorder=0.8)
     axes.axvline(end, color=INK, linewidth=0.9, linestyle=(0, (1, 1.6)), zorder=0.9)

@@ -91,6 +91,7 @@ TABLE: dict[str, Row] = {
         "moves",
         "simulate",
         "response to a command over time",
+        drawn=True,
     ),
     "map": Row(
         "/v1/maps",
