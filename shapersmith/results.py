@@ -167,7 +167,7 @@ class Sensitivity(Drawn, SensitivityResponse):
     OPERATION = "sensitivity"
 
 
-class Fit(Result, FitOut):
+class Fit(Drawn, FitOut):
     """Curve coefficients of a shaper."""
 
     OPERATION = "fit"

@@ -1,11 +1,12 @@
 """What all pictures share: colours, type sizes, and the panel they are drawn in."""
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
 import matplotlib as mpl
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 INK = "#1b1f24"
@@ -105,7 +106,7 @@ def name_panel(axes: Axes, name: str, title: str) -> None:
     axes.set_title(title)
 
 
-def legend_above(axes: Axes, columns: int = 3) -> None:
+def legend_above(axes: Axes, columns: int = 3, handles: Mapping[str, Artist] | None = None) -> None:
     """Put the legend on the line of the title, where no curve meets it.
 
     It stands to the right.
@@ -116,8 +117,12 @@ def legend_above(axes: Axes, columns: int = 3) -> None:
         The panel.
     columns
         Entries to a row.
+    handles
+        Entries by name; those of the panel if not given.
     """
+    entries = {} if handles is None else {"handles": [*handles.values()], "labels": [*handles]}
     axes.legend(
+        **entries,
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
         ncols=columns,

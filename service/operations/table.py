@@ -73,6 +73,7 @@ TABLE: dict[str, Row] = {
         "designs",
         "fit",
         "curve coefficients over a field of the plant",
+        drawn=True,
     ),
     "maneuver": Row(
         "/v1/maneuvers",

@@ -12,7 +12,7 @@ from shapersmith.here import HERE
 from tests.conftest import CRANE
 from tests.shapersmith.requests import LENGTHS, REQUESTS, call
 
-DRAWN = ("design", "sensitivity", "maneuver", "simulation", "map")
+DRAWN = ("design", "sensitivity", "fit", "maneuver", "simulation", "map")
 
 
 @pytest.mark.parametrize("operation", DRAWN)
