@@ -1,8 +1,6 @@
 """One design on one page: impulses, vectors, motion and sensitivity."""
 
-import io
 from collections.abc import Sequence
-from typing import Literal
 
 from matplotlib.figure import Figure
 
@@ -76,29 +74,6 @@ def design_sheet(
             vectors.set_title(f"Vibration vectors of mode {slowest}")
         draw_sensitivity(figure.add_subplot(right[1]), curves, design.residuals)
         return figure
-
-
-def figure_bytes(figure: Figure, image_format: Literal["png", "svg"]) -> bytes:
-    """Return a figure as a file's bytes, the same ones every time.
-
-    Parameters
-    ----------
-    figure
-        A figure of this package.
-    image_format
-        ``png``, 150 dots per inch, or ``svg``, with text as outlines.
-
-    Returns
-    -------
-    bytes
-        Without a date or version in them.
-    """
-    # Neither the time nor the version of the program belongs in the file.
-    metadata = {"Date": None} if image_format == "svg" else {"Software": None}
-    buffer = io.BytesIO()
-    with house_style():
-        figure.savefig(buffer, format=image_format, metadata=metadata)
-    return buffer.getvalue()
 
 
 def _panels_of_height() -> tuple[float, float]:

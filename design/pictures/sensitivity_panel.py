@@ -3,12 +3,15 @@
 from collections.abc import Sequence
 from itertools import cycle
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from numpy.typing import ArrayLike
 
 from design.analysis.insensitivity import Insensitivity
 from design.analysis.sensitivity import Sensitivity
 from design.analysis.worst_mode import worst_of
+from design.model.plants.mode import Mode
 from design.pictures.style import (
     DEEP,
     INK,
@@ -20,6 +23,8 @@ from design.pictures.style import (
     name_panel,
     percent,
 )
+from design.pictures.words import frequency_hz
+from design.types import FloatArray
 
 HEADROOM = 1.3
 """Height of the panel over its curves'; the note is written above them [-]."""
@@ -29,6 +34,9 @@ ROW = 0.085
 
 BAND_TOP = 0.9
 """Height to which the band is shaded, below the note, as a share of the panel's [-]."""
+
+HERTZ_DOWN_IN = 0.47
+"""From the axis of ratios down to that of hertz [in]."""
 
 MODES_IN_ROW = 3
 """Modes in a row of the legend [-]."""
@@ -119,3 +127,30 @@ def _describe(band: Insensitivity | None, nominal_residual: float) -> str:
     if band.lower_ratio is not None:
         return f"insensitivity from {lowest:.4f}, no upper edge up to {highest:.3g} times"
     return f"insensitivity: no edge from {lowest:.3g} to {highest:.3g} times"
+
+
+def add_hertz(axes: Axes, modes: Sequence[Mode], height_in: float) -> None:
+    """Add a second axis of frequency; of several modes, that of the slowest.
+
+    Parameters
+    ----------
+    axes
+        A panel over the frequency ratio.
+    modes
+        Of the plant.
+    height_in
+        Of the panel [in].
+    """
+    slowest = min(modes, key=lambda mode: mode.natural_frequency_rad_s)
+    nominal_hz = frequency_hz(slowest)
+
+    def to_hertz(ratios: ArrayLike) -> FloatArray:
+        return np.asarray(ratios, dtype=np.float64) * nominal_hz
+
+    def from_hertz(true_hz: ArrayLike) -> FloatArray:
+        return np.asarray(true_hz, dtype=np.float64) / nominal_hz
+
+    hertz = axes.secondary_xaxis(-HERTZ_DOWN_IN / height_in, functions=(to_hertz, from_hertz))
+    hertz.set_label("hertz")
+    of = f" of mode {modes.index(slowest)}" if len(modes) > 1 else ""
+    hertz.set_xlabel(f"true frequency{of} [Hz]")

@@ -3,10 +3,8 @@
 from collections.abc import Sequence
 from itertools import cycle
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import ArrayLike
 
 from design.analysis.ramp_figures import moving_time_s
 from design.analysis.sensitivity import Sensitivity
@@ -16,7 +14,7 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
 from design.pictures.head import HEAD_IN, TITLE_IN, Fact, note_of, write_head
-from design.pictures.sensitivity_panel import HEADROOM, draw_sensitivity
+from design.pictures.sensitivity_panel import HEADROOM, add_hertz, draw_sensitivity
 from design.pictures.style import (
     INK,
     LIMIT,
@@ -28,21 +26,16 @@ from design.pictures.style import (
 )
 from design.pictures.words import (
     actuator_in_words,
-    frequency_hz,
     modes_in_words,
     plant_in_words,
     residual_in_words,
 )
-from design.types import FloatArray
 
 HEIGHT_IN, WIDTH_IN, WIDER_IN = 6.2, 10.2, 12.8
 """Height of the page, its width, and its width with a panel of damping [in]."""
 
 BOTTOM_IN = 0.98
 """Room below the panels, for two axes of frequency [in]."""
-
-HERTZ_DOWN_IN = 0.47
-"""From the axis of ratios down to that of hertz [in]."""
 
 
 def sensitivity_sheet(
@@ -92,7 +85,7 @@ def sensitivity_sheet(
         )  # fmt: skip
         axes = figure.add_subplot(panels[0])
         draw_sensitivity(axes, curves, residuals, names)
-        _add_hertz(axes, plant, (top - bottom) * HEIGHT_IN)
+        add_hertz(axes, plant.modes, (top - bottom) * HEIGHT_IN)
         if worst.damping is not None:
             _draw_damping(figure.add_subplot(panels[1]), plant, curves, residuals, worst.tolerance)
         return figure
@@ -123,23 +116,6 @@ def _facts(
         Fact("residual", residual_in_words(max(residuals)), "at the nominal plant"),
         Fact(f"width at {percent(worst.tolerance)}", width, edges),
     ]
-
-
-def _add_hertz(axes: Axes, plant: Plant, height_in: float) -> None:
-    """Add a second axis of frequency; of several modes, that of the slowest."""
-    slowest = min(plant.modes, key=lambda mode: mode.natural_frequency_rad_s)
-    nominal_hz = frequency_hz(slowest)
-
-    def to_hertz(ratios: ArrayLike) -> FloatArray:
-        return np.asarray(ratios, dtype=np.float64) * nominal_hz
-
-    def from_hertz(true_hz: ArrayLike) -> FloatArray:
-        return np.asarray(true_hz, dtype=np.float64) / nominal_hz
-
-    hertz = axes.secondary_xaxis(-HERTZ_DOWN_IN / height_in, functions=(to_hertz, from_hertz))
-    hertz.set_label("hertz")
-    of = f" of mode {plant.modes.index(slowest)}" if len(plant.modes) > 1 else ""
-    hertz.set_xlabel(f"true frequency{of} [Hz]")
 
 
 def _draw_damping(

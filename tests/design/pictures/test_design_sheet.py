@@ -32,7 +32,8 @@ from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
 from design.model.plants.spring_mass import SpringMass
-from design.pictures.design_sheet import design_sheet, figure_bytes
+from design.pictures.design_sheet import design_sheet
+from design.pictures.files import figure_bytes
 from design.pictures.sensitivity_panel import draw_sensitivity
 from design.pictures.style import AMBER, PROVEN
 from design.pictures.time_panels import draw_payload
@@ -195,8 +196,8 @@ def test_the_first_warning_is_on_the_sheet_and_the_others_are_counted() -> None:
     assert f"{made.warnings[0].detail}; {len(made.warnings) - 1} more" in told
 
 
-@pytest.mark.parametrize("image_format", ["png", "svg"])
-def test_two_drawings_have_equal_bytes(image_format: Literal["png", "svg"]) -> None:
+@pytest.mark.parametrize("image_format", ["png", "svg", "html"])
+def test_two_drawings_have_equal_bytes(image_format: Literal["png", "svg", "html"]) -> None:
     _, made, curve = _sheet("numzvd", CRANE, CRANE_DRIVE)
     first, second = (
         design_sheet("numzvd", CRANE, CRANE_DRIVE, made, [curve], VERSION) for _ in range(2)
@@ -239,6 +240,17 @@ def test_the_svg_is_xml_with_a_group_for_each_panel_and_no_date(
     ids = {element.get("id") for element in root.iter()}
     assert {"impulses", "command", "payload", "vectors", "sensitivity"} <= ids
     assert b"<dc:date>" not in image
+
+
+def test_the_page_is_the_svg_with_a_title_and_asks_no_server(
+    crane_sheet: tuple[Figure, Design, Sensitivity],
+) -> None:
+    page = figure_bytes(crane_sheet[0], "html").decode()
+    svg = figure_bytes(crane_sheet[0], "svg").decode()
+    assert svg[svg.index("<svg") :].strip() in page
+    assert "<title>numzvd</title>" in page
+    for loads in ("<script", "<link", "<img", "src="):
+        assert loads not in page
 
 
 @pytest.mark.parametrize("case", CASES)

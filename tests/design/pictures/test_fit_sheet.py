@@ -58,7 +58,6 @@ def drawn(name: str) -> tuple[FitOut, Figure]:
     request = FitRequest.model_validate(REQUESTS[name])
     answer = OPERATION.run(request)
     assert isinstance(answer, FitOut)
-    assert OPERATION.draw is not None
     return answer, OPERATION.draw(request)
 
 

@@ -9,7 +9,7 @@ from design.maps.field_map import field_map
 from design.maps.map_case import Map, MapCase, Move
 from design.model.actuators.ideal import Ideal
 from design.model.commands import pulse
-from design.pictures.design_sheet import figure_bytes
+from design.pictures.files import figure_bytes
 from design.pictures.map_sheet import map_sheet
 from tests.map_cases import CORNER, LENGTH, PULSES, case
 from tests.shaper_table import CRANE, THESIS

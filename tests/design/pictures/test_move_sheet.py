@@ -16,7 +16,8 @@ from design.model.actuators.registry import Actuator
 from design.model.initial_state import AngleSwing
 from design.model.plants.pendulum import Pendulum
 from design.moves.maneuvers import Maneuver, maneuver
-from design.pictures.design_sheet import design_sheet, figure_bytes
+from design.pictures.design_sheet import design_sheet
+from design.pictures.files import figure_bytes
 from design.pictures.move_sheet import move_sheet
 from design.pipeline import design
 from design.shapers.registry import SHAPERS

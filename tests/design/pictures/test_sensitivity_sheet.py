@@ -63,7 +63,6 @@ def drawn(name: str) -> tuple[SensitivityResponse, Figure]:
     request = SensitivityRequest.model_validate(REQUESTS[name])
     answer = OPERATION.run(request)
     assert isinstance(answer, SensitivityResponse)
-    assert OPERATION.draw is not None
     return answer, OPERATION.draw(request)
 
 

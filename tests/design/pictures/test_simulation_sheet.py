@@ -77,7 +77,6 @@ def drawn(name: str) -> tuple[SimulationResponse, Figure]:
     request = SimulationRequest.model_validate(REQUESTS[name])
     answer = OPERATION.run(request)
     assert isinstance(answer, SimulationResponse)
-    assert OPERATION.draw is not None
     return answer, OPERATION.draw(request)
 
 
