@@ -11,7 +11,7 @@ from design.model.plants.registry import Plant
 from design.pictures import time_panels
 from design.pictures.head import HEAD_IN, TITLE_IN, Fact, certificate_fact, note_of, write_head
 from design.pictures.sensitivity_panel import draw_sensitivity
-from design.pictures.style import AMBER, INK, house_style
+from design.pictures.style import AMBER, INK, house_style, percent
 from design.pictures.vector_panel import draw_vectors
 from design.pictures.words import actuator_in_words, plant_in_words, residual_in_words
 from design.pipeline import Design
@@ -116,6 +116,13 @@ def _facts(plant: Plant, actuator: Actuator, design: Design) -> list[Fact]:
         Fact("plant", *plant_in_words(plant)),
         Fact("actuator", *actuator_in_words(actuator)),
         Fact(until, f"{duration:.4g} s", f"{duration / longest:.3f} periods{of}"),
-        Fact("residual", residual_in_words(design.residual), "of the unshaped step", tone),
+        Fact("residual", residual_in_words(design.residual), _residual_of(design), tone),
         proof,
     ]
+
+
+def _residual_of(design: Design) -> str:
+    """Return what the residual is a share of, and the largest in a range where there is one."""
+    if design.worst_in_range is None:
+        return "of the unshaped step"
+    return f"in the middle of the range,\nat most {percent(design.worst_in_range)} within it"

@@ -1,5 +1,6 @@
 """The panel of vectors: what each impulse adds to the residual vibration, head to tail."""
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -29,7 +30,19 @@ CLEAR = 0.6
 """Least distance of such a number from any arrow, in the same [-]."""
 
 FLAT = 0.02
-"""Height of a chain over its width below which its vectors lie on one another [-]."""
+"""Height of a chain over its width below which it is a line: the first vector is real [-]."""
+
+FOLD_RAD = math.radians(8.0)
+"""Angle from one vector back along the one before within which they lie on one another [rad]."""
+
+STEEPEST = 0.4
+"""Height of a chain over its width above which lanes would take too much room [-]."""
+
+ACROSS = 1.28
+"""Width of the panel over the chain's [-]."""
+
+ROUNDS = 60
+"""Rounds in which the lanes of the panel are found: each halves their error, or more [-]."""
 
 SMALLEST = 0.55
 """Least size of arrows and numbers, over that of few [-]."""
@@ -93,9 +106,7 @@ def draw_vectors(axes: Axes, impulses: Impulses, mode: Mode, actuator: Actuator)
     axes.plot(corners.real, corners.imag, linestyle="none", gid="corners")
     colours = [DEEP if grows else BRIGHT for grows in reference(impulses, actuator).accelerates]
     residual = abs(corners[-1])
-    # The first vector is real, and so are all others of a chain without height.
-    flat = float(np.ptp(corners.imag)) <= FLAT * float(np.ptp(corners.real))
-    draw = _draw_lanes if flat and vectors.size > 1 else _draw_polygon
+    draw = _draw_lanes if lie_on_one_another(vectors) else _draw_polygon
     draw(axes, corners, colours, is_open=residual > ZERO_LIMITS["residual"])
     note = (
         "closes: no residual vibration"
@@ -113,6 +124,29 @@ def draw_vectors(axes: Axes, impulses: Impulses, mode: Mode, actuator: Actuator)
         bbox={"boxstyle": "square,pad=0.15", "facecolor": "white", "edgecolor": "none"},
     )
     axes.set_xlabel("real part [share of unshaped]")
+
+
+def lie_on_one_another(vectors: ComplexArray) -> bool:
+    """Return whether vectors, head to tail, would cover each other.
+
+    All lie along one line, or each goes back along the one before it.
+
+    Parameters
+    ----------
+    vectors
+        Shape (n,), the first of them real [-].
+
+    Returns
+    -------
+    bool
+        False of a chain that turns far while it does.
+    """
+    if vectors.size == 1 or not vectors.all():
+        return False
+    corners = np.cumsum(vectors)
+    slope = float(np.ptp(corners.imag) / np.ptp(np.append(corners.real, 0.0)))
+    folds = np.abs(np.angle(-vectors[1:] / vectors[:-1])) <= FOLD_RAD
+    return slope <= FLAT or (slope <= STEEPEST and bool(folds.all()))
 
 
 def _draw_polygon(
@@ -151,34 +185,45 @@ def _draw_polygon(
 def _draw_lanes(
     axes: Axes, corners: ComplexArray, colours: Sequence[str], *, is_open: bool
 ) -> None:
-    """Draw a chain that lies along the real axis with each vector below the one before it."""
+    """Draw a chain whose vectors lie on one another, each a lane below the one before it."""
     count = len(colours)
     shrunk = _shrunk(count)
     axes.axvline(0, color=GREY, linewidth=0.7)
     reach = float(np.ptp(corners.real))
+    aspect = float(axes.bbox.width / axes.bbox.height) / (ACROSS * reach)
+    # The lanes of the panel are those that the chain takes at a scale that is theirs.
+    room, own = float(count), np.arange(count + 1)
+    for _ in range(ROUNDS):
+        room = 1.16 * float(np.ptp(own - aspect * room * corners.imag)) + 1.4
+    # Upward is towards the lanes before; angles are true.
+    lanes = aspect * room
+    heights = -lanes * corners.imag
     for lane, colour in enumerate(colours, start=1):
-        tail, head = complex(corners[lane - 1].real, lane), complex(corners[lane].real, lane)
+        tail = complex(corners[lane - 1].real, lane + heights[lane - 1])
+        head = complex(corners[lane].real, lane + heights[lane])
         _draw_arrow(axes, tail, head, colour, 3.0, shrunk)
         # Beside the tail, so that a short vector stays visible.
         back = -1 if head.real >= tail.real else 1
         _write_number(axes, lane, tail + back * 0.055 * reach, colour, SMALL_PT * shrunk)
-        ends = [lane, lane + 1]
+        ends = [head.imag, head.imag + 1]
         axes.plot([head.real] * 2, ends, color=PALE, linewidth=1.0, zorder=1, gid="to-next")
     axes.plot(0, 1, "o", color=INK, markersize=5, zorder=5)
-    end = [0.0, float(corners[-1].real)]
+    gap = corners[[0, -1]] if is_open else corners[:1]
     axes.plot(
-        end if is_open else end[:1], [count + 1] * (1 + is_open), "o-", color=INK,
+        gap.real, count + 1 - lanes * gap.imag, "o-", color=INK,
         markerfacecolor="none", markersize=7, linewidth=1.4, zorder=5,
         gid="gap" if is_open else "closed",
     )  # fmt: skip
     # Room at the top for the note.
-    axes.set_ylim(count + 1.7, 0.9 - 0.16 * (count + 2))
+    lowest = max(count + 1.0, float((heights[1:] + np.arange(1, count + 1)).max()))
+    axes.set_ylim(lowest + 0.7, lowest + 0.7 - room)
     middle = (float(corners.real.min()) + float(corners.real.max())) / 2
-    axes.set_xlim(middle - 0.64 * reach, middle + 0.64 * reach)
+    half = ACROSS / 2 * reach
+    axes.set_xlim(middle - half, middle + half)
     axes.xaxis.set_major_locator(MaxNLocator(nbins=6, steps=[1, 2, 5, 10]))
     axes.set_yticks([])
     axes.grid(visible=False, axis="y")
-    axes.set_ylabel("all along the real axis,\neach below the one before")
+    axes.set_ylabel("imaginary part,\neach vector below the one before")
 
 
 def _write_number(axes: Axes, number: int, place: complex, colour: str, size_pt: float) -> None:

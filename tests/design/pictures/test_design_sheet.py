@@ -35,13 +35,14 @@ from design.model.plants.spring_mass import SpringMass
 from design.pictures.design_sheet import design_sheet
 from design.pictures.files import figure_bytes
 from design.pictures.sensitivity_panel import draw_sensitivity
-from design.pictures.style import AMBER, PROVEN
+from design.pictures.style import AMBER, PROVEN, percent
 from design.pictures.time_panels import draw_payload
-from design.pictures.vector_panel import vibration_vectors
+from design.pictures.vector_panel import lie_on_one_another, vibration_vectors
 from design.pictures.words import actuator_in_words, plant_in_words
 from design.pipeline import Design, design
 from design.response.closed_form import history
 from design.shapers.registry import POSITIVE, SHAPERS
+from design.shapers.specified_insensitivity import BandOptions
 from tests.design.model.actuators.test_rate_limited import random_case
 from tests.design.pictures.drawn import collisions, line, panel, words
 from tests.expm_route import end_s
@@ -177,6 +178,13 @@ PLANTS: list[tuple[Plant, set[str]]] = [
 def test_the_plant_is_told_in_hertz_with_its_cable(plant: Plant, told: set[str]) -> None:
     value, details = plant_in_words(plant)
     assert told <= {value, *details.splitlines()}
+
+
+def test_the_largest_residual_of_a_range_is_beside_that_of_its_middle() -> None:
+    figure, made = _sheet_of_modes("ei", PLANTS[2][0], Ideal())
+    assert made.worst_in_range is not None
+    told = f"in the middle of the range, at most {percent(made.worst_in_range)} within it"
+    assert told in words(figure)
 
 
 @pytest.mark.parametrize("model", ["superposed", "switched"])
@@ -410,13 +418,37 @@ def test_vectors_along_one_line_have_a_lane_each(name: str, actuator: Actuator) 
     arrows = _arrows(axes)
     assert len(arrows) == vectors.size
     lanes = [tail[1] for tail, _ in arrows]
-    assert lanes == sorted(set(lanes)) == [head[1] for _, head in arrows]
+    np.testing.assert_allclose(lanes, np.arange(1, vectors.size + 1), atol=ROUNDING)
+    np.testing.assert_allclose([head[1] for _, head in arrows], lanes, atol=ROUNDING)
     lengths = [head[0] - tail[0] for tail, head in arrows]
     np.testing.assert_allclose(lengths, vectors.real, atol=ROUNDING)
     assert [tail[0] for tail, _ in arrows[1:]] == [head[0] for _, head in arrows[:-1]]
     assert len({text.get_text() for text in axes.texts} & {str(n) for n in range(1, 9)}) == len(
         arrows
     )
+
+
+def test_vectors_that_fold_back_are_set_apart_and_keep_their_direction() -> None:
+    options = BandOptions(half_width=0.6, tolerance=0.02)
+    made = design(CRANE, Ideal(), SHAPERS["si"], options)
+    curve = sensitivity(made.impulses, CRANE, Ideal(), WHOLE_RANGE)
+    axes = panel(design_sheet("si", CRANE, Ideal(), made, [curve], VERSION), "vectors")
+    vectors = vibration_vectors(made.impulses, CRANE, Ideal())
+    places = np.array(_arrows(axes))
+    arrows = axes.transData.transform(places.reshape(-1, 2)).reshape(places.shape)
+    drawn = [complex(*(head - tail)) for tail, head in arrows]
+    np.testing.assert_allclose(np.angle(drawn / vectors), 0.0, atol=1e-9)
+    shares = np.abs(drawn) / np.abs(vectors)
+    np.testing.assert_allclose(shares, shares[0], rtol=1e-9)
+    apart = arrows[:-1, 1, 1] - arrows[1:, 0, 1]
+    np.testing.assert_allclose(apart, apart[0], rtol=1e-9)
+    assert apart[0] > 8
+
+
+def test_a_chain_that_turns_slowly_is_a_polygon() -> None:
+    turns = np.exp(0.05j * np.arange(100))
+    assert not lie_on_one_another(turns)
+    assert lie_on_one_another(np.cos(np.pi * np.arange(5)) + 0j)
 
 
 def test_vectors_of_a_plane_are_drawn_in_it() -> None:
