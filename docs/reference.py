@@ -66,7 +66,7 @@ def _errors() -> str:
     types = [(f"`{one.name}`", one.http.value, one.exit_status, one.title) for one in kinds]
     name_of = {error.__name__: f"`{kind.name}`" for error, kind in problems.KIND_OF.items()}
     rows = [
-        (f"`{code}`", name_of.get(found[0].error, ""), found[0].words.replace("{}", "…"))
+        (f"`{code}`", name_of.get(found[0].error, ""), _words(found[0].words))
         for code, found in sorted(codes().items())
     ]
     return "\n\n".join([
@@ -76,10 +76,16 @@ def _errors() -> str:
         "## Types",
         _table(("type", "HTTP status", "exit status", "means"), types),
         "## Codes",
-        "Where a value stands in the words, the table has `…`. Codes of fields that any request "
-        "may have at fault, as `missing` and `wrong_type`, are not listed.",
+        "A message of `invalid-input` names the field, says that it must be what stands here, and "
+        "repeats the value. Where a value stands in the words, the table has `…`. Codes of fields "
+        "that any request may have at fault, as `missing` and `wrong_type`, are not listed.",
         _table(("code", "type", "says"), rows),
     ])
+
+
+def _words(template: str) -> str:
+    """Return the words of a message; those that are made elsewhere are a gap."""
+    return template.replace("{}", "…") if " " in template else "…"
 
 
 def _table(head: tuple[str, ...], rows: list[tuple[object, ...]]) -> str:

@@ -33,11 +33,16 @@ class Raised:
 
 
 def template(words: ast.expr) -> str:
-    """Return the words of an f-string with a gap for each value, other expressions as written."""
+    """Return the words of a message with a gap for each value, other expressions as written."""
     if isinstance(words, ast.JoinedStr):
         return "".join(map(template, words.values))
     if isinstance(words, ast.Constant):
         return str(words.value)
+    if isinstance(words, ast.IfExp):
+        return f"{template(words.body)}, or: {template(words.orelse)}"
+    if isinstance(words, ast.BinOp) and isinstance(words.op, ast.Add):
+        parts = (words.left, words.right)
+        return "".join("{}" if isinstance(part, ast.Call) else template(part) for part in parts)
     return "{}" if isinstance(words, ast.FormattedValue) else ast.unparse(words)
 
 
