@@ -245,7 +245,7 @@ def _answer(options: argparse.Namespace) -> int:
         request = case.request.model_validate_json(body).model_copy(update=asked)
         if case.draw is not None:
             write_whole(plot, figure_bytes(case.draw(request), PICTURES[plot.suffix]))
-    _print(response, options)  # type: ignore[arg-type]
+    _print(response, options, body)  # type: ignore[arg-type]
     return OK
 
 
@@ -289,15 +289,17 @@ def _require_file(path: Path, read: os.stat_result, what: str) -> None:
         raise UsageError(f"cannot write {path}: the folder {path.parent} is read-only")
 
 
-def _print(response: "Response", options: argparse.Namespace) -> None:
+def _print(response: "Response", options: argparse.Namespace, request: bytes = b"") -> None:
     if options.format in {None, "json"}:
         indent = 2 if options.pretty else None
         sys.stdout.write(response.model_dump_json(by_alias=True, indent=indent) + "\n")
     else:
         from service.cli import rendering  # noqa: PLC0415 - it knows the answers of all commands
 
-        write = rendering.as_table if options.format == "table" else rendering.as_csv
-        sys.stdout.write(write(response))
+        if options.format == "table":
+            sys.stdout.write(rendering.as_table(response, request))
+        else:
+            sys.stdout.write(rendering.as_csv(response))
     sys.stdout.flush()
 
 
