@@ -74,8 +74,7 @@ def respond(
         found = case.run(request.model_copy(update=asked) if asked else request)
     except DesignError as error:
         return problem_of_design(error, body)
-    odd = implausible_values(request)
-    if odd:
+    if odd := implausible_values(request):
         from service.implausible_words import with_warnings  # noqa: PLC0415 - few need them
 
         return with_warnings(found, odd)

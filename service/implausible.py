@@ -12,7 +12,8 @@ from schemas.usual_ranges import PARTS, USUAL_RANGES
 
 def implausible_values(request: Any) -> list[tuple[str, str, float, float]]:  # noqa: ANN401
     """Return pointer, field and quantity of what is beyond its usual range."""
-    period_s = max(mode.period_s for mode in request.plant.to_design().modes)
+    modes = request.plant.to_design().modes if hasattr(request, "plant") else ()
+    period_s = max((mode.period_s for mode in modes), default=inf)
     beyond = []
     for part in PARTS:
         for pointer, name, value in _numbers(getattr(request, part, None), part, f"/{part}"):

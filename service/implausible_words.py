@@ -38,7 +38,9 @@ def with_warnings(answer: BaseModel, values: Iterable[tuple[str, str, float, flo
         best = answer.recommended
         warned = best.model_copy(update={"warnings": [*told, *best.warnings]})
         return answer.model_copy(update={"recommended": warned})
-    own: list[WarningOut] = answer.warnings  # type: ignore[attr-defined]
+    own: list[WarningOut] | None = getattr(answer, "warnings", None)
+    if own is None:
+        return answer
     return answer.model_copy(update={"warnings": [*told, *own]})
 
 

@@ -281,6 +281,7 @@ def _findings(response: Response, request: bytes) -> list[str]:
             *_warnings(response.recommended.warnings),
             *(f"refused     {one.name}: {one.reason}" for one in response.refused),
             *([f"next        {next_command(response, asked)}"] if asked else []),
+            *(["", *response.firmware_lines] if response.firmware_lines else []),
         ]
     if isinstance(response, MapResponse):
         return ["", *_warnings(response.warnings)] if response.warnings else []

@@ -56,6 +56,7 @@ def test_a_command_prints_what_stands_below_it(page: str, text: str, tmp_path: P
     files = {
         "crane.json": blocks("docs/designs.md", "json")[0],
         "which.json": blocks("docs/recommendations.md", "json")[0],
+        "printer.json": blocks("docs/recommendations.md", "json")[1],
     }
     for name, content in files.items():
         (tmp_path / name).write_text(content)
@@ -66,7 +67,7 @@ def test_a_command_prints_what_stands_below_it(page: str, text: str, tmp_path: P
     printed = ran.stdout.rstrip("\n").split("\n")
     if OMITTED in expected:
         printed = [line for line in printed if any(map(partial(alike, line), expected))]
-        expected.remove(OMITTED)
+        expected = [line for line in expected if line != OMITTED]
     assert len(printed) == len(expected), page
     for one, other in zip(printed, expected, strict=True):
         assert alike(one, other), (one, other)
