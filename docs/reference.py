@@ -8,13 +8,16 @@ from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
 from schemas.catalogue import CatalogueEntry
+from service import problems
 from service.catalogue import shaper_catalogue
 from service.cli.main import command_parser
+from tests.errors_raised import codes
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pages; MkDocs calls it."""
-    for name, text in (("kinds.md", _kinds()), ("commands.md", _commands())):
+    pages = {"kinds.md": _kinds(), "commands.md": _commands(), "errors.md": _errors()}
+    for name, text in pages.items():
         files.append(File.generated(config, name, content=text))
     return files
 
@@ -26,22 +29,16 @@ def _kinds() -> str:
 
 def _kind(entry: CatalogueEntry) -> str:
     rows = [
-        f"| `{name}` | {_default(field)} | {_cell(field.get('description', ''))} |"
+        (f"`{name}`", _default(field), field.get("description", ""))
         for name, field in entry.parameters["properties"].items()
         if name != "kind"
     ]
-    return "\n".join([
+    return "\n\n".join([
         f"## {entry.kind}",
-        "",
         entry.summary,
-        "",
         f"Claims: {', '.join(entry.claims) or 'a tolerance'}. "
         f"Actuators: {', '.join(entry.actuators)}. Modes: up to {entry.most_modes}.",
-        "",
-        "| parameter | if not given | is |",
-        "|---|---|---|",
-        *rows,
-        "",
+        _table(("parameter", "if not given", "is"), rows),
         f"Source: {entry.source}",
     ])
 
@@ -49,10 +46,6 @@ def _kind(entry: CatalogueEntry) -> str:
 def _default(field: dict[str, object]) -> str:
     default = field.get("default")
     return "" if default is None else f"`{default}`"
-
-
-def _cell(text: str) -> str:
-    return re.sub(r"\s+", " ", text).replace("|", "\\|")
 
 
 def _commands() -> str:
@@ -66,3 +59,33 @@ def _helps(parser: argparse.ArgumentParser) -> Iterator[str]:
         if isinstance(action, argparse._SubParsersAction):
             for command in action.choices.values():
                 yield from _helps(command)
+
+
+def _errors() -> str:
+    kinds = [one for one in vars(problems).values() if isinstance(one, problems.ProblemKind)]
+    types = [(f"`{one.name}`", one.http.value, one.exit_status, one.title) for one in kinds]
+    name_of = {error.__name__: f"`{kind.name}`" for error, kind in problems.KIND_OF.items()}
+    rows = [
+        (f"`{code}`", name_of.get(found[0].error, ""), found[0].words.replace("{}", "…"))
+        for code, found in sorted(codes().items())
+    ]
+    return "\n\n".join([
+        "# Errors",
+        "An error has a type, by which a program decides what to do, and a code, which is one "
+        "meaning. `urn:shapersmith:` and the name below are the type.",
+        "## Types",
+        _table(("type", "HTTP status", "exit status", "means"), types),
+        "## Codes",
+        "Where a value stands in the words, the table has `…`. Codes of fields that any request "
+        "may have at fault, as `missing` and `wrong_type`, are not listed.",
+        _table(("code", "type", "says"), rows),
+    ])
+
+
+def _table(head: tuple[str, ...], rows: list[tuple[object, ...]]) -> str:
+    lines = [head, ("---",) * len(head), *rows]
+    return "\n".join(f"| {' | '.join(map(_cell, line))} |" for line in lines)
+
+
+def _cell(value: object) -> str:
+    return re.sub(r"\s+", " ", str(value)).replace("|", "\\|")

@@ -1,10 +1,7 @@
 """Every number of docs/limits.md is computed here."""
 
-import json
 import math
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -24,11 +21,11 @@ from design.pipeline import design
 from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import SHAPERS
 from design.solving.textbooks import figures_beside_textbooks, textbook_shapers, unshaped_move
+from tests.pages.reading import prose
 from tests.refusals import refused
 
 PAGE = (Path(__file__).parents[2] / "docs" / "limits.md").read_text()
-BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, flags=re.DOTALL | re.MULTILINE)
-PROSE = re.sub(r"^```.*?^```$", "", PAGE, flags=re.DOTALL | re.MULTILINE)
+PROSE = prose("docs/limits.md")
 
 CRANE = Pendulum(cable_length_m=9, gravity_m_s2=9.81)
 DRIVE = RateLimited(accel_limit_m_s2=0.3, decel_limit_m_s2=0.4, speed_m_s=1.0)
@@ -160,22 +157,6 @@ def test_the_table_is_what_the_answer_compares() -> None:
         [label, *(f"{end_s:.3f}" for end_s in row)] for label, row in ends_by_jerk().items()
     ]
     assert rows == expected
-
-
-def test_the_command_prints_what_the_page_shows(tmp_path: Path) -> None:
-    request = next(text for kind, text in BLOCKS if kind == "json")
-    shown = next(text for kind, text in BLOCKS if not kind)
-    path = tmp_path / "crane.json"
-    path.write_text(request)
-    assert json.loads(request)["shaper"] == {"kind": "numzv"}
-    command = [sys.executable, "-m", "service", "design", str(path), "--format", "table"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-
-    def plain(text: str) -> str:
-        # What is rounding differs from machine to machine.
-        return re.sub(r"\d\.?\d*e-1[0-9]", "rounding", text)
-
-    assert plain(done.stdout) == plain(shown.split("\n", 1)[1])
 
 
 def test_limits_below_the_least_that_is_named_are_refused() -> None:

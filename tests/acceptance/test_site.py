@@ -9,6 +9,8 @@ import pytest
 
 from design.shapers.registry import SHAPERS
 from service.cli.main import COMMANDS
+from service.problems import KIND_OF
+from tests.errors_raised import codes
 
 ROOT = Path(__file__).parents[2]
 
@@ -28,17 +30,21 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_every_page_is_there_and_can_be_searched(site: Path) -> None:
     index = (site / "search/search_index.json").read_text()
     pages = [page.stem for page in (ROOT / "docs").glob("*.md")]
-    for page in (*pages, "kinds", "commands"):
+    for page in (*pages, "kinds", "commands", "errors"):
         assert (site / f"{page}.html").is_file(), page
         assert f'"location":"{page}.html' in index, page
 
 
-def test_the_reference_has_every_kind_and_command(site: Path) -> None:
-    kinds, commands = ((site / f"{page}.html").read_text() for page in ("kinds", "commands"))
+def test_the_reference_has_every_kind_command_and_error(site: Path) -> None:
+    kinds, commands, errors = (
+        (site / f"{page}.html").read_text() for page in ("kinds", "commands", "errors")
+    )
     for kind in SHAPERS:
         assert f'<h2 id="{kind}">' in kinds, kind
     for command in (*COMMANDS, "table", "shapers", "serve"):
         assert f"shapersmith {command}</h2>" in re.sub(r"<a .*?</a>", "", commands), command
+    for code in (*codes(), *(kind.name for kind in KIND_OF.values())):
+        assert f"<code>{code}</code>" in errors, code
 
 
 def test_nothing_is_fetched_from_another_server(site: Path) -> None:
