@@ -14,6 +14,13 @@ PlantDamping = Annotated[
 ]
 
 
+class DampingRangeIn(Wire):
+    """Which damping ratios the plant may have."""
+
+    from_: Annotated[PlantDamping, Field(alias="from", description="Least damping ratio [-].")]
+    to: Annotated[PlantDamping, Field(description="Largest damping ratio [-].")]
+
+
 class DampingIn(Wire):
     """Which damping ratios the plant may have."""
 

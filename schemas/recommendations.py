@@ -20,20 +20,13 @@ from design.recommendations.requirements import (
 )
 from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Version, Wire, leave_out_none
-from schemas.damping import PlantDamping
+from schemas.damping import DampingRangeIn
 from schemas.impulses import ImpulsesWire
 from schemas.insensitivity import InsensitivityOut
 from schemas.plants import BareMode, PlantIn
 from schemas.warnings import WarningOut, Warnings
 
 FirmwareName = Literal["klipper", "marlin", "rrf"]
-
-
-class DampingRangeIn(Wire):
-    """Which damping ratios the plant may have."""
-
-    from_: Annotated[PlantDamping, Field(alias="from", description="Least damping ratio [-].")]
-    to: Annotated[PlantDamping, Field(description="Largest damping ratio [-].")]
 
 
 class RecommendationRequest(Wire):
@@ -361,8 +354,7 @@ class RecommendationResponse(Wire):
     firmware_lines: Annotated[
         list[str] | None,
         leave_out_none(
-            "Configuration of the recommended shaper for the firmware that is asked for; otherwise "
-            "left out."
+            "Configuration of the shaper for the firmware that is asked for; otherwise left out."
         ),
     ]
     version: Version
