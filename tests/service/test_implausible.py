@@ -124,7 +124,7 @@ def test_a_thousandth_of_a_value_beyond_is_usual_or_the_unit_is_asked_for() -> N
 
 def test_the_page_says_what_is_usual_and_shows_warnings_as_they_are() -> None:
     text = (ROOT / "docs" / "requests.md").read_text().partition("## Values that are hardly")[2]
-    text = text.partition("## Files")[0]
+    text = text.partition("## Refusals")[0]
     rows = re.findall(r"^\| `(.*?)` \| (.*?) \|$", text, flags=re.MULTILINE)
     assert len(rows) == 3
     for given, detail in rows:
