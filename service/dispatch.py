@@ -72,10 +72,10 @@ def respond(
         return problem_of_repetition(error)
     try:
         found = case.run(request.model_copy(update=asked) if asked else request)
+        if odd := implausible_values(request):
+            from service.implausible_words import with_warnings  # noqa: PLC0415 - few need them
+
+            return with_warnings(found, odd)
     except DesignError as error:
         return problem_of_design(error, body)
-    if odd := implausible_values(request):
-        from service.implausible_words import with_warnings  # noqa: PLC0415 - few need them
-
-        return with_warnings(found, odd)
     return found
