@@ -1,7 +1,13 @@
-"""Measure all, or the parts that are named, and print the report; exit 1 if a limit is missed."""
+"""Measure all, or the parts that are named, and print the report; exit 1 if a limit is missed.
+
+``--page`` writes the report and its picture into the documentation as well.
+"""
 
 import importlib
 import sys
+
+from benchmarks.measure import Figure
+from benchmarks.page import write_page
 
 PARTS = (
     "designs",
@@ -16,13 +22,15 @@ PARTS = (
 )
 
 if __name__ == "__main__":
-    missed = 0
+    named = [word for word in sys.argv[1:] if word != "--page"]
+    found: list[Figure] = []
     print("| what | measured | limit | |\n|---|---|---|---|")
-    for part in sys.argv[1:] or PARTS:
+    for part in named or PARTS:
         if part not in PARTS:
             sys.exit(f"there is no part {part!r}: {', '.join(PARTS)}")
         for figure in importlib.import_module(f"benchmarks.{part}").figures():
-            met = {True: "met", False: "MISSED", None: ""}[figure.met]
-            print(f"| {figure.what} | {figure.value} | {figure.limit} | {met} |", flush=True)
-            missed += figure.met is False
-    sys.exit(1 if missed else 0)
+            print(figure.row, flush=True)
+            found.append(figure)
+    if "--page" in sys.argv:
+        write_page(found)
+    sys.exit(1 if any(figure.met is False for figure in found) else 0)

@@ -58,6 +58,7 @@ def figures() -> Iterator[Figure]:
         f"duration {found:.6f} / {by_slsqp()[1]:.6f})",
         limit="",
         met=None,
+        over_peer=ratio(seconds, "si", "slsqp"),
     )
     rng = np.random.default_rng(3)
     times, gaps = [], []

@@ -112,6 +112,7 @@ def figures() -> Iterator[Figure]:
             value=f"{share:.2f} ({took['design']:.0f} / {took[peer]:.0f} us)",
             limit=f"<= {limit}",
             met=share <= limit,
+            over_peer=share,
         )
     share = ratio(seconds, "switched", "design")
     yield Figure(

@@ -104,6 +104,7 @@ def figures() -> Iterator[Figure]:
             f"ms, last ramp ends {ours():.4f} / {peer():.4f} s)",
             limit="<= 0.5",
             met=ratio(seconds, "ours", "peer") <= 0.5,
+            over_peer=ratio(seconds, "ours", "peer"),
         )
     seconds = alternating_medians(
         {

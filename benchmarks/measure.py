@@ -8,12 +8,29 @@ from statistics import median
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Figure:
-    """One line of the report."""
+    """One line of the report.
+
+    Attributes
+    ----------
+    what, value, limit
+        What is measured, the figure in words, and what it must keep.
+    met
+        Whether it keeps it; None without a limit.
+    over_peer
+        Our time over that of a peer, where there is one [-].
+    """
 
     what: str
     value: str
     limit: str
     met: bool | None
+    over_peer: float | None = None
+
+    @property
+    def row(self) -> str:
+        """The line as a row of a table."""
+        met = {True: "met", False: "MISSED", None: ""}[self.met]
+        return f"| {self.what} | {self.value} | {self.limit} | {met} |"
 
 
 def alternating_medians(

@@ -115,4 +115,5 @@ def figures() -> Iterator[Figure]:
             f"ms, {ours()} / {peer()} samples)",
             limit="<= 1",
             met=beside <= 1,
+            over_peer=beside,
         )

@@ -190,13 +190,15 @@ def figures() -> Iterator[Figure]:
         value=f"{share:.2f} ({1e6 * median(whole):.2f} / {1e6 * median(bare):.2f} us)",
         limit="<= 5",
         met=share <= 5,
+        over_peer=share,
     )
     gain = median(b / a for a, b in zip(whole, peer, strict=True))
     yield Figure(
-        what="SciPy SLSQP, analytic Jacobian / kernel with certificate",
-        value=f"{gain:.0f} ({1e6 * median(peer):.0f} us)",
-        limit=">= 200",
+        what="the same / SciPy SLSQP, analytic Jacobian",
+        value=f"{1 / gain:.4f} ({1e6 * median(peer):.0f} us)",
+        limit="<= 0.005",
         met=gain >= 200,
+        over_peer=1 / gain,
     )
     yield Figure(
         what="a row of such a table with all that the pipeline does for it, one core",

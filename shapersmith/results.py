@@ -1,7 +1,6 @@
 """Answers: those of the wire, with arrays, pictures and tables."""
 
 from abc import abstractmethod
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
 
 import numpy as np
@@ -75,6 +74,11 @@ class Result(Wire):
         """Return the answer as JSON has it."""
         return self.model_dump(mode="json", by_alias=True)
 
+    def plot(self) -> "Figure":
+        """Return the picture that ``--plot`` writes, computed here anew."""
+        case = load(self.OPERATION)
+        return case.draw(case.request.model_validate_json(self._request))
+
     def __str__(self) -> str:
         from service.cli.rendering import as_table  # noqa: PLC0415
 
@@ -105,17 +109,7 @@ class Stepped(Result):
         return np.array(self.steps.amplitudes)
 
 
-class Drawn(Result):
-    """An answer that can be drawn."""
-
-    def plot(self) -> "Figure":
-        """Return the picture that ``--plot`` writes, computed here anew."""
-        case = load(self.OPERATION)
-        draw = cast("Callable[[Wire], Figure]", case.draw)
-        return draw(case.request.model_validate_json(self._request))
-
-
-class Design(Stepped, Drawn, DesignResponse):
+class Design(Stepped, DesignResponse):
     """One shaper, proven."""
 
     OPERATION = "design"
@@ -126,7 +120,7 @@ class Design(Stepped, Drawn, DesignResponse):
         return self.shaper.impulses
 
 
-class Maneuver(Stepped, Drawn, ManeuverResponse):
+class Maneuver(Stepped, ManeuverResponse):
     """A whole move from rest to rest."""
 
     OPERATION = "maneuver"
@@ -173,7 +167,7 @@ class Fit(Result, FitOut):
     OPERATION = "fit"
 
 
-class FieldMap(Drawn, MapResponse):
+class FieldMap(Result, MapResponse):
     """A quantity over one or two fields."""
 
     OPERATION = "map"

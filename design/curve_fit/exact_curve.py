@@ -1,13 +1,11 @@
 """The exact times of a shaper along a variable, and polynomials for them."""
 
-import math
-
 import numpy as np
 from numpy.polynomial import Chebyshev, Polynomial
 from numpy.polynomial import polynomial as power
 
 from design.analysis.residuals_of_many import residuals_of_many
-from design.curve_fit.polynomials import Fit
+from design.curve_fit.polynomials import Checks, Fit
 from design.curve_fit.variable import FitAxis
 from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
 from design.formulations.bands import BandProblem, BandSearch
@@ -193,8 +191,7 @@ class ExactCurve:
         times = fitted / self.frequencies_rad_s[:, None] if self.axis.in_phases else fitted
         with np.errstate(over="ignore", invalid="ignore"):  # what is no number is refused below
             residuals = residuals_of_many(times, self.amplitudes, self.poles_rad_s, self.actuator)
-        worst_residual = float(residuals.max())
-        if not math.isfinite(worst_residual):
+        if not np.isfinite(residuals).all():
             raise SolverFailedError(
                 f"the fitted times of degree {degree} exceed the range of numbers",
                 code="fit_overflows",
@@ -204,9 +201,13 @@ class ExactCurve:
             value=self.axis.value,
             coefficients=coefficients,
             degree=degree,
-            worst_timing_error_s=float(np.abs(times - self.exact_times_s).max()),
-            worst_residual=worst_residual,
-            checked_points=CHECKED_POINTS,
+            checks=Checks(
+                x=self.checked,
+                amplitudes=self.amplitudes,
+                times_s=times,
+                exact_times_s=self.exact_times_s,
+                residuals=residuals,
+            ),
             formula=f"t_i = {self.axis.formula(degree)}",
             frequency_unit_rad_s=self.axis.frequency_unit_rad_s,
         )

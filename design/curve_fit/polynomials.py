@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from design.types import FloatArray
 
 
@@ -26,6 +28,29 @@ class Variable:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Checks:
+    """What was found at the points at which a fit is judged.
+
+    Attributes
+    ----------
+    x
+        Values of the variable, shape (m,).
+    amplitudes
+        Of the impulses, shape (n,) [-].
+    times_s, exact_times_s
+        Fitted times of the impulses and the exact ones, shape (m, n) [s].
+    residuals
+        Residual vibration that the fitted times leave, shape (m,) [-].
+    """
+
+    x: FloatArray
+    amplitudes: FloatArray
+    times_s: FloatArray
+    exact_times_s: FloatArray
+    residuals: FloatArray
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Fit:
     """Polynomials for the times of a shaper, and what they cost.
 
@@ -39,12 +64,8 @@ class Fit:
         A row for each impulse, ascending powers of x, shape (n, degree + 1).
     degree
         Their degree.
-    worst_timing_error_s
-        Largest distance from the exact times on the checked grid [s].
-    worst_residual
-        Largest residual vibration that the fitted times leave there with the actuator given [-].
-    checked_points
-        Size of that grid.
+    checks
+        What the fit is judged by.
     formula
         How to get times from them.
     frequency_unit_rad_s
@@ -55,11 +76,24 @@ class Fit:
     value: str
     coefficients: FloatArray
     degree: int
-    worst_timing_error_s: float
-    worst_residual: float
-    checked_points: int
+    checks: Checks
     formula: str
     frequency_unit_rad_s: float | None
+
+    @property
+    def worst_timing_error_s(self) -> float:
+        """Largest distance from the exact times where both are checked [s]."""
+        return float(np.abs(self.checks.times_s - self.checks.exact_times_s).max())
+
+    @property
+    def worst_residual(self) -> float:
+        """Largest residual of the fitted times there, with the actuator given [-]."""
+        return float(self.checks.residuals.max())
+
+    @property
+    def checked_points(self) -> int:
+        """Number of points at which it is judged [-]."""
+        return self.checks.x.size
 
     @property
     def in_phases(self) -> bool:

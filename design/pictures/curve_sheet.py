@@ -6,17 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
-from design.pictures.style import BRIGHT, DEEP, GREEN, GREY, INK, house_style
+from design.pictures.style import GREY, INK, SMALL_PT, STROKES, house_style
 from design.types import FloatArray
 
-STROKES: tuple[tuple[str, str | tuple[int, tuple[float, ...]]], ...] = (
-    (DEEP, "-"),
-    (BRIGHT, (0, (5, 2))),
-    (INK, (0, (1, 1.4))),
-    (GREY, (0, (7, 2, 1.5, 2))),
-    (GREEN, "-"),
-)
-"""Colour and dashes of each curve: distinct in grey print too."""
+HEIGHT_IN, BOTTOM_IN, HEAD_IN = 4.6, 0.575, 0.667
+"""Height of the page without a subtitle, and the room below and above its panel [in]."""
+
+TITLE_IN, SUBTITLE_IN, LINE_IN = 0.138, 0.26, 0.165
+"""From the top of the page to its title, from there to the subtitle, and a line of it [in]."""
 
 HEADROOM = 1.08
 """Height of the panel over that of the highest curve [-]."""
@@ -40,7 +37,14 @@ class Curve:
 
 
 def curve_sheet(
-    title: str, x_label: str, y_label: str, curves: Sequence[Curve], *, level: float | None = None
+    title: str,
+    x_label: str,
+    y_label: str,
+    curves: Sequence[Curve],
+    *,
+    level: float | None = None,
+    subtitle: Sequence[str] = (),
+    point: float | None = None,
 ) -> Figure:
     """Draw curves over one axis, and a dashed level where given.
 
@@ -54,6 +58,10 @@ def curve_sheet(
         One or more.
     level
         In the unit of y.
+    subtitle
+        Lines below the title.
+    point
+        A place on the axis that is marked by a line; None for none.
 
     Returns
     -------
@@ -61,8 +69,10 @@ def curve_sheet(
         One panel.
     """
     with house_style():
-        figure = Figure(figsize=(7.2, 4.6))
-        axes = figure.add_axes((0.11, 0.125, 0.85, 0.73))
+        height = HEIGHT_IN + LINE_IN * len(subtitle)
+        figure = Figure(figsize=(7.2, height))
+        bottom, head = BOTTOM_IN / height, (height - HEIGHT_IN + HEAD_IN) / height
+        axes = figure.add_axes((0.11, bottom, 0.85, 1 - bottom - head))
         for number, curve in enumerate(curves):
             colour, dashes = STROKES[number % len(STROKES)]
             axes.plot(curve.x, curve.y, color=colour, linestyle=dashes, label=curve.name or None)
@@ -72,6 +82,8 @@ def curve_sheet(
                 f"{level:g}", (1.0, level), xycoords=("axes fraction", "data"), xytext=(3, 0),
                 textcoords="offset points", ha="left", va="center", color=GREY,
             )  # fmt: skip
+        if point is not None:
+            axes.axvline(point, color=INK, linewidth=1.0, linestyle=(0, (1, 1.6)), gid="as-given")
         values = np.concatenate([curve.y[np.isfinite(curve.y)] for curve in curves])
         if values.size and values.min() >= 0:
             axes.set_ylim(0, max(HEADROOM * max(float(values.max()), level or 0.0), 1e-12))
@@ -80,10 +92,35 @@ def curve_sheet(
             axes.set_xlim(min(ends), max(ends))
         axes.set_xlabel(x_label)
         axes.set_ylabel(y_label)
-        figure.suptitle(title, x=0.11, y=0.97, ha="left", va="top", fontsize=12, weight="bold")
+        figure.suptitle(
+            title, x=0.11, y=1 - TITLE_IN / height, ha="left", va="top", fontsize=12, weight="bold"
+        )
+        write_subtitle(figure, subtitle, 0.11, TITLE_IN)
         if any(curve.name for curve in curves):
             axes.legend(
                 loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, borderaxespad=0.2,
                 handlelength=2.4, columnspacing=1.4,
             )  # fmt: skip
         return figure
+
+
+def write_subtitle(figure: Figure, lines: Sequence[str], left: float, title_in: float) -> None:
+    """Write lines below the title of a page.
+
+    Parameters
+    ----------
+    figure
+        The page.
+    lines
+        None or more.
+    left
+        Share of the page's width [-].
+    title_in
+        From the top of the page to the title [in].
+    """
+    height = float(figure.get_figheight())
+    for row, line in enumerate(lines):
+        figure.text(
+            left, 1 - (title_in + SUBTITLE_IN + row * LINE_IN) / height, line, ha="left", va="top",
+            fontsize=SMALL_PT + 0.5, color=GREY,
+        )  # fmt: skip

@@ -11,8 +11,9 @@ from matplotlib.colors import BoundaryNorm, LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from design.fields import Axis, name_in_words, unit_of
-from design.maps.map_case import Map, MapCase, Quantity, Recipe
-from design.pictures.curve_sheet import Curve, curve_sheet
+from design.maps.map_case import Map, MapCase, Quantity
+from design.pictures.curve_sheet import LINE_IN, Curve, curve_sheet, write_subtitle
+from design.pictures.map_words import design_point, subtitle_of, title_of
 from design.pictures.style import INK, SMALL_PT, house_style
 from design.types import FloatArray
 
@@ -84,13 +85,16 @@ LOOKS: dict[Quantity, Look] = {
     "beta_rad": Look("β, phase lag of G_decel / G_accel [rad]"),
 }
 
+TITLE_IN = 0.22
+"""From the top of the page to its title [in]."""
+
 BRANCH_NAMES = ("n, added to the second impulse", "m, added to the third", "sign of the branch")
 
 
 def map_sheet(case: MapCase, x: Axis, y: Axis | None, found: Map) -> Figure:
     """Draw a map: a panel, or without y a curve, for each of its layers.
 
-    A residual has lines at 1, 5 and 20 %, that at 5 % heavier.
+    A residual has lines at 1, 5 and 20 %, that at 5 % heavier. The plant as given is marked.
 
     Parameters
     ----------
@@ -111,19 +115,32 @@ def map_sheet(case: MapCase, x: Axis, y: Axis | None, found: Map) -> Figure:
     layers = [found.values[:, :, layer] for layer in range(found.values.shape[2])]
     if found.quantity == "times_s":
         names, layers = names[1:], layers[1:]  # the first is at 0
-    title = _title(case, found.quantity)
+    point = design_point(case, x, y)
+    title = title_of(case, found.quantity)
+    subtitle = subtitle_of(case, found.quantity, marked=point is not None)
     if y is None:
         curves = [
             Curve(name, x.values, look.unit * layer[0])
             for name, layer in zip(names, layers, strict=True)
         ]
         level = 100 * TOLERANCE if found.quantity == "residual" else None
-        return curve_sheet(title, axis_label(x), look.label, curves, level=level)
-    return panel_sheet(title, x, y, dict(zip(names, layers, strict=True)), found.quantity)
+        return curve_sheet(
+            title, axis_label(x), look.label, curves, level=level,
+            subtitle=subtitle, point=None if point is None else point[0],
+        )  # fmt: skip
+    panels = dict(zip(names, layers, strict=True))
+    return panel_sheet(title, x, y, panels, found.quantity, subtitle=subtitle, point=point)
 
 
 def panel_sheet(
-    title: str, x: Axis, y: Axis, panels: dict[str, FloatArray], quantity: Quantity
+    title: str,
+    x: Axis,
+    y: Axis,
+    panels: dict[str, FloatArray],
+    quantity: Quantity,
+    *,
+    subtitle: Sequence[str] = (),
+    point: tuple[float, float] | None = None,
 ) -> Figure:
     """Draw maps of one quantity side by side, in the same colours.
 
@@ -140,6 +157,10 @@ def panel_sheet(
         left blank.
     quantity
         The quantity of the map.
+    subtitle
+        Lines below the title.
+    point
+        A place on the axes that is marked; None for none.
 
     Returns
     -------
@@ -151,9 +172,10 @@ def panel_sheet(
     columns = 1 if len(shown) == 1 else 2
     rows = -(-len(shown) // columns)
     with house_style():
-        figure = Figure(figsize=(7.2 if columns == 1 else 10.6, 5.6 if rows == 1 else 4.4 * rows))
+        tall = 5.6 if rows == 1 else 4.4 * rows
+        figure = Figure(figsize=(7.2 if columns == 1 else 10.6, tall + LINE_IN * len(subtitle)))
         inches = float(figure.get_figheight())
-        head = 0.9 if any(shown) else 0.6
+        head = (0.9 if any(shown) else 0.6) + LINE_IN * len(subtitle)
         grid = figure.add_gridspec(
             rows, columns, left=0.1 if columns == 1 else 0.07, right=0.86 if columns == 1 else 0.9,
             bottom=0.62 / inches, top=1 - head / inches, wspace=0.12, hspace=0.26,
@@ -172,15 +194,18 @@ def panel_sheet(
             axes.grid(visible=False)
             _draw_levels(axes, x, y, values, _levels(quantity, norm), look)
             _scale(axes, x, y)
+            if point is not None:
+                mark_point(axes, point)
             axes.set_title(name)
             if number + columns >= len(shown):
                 axes.set_xlabel(axis_label(x))
             if number % columns == 0:
                 axes.set_ylabel(axis_label(y))
         figure.suptitle(
-            title, x=0.1 if columns == 1 else 0.07, y=1 - 0.22 / inches, ha="left", va="top",
+            title, x=0.1 if columns == 1 else 0.07, y=1 - TITLE_IN / inches, ha="left", va="top",
             fontsize=12, weight="bold",
         )  # fmt: skip
+        write_subtitle(figure, subtitle, 0.1 if columns == 1 else 0.07, TITLE_IN)
         if mesh is not None:
             _draw_scale(figure, mesh, look, norm, columns, head)
         return figure
@@ -194,20 +219,21 @@ def _layer_names(found: Map) -> list[str]:
     return [""]
 
 
-def _title(case: MapCase, quantity: Quantity) -> str:
-    """Say what is mapped, and when it was designed."""
-    if case.shaper is None:
-        return "gain of the actuator" if quantity == "alpha" else "phase of the actuator"
-    if not isinstance(case.shaper, Recipe):
-        return "impulses, held"
-    recipe = case.shaper
-    words = [recipe.kind.name]
-    if case.move is not None:
-        words.append(f"start and {case.move.stop} stop")
-    words.append("designed anew in each cell" if recipe.each else "held")
-    if recipe.designed_for is not None:
-        words.append(f"for the {recipe.designed_for} model")
-    return ", ".join(words)
+def mark_point(axes: Axes, point: tuple[float, float]) -> None:
+    """Mark plant and actuator as given, on light ground and on dark.
+
+    Parameters
+    ----------
+    axes
+        The panel of a map.
+    point
+        Its place on the axes.
+    """
+    for colour, width in (("white", 4.6), (INK, 2.2)):
+        axes.plot(
+            *point, "+", color=colour, markersize=13, markeredgewidth=width, clip_on=False,
+            zorder=6, gid="as-given",
+        )  # fmt: skip
 
 
 def _norm(quantity: Quantity, shown: Sequence[FloatArray]) -> Normalize:

@@ -3,64 +3,61 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from design.analysis.ramp_figures import end_of_reference, moving_time_s
-from design.claims import ZERO_LIMITS
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.commands import pulse
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
 from design.moves.maneuvers import Maneuver
+from design.pictures.head import HEAD_IN, TITLE_IN, Fact, certificate_fact, note_of, write_head
 from design.pictures.limit_marks import mark_limits
-from design.pictures.style import (
-    BRIGHT,
-    DEEP,
-    GREY,
-    INK,
-    SMALL_PT,
-    house_style,
-    legend_above,
-    name_panel,
-    percent,
-)
-from design.pictures.time_panels import last_event, mark_switches, time_grid
+from design.pictures.style import DEEP, GREY, INK, house_style, legend_above, name_panel
+from design.pictures.time_panels import last_event, mark_end, mark_switches, time_grid
+from design.pictures.words import actuator_in_words, plant_in_words, residual_in_words
 from design.response.closed_form import history
 from design.solving.textbooks import unshaped_move
 from design.types import FloatArray
 
-SIZE_IN = (9.0, 6.4)
+SIZE_IN = (10.0, 6.9)
 """Width and height [in]."""
 
 RIGHT = 0.975
 """Margin of the page, as a share of its width [-]."""
 
 
-def move_sheet(name: str, mode: Mode, actuator: Actuator, move: Maneuver) -> Figure:
+def move_sheet(name: str, plant: Plant, actuator: Actuator, move: Maneuver, version: str) -> Figure:
     """Return the sheet of one move.
 
     Parameters
     ----------
     name
         The shaper's kind, as the registry names it.
-    mode, actuator
-        The plant's mode, and its drive.
+    plant, actuator
+        What moves, of one mode, and its drive.
     move
         The move.
+    version
+        Of the program.
 
     Returns
     -------
     Figure
-        9 x 6.4 in. Over one time axis [s]: the command, what limits make of it with the limit that
+        10 x 6.9 in. Over one time axis [s]: the command, what limits make of it with the limit that
         binds, and the velocity of the actuator [m/s]; the payload's deflection, of the move and of
         the unshaped one [m].
     """
+    mode = plant.mode
     times_s = time_grid(move.command, mode, actuator)
     with house_style():
         figure = Figure(figsize=SIZE_IN)
-        _write_header(figure, name, mode, actuator, move)
-        rows = figure.add_gridspec(2, 1, left=0.1, right=RIGHT, bottom=0.085, top=0.79, hspace=0.24)
+        write_head(figure, name, version, _facts(plant, actuator, move), note_of(move.warnings))
+        rows = figure.add_gridspec(
+            2, 1, left=0.09, right=RIGHT, bottom=0.08, top=1 - (HEAD_IN + TITLE_IN) / SIZE_IN[1],
+            hspace=0.24,
+        )  # fmt: skip
         top = figure.add_subplot(rows[0])
         bottom = figure.add_subplot(rows[1], sharex=top)
         _draw_velocity(top, mode, actuator, move, times_s)
@@ -104,12 +101,7 @@ def _draw_payload(
     axes.plot(times_s, shaped, color=DEEP, label="this move", gid="shaped")
     highest = max(float(np.abs(unshaped).max()), float(np.abs(shaped).max()), 1e-300)
     axes.set_ylim(-1.12 * highest, 1.42 * highest)
-    after = last - times_s[0] < 0.7 * (times_s[-1] - times_s[0])
-    axes.annotate(
-        f"{last_event(actuator)}, {last:.4g} s", (last, 1.0),
-        xycoords=("data", "axes fraction"), xytext=(5 if after else -5, -3),
-        textcoords="offset points", ha="left" if after else "right", va="top", fontsize=SMALL_PT,
-    )  # fmt: skip
+    mark_end(axes, last, last_event(actuator), times_s)
     axes.set_ylabel("deflection [m]")
     axes.set_xlabel("time [s]")
     legend_above(axes)
@@ -137,27 +129,17 @@ def _deflection_m(
     return deflection
 
 
-def _write_header(
-    figure: Figure, name: str, mode: Mode, actuator: Actuator, move: Maneuver
-) -> None:
-    figure.text(0.02, 0.925, name, fontsize=min(19.0, 130.0 / len(name)), weight="bold")
+def _facts(plant: Plant, actuator: Actuator, move: Maneuver) -> list[Fact]:
+    """Return what was designed for what, and whether it holds."""
     end = moving_time_s(move.command, actuator)
     bound = "" if move.lower_bound_s is None else f"none before {move.lower_bound_s:.4g} s"
-    tiny = move.residual <= ZERO_LIMITS["residual"]
-    claims = " and ".join(dict.fromkeys(claim.quantity for claim in move.certificate.claims))
-    left = f"below {percent(ZERO_LIMITS['residual'])}" if tiny else percent(move.residual)
-    tone = BRIGHT if move.for_ideal else INK
-    facts = (
-        (0.19, "plant", f"{mode.natural_frequency_rad_s:.4g} rad/s",
-         f"damping ratio {mode.damping_ratio:.3g}", INK),
-        (0.345, "actuator", *actuator.in_words, INK),
-        (0.545, last_event(actuator), f"{end:.4g} s", bound, INK),
-        (0.69, "distance", f"{move.distance_m:.4g} m", f"residual {left}", INK),
-        (0.86, "certificate", "ideal drive only" if move.for_ideal else "✓ verified", claims, tone),
-    )  # fmt: skip
-    for place, label, value, detail, colour in facts:
-        figure.text(place, 0.965, label, color=GREY, fontsize=SMALL_PT)
-        figure.text(place, 0.932, value, fontsize=9.5, weight="bold", color=colour)
-        for row, line in enumerate(detail.splitlines()):
-            figure.text(place, 0.902 - 0.025 * row, line, fontsize=SMALL_PT)
-    figure.add_artist(Line2D([0.02, RIGHT], [0.865, 0.865], color=INK, linewidth=1.0))
+    claims = [claim.quantity for claim in move.certificate.claims]
+    return [
+        Fact("plant", *plant_in_words(plant)),
+        Fact("actuator", *actuator_in_words(actuator)),
+        Fact(last_event(actuator), f"{end:.4g} s", bound),
+        Fact(
+            "distance", f"{move.distance_m:.4g} m", f"residual {residual_in_words(move.residual)}"
+        ),
+        certificate_fact(claims, verified=move.certificate.verified, for_ideal=move.for_ideal),
+    ]

@@ -1,11 +1,12 @@
 """What all pictures share: colours, type sizes, and the panel they are drawn in."""
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
 import matplotlib as mpl
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 INK = "#1b1f24"
@@ -17,6 +18,27 @@ BRIGHT = "#dd7a00"
 """Orange, half as dark in grey print; never distinguished from blue by colour alone."""
 GREEN = "#3f9a8a"
 WASH = "#dbe8f4"
+PURPLE = "#8a4f9e"
+PROVEN = "#1c6e5c"
+"""Green of what is proven, dark enough for small type."""
+AMBER = "#a85500"
+AMBER_WASH = "#fdeccf"
+"""Of what is not proven for the drive at hand: type, and the ground behind it."""
+
+LIMIT = "#b3261e"
+"""Red of what must not be passed: a tolerance, a bound, a longest time."""
+
+Dashes = str | tuple[int, tuple[float, ...]]
+
+STROKES: tuple[tuple[str, Dashes], ...] = (
+    (DEEP, "-"),
+    (BRIGHT, (0, (5, 2))),
+    (INK, (0, (1, 1.4))),
+    (GREY, (0, (7, 2, 1.5, 2))),
+    (GREEN, "-"),
+    (PURPLE, (0, (3, 1.2))),
+)
+"""Colour and dashes of each curve: distinct in grey print too."""
 
 SMALL_PT = 8.0
 """Type size of notes and tick labels [pt]."""
@@ -84,15 +106,26 @@ def name_panel(axes: Axes, name: str, title: str) -> None:
     axes.set_title(title)
 
 
-def legend_above(axes: Axes) -> None:
+def legend_above(axes: Axes, columns: int = 3, handles: Mapping[str, Artist] | None = None) -> None:
     """Put the legend on the line of the title, where no curve meets it.
 
     It stands to the right.
+
+    Parameters
+    ----------
+    axes
+        The panel.
+    columns
+        Entries to a row.
+    handles
+        Entries by name; those of the panel if not given.
     """
+    entries = {} if handles is None else {"handles": [*handles.values()], "labels": [*handles]}
     axes.legend(
+        **entries,
         loc="lower right",
         bbox_to_anchor=(1.0, 1.0),
-        ncols=3,
+        ncols=columns,
         borderpad=0.2,
         borderaxespad=0.15,
         handlelength=1.9,

@@ -1,5 +1,8 @@
 """The panels over time: impulses, command with velocity, and the payload's answer."""
 
+from collections.abc import Sequence
+from itertools import cycle
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
@@ -12,8 +15,20 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.model.settling import settling_time_s
+from design.pictures.impulse_labels import label_impulses
 from design.pictures.limit_marks import mark_limits
-from design.pictures.style import BRIGHT, DEEP, GREY, INK, PALE, SMALL_PT, legend_above, name_panel
+from design.pictures.style import (
+    BRIGHT,
+    DEEP,
+    GREY,
+    INK,
+    PALE,
+    SMALL_PT,
+    STROKES,
+    legend_above,
+    name_panel,
+)
+from design.pictures.words import modes_in_words
 from design.response.closed_form import history
 from design.types import FloatArray
 
@@ -25,8 +40,8 @@ SETTLED_SHARE = 0.98
 
 POINTS = 1200
 
-LABEL_WIDTH = (0.05, 0.0095)
-"""Room that the label of a time takes, and each of its digits, in widths of the panel [-]."""
+TIP_PT = 6.5
+"""Size of the tip of an impulse [pt]."""
 
 
 def time_grid(impulses: Impulses, mode: Mode, actuator: Actuator) -> FloatArray:
@@ -61,7 +76,7 @@ def time_grid(impulses: Impulses, mode: Mode, actuator: Actuator) -> FloatArray:
 
 
 def draw_impulses(axes: Axes, impulses: Impulses, times_s: FloatArray) -> None:
-    """Draw a stem for each impulse, with its time beside its tip.
+    """Draw a stem for each impulse, its time past its tip.
 
     Parameters
     ----------
@@ -79,6 +94,8 @@ def draw_impulses(axes: Axes, impulses: Impulses, times_s: FloatArray) -> None:
         ("decelerating", ~impulses.accelerates, BRIGHT, "white"),
     ):
         at, heights = impulses.times_s[chosen], impulses.amplitudes[chosen]
+        if at.size == 0:
+            continue
         axes.vlines(at, 0, heights, color=colour, linewidth=2.2)
         axes.plot(
             at,
@@ -86,40 +103,14 @@ def draw_impulses(axes: Axes, impulses: Impulses, times_s: FloatArray) -> None:
             "o",
             color=colour,
             markerfacecolor=fill,
-            markersize=6.5,
+            markersize=TIP_PT,
             markeredgewidth=1.6,
             label=label,
         )
-    levels = _label_times(axes, impulses, times_s)
-    reach = 1.5 * 1.33 ** (levels - 1) * float(np.abs(impulses.amplitudes).max())
-    axes.set_ylim(-reach, reach)
+    label_impulses(axes, impulses, times_s)
     axes.yaxis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 5, 10]))
     axes.set_ylabel("amplitude [-]")
     legend_above(axes)
-
-
-def _label_times(axes: Axes, impulses: Impulses, times_s: FloatArray) -> int:
-    """Write each time past its tip, out of its neighbours' way; return the levels this takes."""
-    span = float(times_s[-1] - times_s[0])
-    ends_by_side: dict[bool, list[float]] = {True: [], False: []}
-    steps = zip(impulses.times_s.tolist(), impulses.amplitudes.tolist(), strict=True)
-    for number, (time, amplitude) in enumerate(steps, start=1):
-        digits, up = f"{time:.4g}", amplitude > 0
-        reach = span * (LABEL_WIDTH[0] + LABEL_WIDTH[1] * len(digits)) / 2
-        ends = ends_by_side[up]
-        level = next((k for k, end in enumerate(ends) if time - reach >= end), len(ends))
-        ends[level : level + 1] = [time + reach]
-        axes.annotate(
-            f"$t_{{{number}}}$  {digits}",
-            (time, amplitude),
-            xytext=(0, (7 + 11 * level) * (1 if up else -1)),
-            textcoords="offset points",
-            ha="center",
-            va="bottom" if up else "top",
-            fontsize=SMALL_PT,
-            bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"},
-        )
-    return max(map(len, ends_by_side.values()))
 
 
 def draw_command(
@@ -157,14 +148,14 @@ def draw_command(
 def draw_payload(
     axes: Axes,
     impulses: Impulses,
-    mode: Mode,
+    modes: Sequence[Mode],
     actuator: Actuator,
-    residual: float,
+    residuals: Sequence[float],
     times_s: FloatArray,
 ) -> None:
-    """Draw the payload's deflection with and without the shaper.
+    """Draw the payload's deflection with and without the shaper, in each mode.
 
-    What rings on is drawn as well. The unit is the amplitude of the unshaped step.
+    What rings on is drawn as well. The unit is the amplitude of the unshaped step in that mode.
 
     Parameters
     ----------
@@ -172,49 +163,75 @@ def draw_payload(
         An empty panel.
     impulses
         The shaper.
-    mode, actuator
-        The plant's mode and its drive.
-    residual
-        Residual vibration of the shaper [-].
+    modes, actuator
+        The plant's modes and its drive.
+    residuals
+        Residual vibration of the shaper in each mode [-].
     times_s
         Times to draw, shape (n,) [s].
     """
     name_panel(axes, "payload", "Payload")
     start, last = impulses.times_s[:1], end_of_reference(impulses, actuator)
     step = Impulses(times_s=start, amplitudes=np.ones(1))
-    # What `history` returns is over speed and natural frequency.
-    unit = 1 / (mode.natural_frequency_rad_s * unshaped_deflection_s(mode, actuator))
-    unshaped = unit * history(step, mode, actuator, times_s).deflection
-    shaped = unit * history(impulses, mode, actuator, times_s).deflection
-    if residual > ZERO_LIMITS["residual"]:
-        ringing_s = times_s[times_s >= last]
-        decay = mode.damping_ratio * mode.natural_frequency_rad_s
-        envelope = residual * np.exp(-decay * (ringing_s - last))
-        axes.fill_between(
-            ringing_s, -envelope, envelope, color=BRIGHT, alpha=0.3, linewidth=0, label="residual"
-        )
-    axes.plot(
-        times_s, unshaped, color=GREY, linewidth=1.2, linestyle=(0, (5, 2)), label="unshaped step"
-    )
-    axes.plot(times_s, shaped, color=DEEP, label="shaped", gid="shaped")
-    highest = max(float(np.abs(unshaped).max()), float(np.abs(shaped).max()))
+    several, highest = len(modes) > 1, 0.0
+    names = modes_in_words(modes) if several else ["shaped"]
+    each = zip(modes, residuals, names, cycle(STROKES), strict=False)
+    for number, (mode, residual, name, (colour, dashes)) in enumerate(each):
+        # What `history` returns is over speed and natural frequency.
+        unit = 1 / (mode.natural_frequency_rad_s * unshaped_deflection_s(mode, actuator))
+        unshaped = unit * history(step, mode, actuator, times_s).deflection
+        shaped = unit * history(impulses, mode, actuator, times_s).deflection
+        if residual > ZERO_LIMITS["residual"]:
+            ringing_s = times_s[times_s >= last]
+            decay = mode.damping_ratio * mode.natural_frequency_rad_s
+            envelope = residual * np.exp(-decay * (ringing_s - last))
+            axes.fill_between(
+                ringing_s, -envelope, envelope, color=colour if several else BRIGHT,
+                alpha=0.15 if several else 0.3, linewidth=0,
+                label=None if several else "residual", gid="residual",
+            )  # fmt: skip
+        axes.plot(
+            times_s, unshaped, color=colour if several else GREY,
+            linewidth=0.7 if several else 1.2, linestyle=(0, (5, 2)),
+            alpha=0.4 if several else 1.0, label=None if several else "unshaped step",
+            gid="unshaped",
+        )  # fmt: skip
+        axes.plot(
+            times_s, shaped, color=colour, linestyle=dashes,
+            label=name, gid=f"shaped-{number}" if several else "shaped",
+        )  # fmt: skip
+        highest = max(highest, float(np.abs(unshaped).max()), float(np.abs(shaped).max()))
+    if several:
+        axes.plot([], [], color=GREY, linewidth=0.9, linestyle=(0, (5, 2)), label="unshaped")
     # Room at the top for the note, clear of every curve.
     axes.set_ylim(-1.12 * highest, 1.42 * highest)
-    # After a long shaper the note would leave the panel on the right.
-    after = last - times_s[0] < 0.7 * (times_s[-1] - times_s[0])
-    axes.annotate(
-        f"{last_event(actuator)}, {last:.4g} s",
-        (last, 1.0),
-        xycoords=("data", "axes fraction"),
-        xytext=(5 if after else -5, -3),
-        textcoords="offset points",
-        ha="left" if after else "right",
-        va="top",
-        fontsize=SMALL_PT,
-    )
+    mark_end(axes, last, last_event(actuator), times_s)
     axes.set_ylabel("deflection\n[share of unshaped]")
     axes.set_xlabel("time [s]")
-    legend_above(axes)
+    legend_above(axes, columns=-(-(len(modes) + 1) // 2) if several else 3)
+
+
+def mark_end(axes: Axes, end_s: float, event: str, times_s: FloatArray) -> None:
+    """Write when a command ends, at the top of a panel over time.
+
+    Parameters
+    ----------
+    axes
+        The panel.
+    end_s
+        When [s].
+    event
+        What ends then.
+    times_s
+        Times that are drawn [s].
+    """
+    # After a long command the note would leave the panel on the right.
+    after = end_s - times_s[0] < 0.7 * (times_s[-1] - times_s[0])
+    axes.annotate(
+        f"{event}, {end_s:.4g} s", (end_s, 1.0), xycoords=("data", "axes fraction"),
+        xytext=(5 if after else -5, -3), textcoords="offset points",
+        ha="left" if after else "right", va="top", fontsize=SMALL_PT,
+    )  # fmt: skip
 
 
 def last_event(actuator: Actuator) -> str:
@@ -222,7 +239,7 @@ def last_event(actuator: Actuator) -> str:
     return "last ramp ends" if isinstance(actuator, RateLimited) else "last switch"
 
 
-def mark_switches(axes: Axes, impulses: Impulses, actuator: Actuator) -> None:
+def mark_switches(axes: Axes, impulses: Impulses, actuator: Actuator, delay_s: float = 0.0) -> None:
     """Draw a line through a panel at every switch, a darker one at the end.
 
     The end is the last switch, or behind limits the end of the last ramp.
@@ -233,8 +250,10 @@ def mark_switches(axes: Axes, impulses: Impulses, actuator: Actuator) -> None:
         A panel over time.
     impulses, actuator
         The command, and what follows it.
+    delay_s
+        Of the end after the command's [s].
     """
-    end = end_of_reference(impulses, actuator)
+    end = end_of_reference(impulses, actuator) + delay_s
     for time in impulses.times_s[impulses.times_s < end].tolist():
         axes.axvline(time, color=PALE, linewidth=0.9, zorder=0.8)
     axes.axvline(end, color=INK, linewidth=0.9, linestyle=(0, (1, 1.6)), zorder=0.9)

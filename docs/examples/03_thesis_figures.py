@@ -25,7 +25,7 @@ from design.moves.maneuvers import maneuver
 from design.moves.parts import mirrored_stop
 from design.moves.playback import motion
 from design.pictures.curve_sheet import Curve, curve_sheet
-from design.pictures.design_sheet import figure_bytes
+from design.pictures.files import figure_bytes
 from design.pictures.map_sheet import axis_label, panel_sheet
 from design.pipeline import design
 from design.shapers.registry import SHAPERS

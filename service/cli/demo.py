@@ -10,7 +10,7 @@ import urllib.error
 import urllib.request
 from pathlib import Path
 
-from design.pictures.design_sheet import figure_bytes
+from design.pictures.files import figure_bytes
 from schemas.design_request import DesignRequest
 from schemas.designs import DesignResponse
 from schemas.problems import ProblemDocument

@@ -32,7 +32,14 @@ PROGRAMS = tuple(name for name, row in FORMATS.items() if row.is_program)
 
 MAX_WORKERS = 1024
 
-PICTURES: dict[str, Literal["png", "svg"]] = {".png": "png", ".svg": "svg"}
+PICTURES: dict[str, Literal["png", "svg", "html"]] = {
+    ".png": "png",
+    ".svg": "svg",
+    ".html": "html",
+}
+"""Formats of a picture, by the end of its file's name."""
+
+PLOT_HELP = "draw the answer: FILE.png, FILE.svg or FILE.html"
 
 
 class UsageError(Exception):
@@ -139,16 +146,13 @@ def command_parser() -> argparse.ArgumentParser:
             help="the request, .json or .toml; - reads JSON from stdin",
         )
         _add_format(command, PROGRAMS if operation == "design" else ())
-        if row.drawn:
-            if operation == "design":
-                command.add_argument(
-                    "--trace",
-                    action="store_true",
-                    help="report each step of the search; with --plot, draw it in place",
-                )
+        if operation == "design":
             command.add_argument(
-                "--plot", metavar="FILE", type=Path, help="draw the answer: FILE.png or FILE.svg"
+                "--trace",
+                action="store_true",
+                help="report each step of the search; with --plot, draw it in place",
             )
+        command.add_argument("--plot", metavar="FILE", type=Path, help=PLOT_HELP)
     _add_format(commands.add_parser("shapers", help="every kind of shaper (GET /v1/shapers)"))
     _add_table(commands.add_parser("table", help=TABLE_HELP, description=TABLE_HELP))
     serve = commands.add_parser("serve", help="serve over HTTP")
@@ -229,7 +233,7 @@ def _table(options: argparse.Namespace) -> int:
 
 
 def _answer(options: argparse.Namespace) -> int:
-    plot: Path | None = getattr(options, "plot", None)
+    plot: Path | None = options.plot
     content, read = _read(options.request)
     if plot is not None:
         _require_picture(plot, read)
@@ -263,13 +267,12 @@ def _answer(options: argparse.Namespace) -> int:
     if isinstance(response, Problem):
         return _tell(response, options, as_json=options.format == "json")
     if plot is not None:
-        from design.pictures.design_sheet import figure_bytes  # noqa: PLC0415
+        from design.pictures.files import figure_bytes  # noqa: PLC0415
         from service.files import write_whole  # noqa: PLC0415
 
         case = load(operation)
         request = case.request.model_validate_json(body).model_copy(update=asked)
-        if case.draw is not None:
-            write_whole(plot, figure_bytes(case.draw(request), PICTURES[plot.suffix]))
+        write_whole(plot, figure_bytes(case.draw(request), PICTURES[plot.suffix]))
     _print(response, options, body)  # type: ignore[arg-type]
     return OK
 
@@ -297,7 +300,8 @@ def _read(name: str) -> tuple[bytes, os.stat_result]:
 def _require_picture(path: Path, read: os.stat_result) -> None:
     """Refuse a picture that could not be written, before the work is done."""
     if path.suffix not in PICTURES:
-        raise UsageError(f"--plot takes a name ending in .png or .svg, got {str(path)!r}")
+        ends = ", ".join(PICTURES)
+        raise UsageError(f"--plot takes a name ending in one of {ends}, got {str(path)!r}")
     _require_file(path, read, "the request itself")
 
 

@@ -3,9 +3,9 @@
 from typing import TYPE_CHECKING
 
 from design.analysis.sensitivity import SensitivityRange, sensitivity
-from design.analysis.worst_mode import worst_of
 from schemas.design_request import DesignRequest
 from service.operations.requested_design import requested_design
+from service.version import version
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,8 +41,10 @@ def design_picture(request: DesignRequest) -> "Figure":
     done = requested_design(request)
     if request.trace:
         return trace_sheet(request.shaper.kind, done.trace)
-    modes, actuator, curves = done.plant.modes, request.actuator.to_design(), done.curves
+    curves = done.curves
     if not curves:
-        usual = SensitivityRange()
-        curves = [sensitivity(done.design.impulses, mode, actuator, usual) for mode in modes]
-    return design_sheet(request.shaper.kind, modes, actuator, done.design, worst_of(curves))
+        usual, impulses = SensitivityRange(), done.design.impulses
+        curves = [sensitivity(impulses, mode, done.actuator, usual) for mode in done.plant.modes]
+    return design_sheet(
+        request.shaper.kind, done.plant, done.actuator, done.design, curves, version()
+    )

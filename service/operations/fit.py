@@ -1,9 +1,12 @@
 """Curve coefficients of a shaper over one field of the plant."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from design.analysis.warnings import DesignWarning
 from design.curve_fit.fit import fit
 from design.curve_fit.fit_range import FitRange, plants_at_ends
+from design.curve_fit.polynomials import Fit
+from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.pipeline import design
 from schemas.base import name_field
@@ -12,6 +15,10 @@ from schemas.samples import continuous_options
 from schemas.shapers import ShaperIn
 from service.operations.operation import Operation
 from service.operations.subject import subject_of
+from service.version import version
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 NO_FIT_ON_SAMPLES = (
     "a fit is over times that change smoothly, which whole samples do not; take a table over the "
@@ -65,6 +72,38 @@ def fit_with_residual(subject: FitDesign, fit_in: FitIn) -> FitOut:
     InfeasibleDesignError
         If some point of the range has no such shaper, or no degree is good enough.
     """
+    _, _, _, found, warnings = _fitted(subject, fit_in)
+    return FitOut.from_design(found, subject, warnings)
+
+
+def fit_picture(request: FitRequest) -> "Figure":
+    """Draw the coefficients that `fit_curves` returns.
+
+    Parameters
+    ----------
+    request
+        The plant, the actuator, the shaper, and the range of the field.
+
+    Returns
+    -------
+    Figure
+        The times over the field, and the residual of the fitted times.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule, or the range goes beyond the bounds of the plant.
+    InfeasibleDesignError
+        If some point of the range has no such shaper, or no degree is good enough.
+    """
+    from design.pictures.fit_sheet import fit_sheet  # noqa: PLC0415 - matplotlib takes a second
+
+    return fit_sheet(request.shaper.kind, *_fitted(request, request.fit), version())
+
+
+def _fitted(
+    subject: FitDesign, fit_in: FitIn
+) -> tuple[Plant, Actuator, FitRange, Fit, list[DesignWarning]]:
     plant, actuator = subject_of(subject)
     options, wanted, ends = read_fit(subject.shaper, fit_in, subject.plant.kind, plant)
     kind = subject.shaper.shaper_kind()
@@ -76,7 +115,7 @@ def fit_with_residual(subject: FitDesign, fit_in: FitIn) -> FitOut:
         for warning in design(end, actuator, kind, options).warnings
         if warning.code == "actuator_ignored"
     ]
-    return FitOut.from_design(found, subject, ignored[-1:])
+    return plant, actuator, wanted, found, ignored[-1:]
 
 
 def read_fit(
@@ -103,4 +142,4 @@ def read_fit(
         return options, wanted, plants_at_ends(plant, wanted)
 
 
-OPERATION = Operation(request=FitRequest, response=FitOut, run=fit_curves)
+OPERATION = Operation(request=FitRequest, response=FitOut, run=fit_curves, draw=fit_picture)

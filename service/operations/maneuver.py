@@ -66,7 +66,7 @@ def move_picture(request: ManeuverRequest) -> "Figure":
     from design.pictures.move_sheet import move_sheet  # noqa: PLC0415 - matplotlib takes a second
 
     plant, actuator, move = _move_of(request)
-    return move_sheet(request.shaper.kind, plant.mode, actuator, move)
+    return move_sheet(request.shaper.kind, plant, actuator, move, version())
 
 
 def _move_of(request: ManeuverRequest) -> tuple[Plant, Actuator, Maneuver]:

@@ -25,10 +25,10 @@ class Operation:
     run
         From the one to the other.
     draw
-        From a request to a figure of the answer; None without one.
+        From a request to a figure of the answer.
     """
 
     request: type[Wire]
     response: type[Wire]
     run: Callable[[Any], BaseModel]
-    draw: "Callable[[Any], Figure] | None" = None
+    draw: "Callable[[Any], Figure]"

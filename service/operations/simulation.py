@@ -1,5 +1,7 @@
 """The response of plant and actuator to a command over time."""
 
+from typing import TYPE_CHECKING, NamedTuple
+
 import numpy as np
 
 from design.analysis.warnings import DesignWarning, sum_warnings
@@ -12,12 +14,17 @@ from design.moves.shaped_commands import ShapedCommand, shaped_command
 from design.pipeline import design
 from design.sampling.sampled_design import claims_on_samples
 from design.shapers.options import ShaperOptions
+from design.types import FloatArray
 from schemas.base import name_field
 from schemas.shapers import ShaperIn
 from schemas.simulations import ImpulsesCommand, SimulationRequest, SimulationResponse
 from service.operations.found_shaper import on_samples
 from service.operations.operation import Operation
 from service.operations.subject import subject_of
+from service.version import version
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 AFTERMATH_PERIODS = 3.0
 """How long a simulation goes on after the last step if no end is given [-]."""
@@ -49,6 +56,57 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
     TimeLimitError
         If a solver ran past its time.
     """
+    play = _play_of(request)
+    moved = motion(play.plant, play.actuator, play.command, request.speed_m_s, play.times_s)
+    return SimulationResponse.from_design(moved, play.command, play.warnings)
+
+
+def simulation_picture(request: SimulationRequest) -> "Figure":
+    """Draw the motion that `simulate` returns.
+
+    Parameters
+    ----------
+    request
+        The plant, the actuator and the command.
+
+    Returns
+    -------
+    Figure
+        Command, velocity and payload, and what remains.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule.
+    InfeasibleDesignError
+        If the shaper was not found.
+    SolverFailedError
+        If none of the solutions found was verified.
+    TimeLimitError
+        If a solver ran past its time.
+    """
+    from design.pictures.simulation_sheet import (  # noqa: PLC0415 - matplotlib takes a second
+        simulation_sheet,
+        times_to_draw,
+    )
+
+    play, speed_m_s = _play_of(request), request.speed_m_s
+    plant, actuator, command = play.plant, play.actuator, play.command
+    moved = motion(plant, actuator, command, speed_m_s, times_to_draw(play.times_s, command))
+    return simulation_sheet(plant, actuator, command, speed_m_s, moved, play.warnings, version())
+
+
+class _Play(NamedTuple):
+    """What is played, when, and what to know of it."""
+
+    plant: Plant
+    actuator: Actuator
+    command: Impulses
+    times_s: FloatArray
+    warnings: tuple[DesignWarning, ...]
+
+
+def _play_of(request: SimulationRequest) -> _Play:
     plant, actuator = subject_of(request)
     with name_field("command"):
         played = request.command.to_design(request.speed_m_s)
@@ -68,10 +126,8 @@ def simulate(request: SimulationRequest) -> SimulationResponse:
             + AFTERMATH_PERIODS * plant.mode.period_s
         )
     first = min(0.0, float(played.times_s[0]))
-    times = np.linspace(first, max(end, first + MIN_VALUE), request.points)
-    return SimulationResponse.from_design(
-        motion(plant, actuator, played, request.speed_m_s, times), played, warnings
-    )
+    times_s = np.linspace(first, max(end, first + MIN_VALUE), request.points)
+    return _Play(plant, actuator, played, times_s, tuple(warnings))
 
 
 def _shape_command(
@@ -88,4 +144,9 @@ def _shape_command(
     return shaped_command(command, found, plant.modes, actuator, claims)
 
 
-OPERATION = Operation(request=SimulationRequest, response=SimulationResponse, run=simulate)
+OPERATION = Operation(
+    request=SimulationRequest,
+    response=SimulationResponse,
+    run=simulate,
+    draw=simulation_picture,
+)

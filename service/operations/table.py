@@ -29,8 +29,6 @@ class Row(NamedTuple):
         Its name on the command line, and the route's operation id.
     help
         Help of the command.
-    drawn
-        Whether its answer can be drawn.
     """
 
     path: str
@@ -39,7 +37,6 @@ class Row(NamedTuple):
     tag: str
     command: str
     help: str
-    drawn: bool = False
 
 
 TABLE: dict[str, Row] = {
@@ -52,7 +49,6 @@ TABLE: dict[str, Row] = {
         "designs",
         "design",
         "design one shaper, prove it",
-        drawn=True,
     ),
     "sensitivity": Row(
         "/v1/sensitivity",
@@ -81,7 +77,6 @@ TABLE: dict[str, Row] = {
         "moves",
         "maneuver",
         "a whole move from rest to rest",
-        drawn=True,
     ),
     "simulation": Row(
         "/v1/simulations",
@@ -98,7 +93,6 @@ TABLE: dict[str, Row] = {
         "analysis",
         "map",
         "residual, times or gains over one or two fields",
-        drawn=True,
     ),
     "recommendation": Row(
         "/v1/recommendations",

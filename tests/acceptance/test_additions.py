@@ -178,6 +178,8 @@ OPERATION = Addition(
         "service/operations/dummy.py": '''
 """A dummy."""
 
+from matplotlib.figure import Figure
+
 from schemas.base import Wire
 from service.operations.operation import Operation
 
@@ -199,7 +201,12 @@ def run(request: DummyRequest) -> DummyResponse:
     return DummyResponse(said="dummy")
 
 
-OPERATION = Operation(request=DummyRequest, response=DummyResponse, run=run)
+def draw(request: DummyRequest) -> Figure:
+    """Draw nothing."""
+    return Figure()
+
+
+OPERATION = Operation(request=DummyRequest, response=DummyResponse, run=run, draw=draw)
 '''
     },
     rows={

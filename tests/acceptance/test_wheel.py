@@ -1,4 +1,4 @@
-"""The wheel, installed outside the repository the way the image does, and served from there."""
+"""The wheel, installed outside the repository by the recipe of the documentation, and served."""
 
 import os
 import subprocess
@@ -6,34 +6,58 @@ import sys
 from pathlib import Path
 
 import pytest
+import yaml
 
 from tests.conftest import CRANE, running_service
+from tests.pages.reading import ROOT, blocks
 
-ROOT = Path(__file__).parents[2]
+FILES = {block.file: block.text for block in blocks("docs/ci.md") if block.file}
 
-
-def run(*command: str | Path, cwd: Path) -> None:
-    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    done = subprocess.run(command, cwd=cwd, capture_output=True, check=False, env=environment)
-    assert done.returncode == 0, done.stderr.decode()
+GITHUB = yaml.safe_load(FILES[".github/workflows/tables.yml"])["jobs"]["check"]["steps"]
+STEPS = [step["run"] for step in GITHUB if "run" in step]
 
 
-def test_the_wheel_serves_from_an_environment_of_its_own(tmp_path: Path) -> None:
-    run(
-        *(sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--quiet"),
-        *("--wheel-dir", tmp_path / "wheels", ROOT),
-        cwd=tmp_path,
+def run(command: str, folder: Path, environment: Path) -> None:
+    """Run a command as a build server does: in a folder, its own Python first on the path."""
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    path = f"{environment / 'bin'}{os.pathsep}{kept['PATH']}"
+    ran = subprocess.run(
+        ["bash", "-c", command],
+        cwd=folder,
+        capture_output=True,
+        check=False,
+        env=kept | {"PATH": path, "PIP_QUIET": "1", "PIP_DISABLE_PIP_VERSION_CHECK": "1"},
     )
-    (wheel,) = (tmp_path / "wheels").iterdir()
-    run(sys.executable, "-m", "venv", tmp_path / "env", cwd=tmp_path)
-    pip = tmp_path / "env" / "bin" / "pip"
-    run(
-        *(pip, "install", "--quiet", "--disable-pip-version-check"),
-        *("--require-hashes", "-r", ROOT / "requirements.lock"),
-        cwd=tmp_path,
-    )
-    run(pip, "install", "--quiet", "--disable-pip-version-check", "--no-deps", wheel, cwd=tmp_path)
-    command = (str(tmp_path / "env" / "bin" / "shapersmith"),)
+    assert ran.returncode == 0, ran.stderr.decode()
+
+
+@pytest.fixture(scope="module")
+def environment(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return an environment in which the steps of the recipe have passed, one by one."""
+    folder = tmp_path_factory.mktemp("firmware")
+    run(f"pip wheel --no-deps --no-build-isolation --wheel-dir vendor {ROOT}", folder, tools())
+    run(f"cp {ROOT}/requirements.lock vendor/", folder, tools())
+    (folder / "shaper.json").write_text(FILES["shaper.json"])
+    run("shapersmith table shaper.json -o shaper.csv", folder, tools())
+    made = folder / "env"
+    subprocess.run([sys.executable, "-m", "venv", made], check=True)
+    for step in STEPS:
+        run(step, folder, made)
+    return made
+
+
+def tools() -> Path:
+    """Return the environment of these tests."""
+    return Path(sys.executable).parents[1]
+
+
+def test_the_recipes_have_the_same_steps() -> None:
+    assert yaml.safe_load(FILES[".gitlab-ci.yml"])["tables"]["script"] == STEPS
+    assert STEPS[-1].startswith("shapersmith table shaper.json --check")
+
+
+def test_the_wheel_serves_from_a_separate_environment(environment: Path, tmp_path: Path) -> None:
+    command = (str(environment / "bin" / "shapersmith"),)
     with (
         running_service(tmp_path / "log", command=command, workers=1) as service,
         service.client() as client,

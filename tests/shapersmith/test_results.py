@@ -12,10 +12,8 @@ from shapersmith.here import HERE
 from tests.conftest import CRANE
 from tests.shapersmith.requests import LENGTHS, REQUESTS, call
 
-DRAWN = ("design", "maneuver", "map")
 
-
-@pytest.mark.parametrize("operation", DRAWN)
+@pytest.mark.parametrize("operation", REQUESTS)
 def test_a_picture_is_that_of_the_request(operation: str) -> None:
     figure = call(HERE, operation)(**REQUESTS[operation]).plot()
     assert isinstance(figure, Figure)

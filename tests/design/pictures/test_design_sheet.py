@@ -1,10 +1,9 @@
 """The design sheet: what it shows is what was designed, and its bytes repeat."""
 
 import io
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import cache
-from itertools import combinations
 from typing import Literal
 from xml.etree import ElementTree
 
@@ -15,36 +14,58 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import imread
-from matplotlib.lines import Line2D
-from matplotlib.text import Text
+from matplotlib.patches import Rectangle
+from matplotlib.text import Annotation
 
 from design.analysis.residual import residual_vibration
 from design.analysis.sensitivity import Sensitivity, SensitivityRange, sensitivity
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
+from design.model.actuators.model import Model
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
+from design.model.plants.modes import Modes
 from design.model.plants.pendulum import Pendulum
-from design.pictures.design_sheet import design_sheet, figure_bytes
+from design.model.plants.registry import Plant
+from design.model.plants.scheduled import Scheduled
+from design.model.plants.spring_mass import SpringMass
+from design.pictures.design_sheet import design_sheet
+from design.pictures.files import figure_bytes
 from design.pictures.sensitivity_panel import draw_sensitivity
+from design.pictures.style import AMBER, PROVEN, percent
 from design.pictures.time_panels import draw_payload
-from design.pictures.vector_panel import vibration_vectors
+from design.pictures.vector_panel import lie_on_one_another, vibration_vectors
+from design.pictures.words import actuator_in_words, plant_in_words
 from design.pipeline import Design, design
-from design.shapers.registry import SHAPERS
-from design.types import FloatArray
+from design.response.closed_form import history
+from design.shapers.registry import POSITIVE, SHAPERS
+from design.shapers.specified_insensitivity import BandOptions
 from tests.design.model.actuators.test_rate_limited import random_case
+from tests.design.pictures.drawn import collisions, line, panel, words
 from tests.expm_route import end_s
 
-CRANE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81).mode
+CABLE = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81)
+CRANE = CABLE.mode
+THREE = Modes(
+    modes=(
+        Mode(natural_frequency_rad_s=3.5),
+        Mode(natural_frequency_rad_s=9.4, damping_ratio=0.02),
+        Mode(natural_frequency_rad_s=21.3, damping_ratio=0.05),
+    )
+)
+TWO = Modes(modes=THREE.modes[:2])
+SIX = Modes(modes=tuple(Mode(natural_frequency_rad_s=3.5 * 1.4**turn) for turn in range(6)))
 CRANE_DRIVE = SecondOrder(
     accel=SecondOrderSet(natural_frequency_rad_s=20.0, damping_ratio=0.8),
     decel=SecondOrderSet(natural_frequency_rad_s=50.0, damping_ratio=1.5),
 )
 LAG = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.04)
+EQUAL = FirstOrder(accel_time_constant_s=0.05, decel_time_constant_s=0.05)
 RAMPS = RateLimited(accel_limit_m_s2=4.0, decel_limit_m_s2=3.0, speed_m_s=0.4)
+VERSION = "1.2.3"
 WHOLE_RANGE = SensitivityRange()
 ROUNDING = 1e-13
 """Sums of a few numbers of magnitude one, each right to double precision."""
@@ -74,38 +95,14 @@ def _sheet(
 ) -> tuple[Figure, Design, Sensitivity]:
     made = design(mode, actuator, SHAPERS[name])
     curve = sensitivity(made.impulses, mode, actuator, wanted)
-    return design_sheet(name, (mode,), actuator, made, curve), made, curve
+    return design_sheet(name, mode, actuator, made, [curve], VERSION), made, curve
 
 
-def _panel(figure: Figure, name: str) -> Axes:
-    return next(axes for axes in figure.axes if axes.get_label() == name)
-
-
-def _line(figure: Figure, panel: str, gid: str) -> tuple[FloatArray, FloatArray]:
-    found = _panel(figure, panel).findobj(lambda artist: artist.get_gid() == gid)
-    line = found[0]
-    assert isinstance(line, Line2D)
-    return np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
-
-
-def _has(figure: Figure, panel: str, gid: str) -> bool:
+def _has(figure: Figure, name: str, gid: str) -> bool:
     def named(artist: Artist) -> bool:
         return artist.get_gid() == gid
 
-    return bool(_panel(figure, panel).findobj(named))
-
-
-def _words(figure: Figure) -> str:
-    return "\n".join(text.get_text() for text in _texts(figure))
-
-
-def _texts(figure: Figure) -> Iterator[Text]:
-    """Every text but the tick labels, of which matplotlib keeps some that it does not show."""
-    every_axis = [axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
-    ticks = {text for axis in every_axis for text in axis.findobj(Text) if text != axis.label}
-    for text in figure.findobj(Text):
-        if isinstance(text, Text) and text.get_text() and text not in ticks:
-            yield text
+    return bool(panel(figure, name).findobj(named))
 
 
 @pytest.fixture(scope="module", name="crane_sheet")
@@ -123,42 +120,96 @@ def test_every_axis_has_its_unit(crane_sheet: tuple[Figure, Design, Sensitivity]
         "vectors": "share of unshaped]",
         "sensitivity": "%]",
     }
-    time_axis = _panel(figure, "payload")
+    time_axis = panel(figure, "payload")
     assert time_axis.get_xlabel() == "time [s]"
     for above in ("impulses", "command"):
-        assert time_axis.get_shared_x_axes().joined(time_axis, _panel(figure, above))
-    assert _panel(figure, "vectors").get_xlabel().endswith("[share of unshaped]")
-    assert _panel(figure, "sensitivity").get_xlabel().endswith("[-]")
+        assert time_axis.get_shared_x_axes().joined(time_axis, panel(figure, above))
+    assert panel(figure, "vectors").get_xlabel().endswith("[share of unshaped]")
+    assert panel(figure, "sensitivity").get_xlabel().endswith("[-]")
 
 
 def test_the_header_tells_shaper_plant_actuator_duration_residual_and_proof(
     crane_sheet: tuple[Figure, Design, Sensitivity],
 ) -> None:
-    words = _words(crane_sheet[0])
-    for fact in ("numzvd", "3.502 rad/s", "decel 50 rad/s, damping 1.5"):
-        assert fact in words
+    told = words(crane_sheet[0])
+    for fact in ("numzvd", "0.5573 Hz, period 1.794 s", "3.502 rad/s", "shapersmith 1.2.3"):
+        assert fact in told
+    for fact in ("second order, superposed", "decel 50 rad/s, damping 1.5"):
+        assert fact in told
     for fact in ("1.321 s", "below 1e-7 %", "✓ verified", "residual and slope"):
-        assert fact in words
+        assert fact in told
 
 
 def test_a_shaper_verified_for_an_ideal_actuator_says_so_behind_another() -> None:
-    words = _words(_sheet("umzv", CRANE, CRANE_DRIVE)[0])
-    assert "7.34 %" in words
-    for fact in ("ideal drive only", "not proven for this one"):
-        assert fact in words
-        assert fact not in _words(_sheet("umzv", CRANE, Ideal())[0])
-    assert "✓ verified" not in words
+    told = words(_sheet("umzv", CRANE, CRANE_DRIVE)[0])
+    assert "7.34 %" in told
+    for fact in ("ideal actuator only", "not proven for the"):
+        assert fact in told
+        assert fact not in words(_sheet("umzv", CRANE, Ideal())[0])
+    assert "✓ verified" not in told
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_amber_is_what_is_not_proven_for_the_actuator_given(case: str) -> None:
+    figure, made, _ = _sheet(*CASES[case])
+    value = next(
+        text for text in figure.texts if text.get_text() in {"✓ verified", "ideal actuator only"}
+    )
+    assert value.get_color() == (AMBER if made.for_ideal else PROVEN)
+    grounds = [one for one in figure.findobj(Rectangle) if one.get_gid() == "not-proven"]
+    assert len(grounds) == made.for_ideal
+
+
+PLANTS: list[tuple[Plant, set[str]]] = [
+    (CABLE, {"0.5573 Hz, period 1.794 s", "3.502 rad/s, cable 0.8 m", "damping ratio 0"}),
+    (
+        SpringMass(mass_kg=2.0, stiffness_n_m=200.0, damping_ratio=0.1),
+        {"1.592 Hz, period 0.6283 s", "10 rad/s", "damping ratio 0.1"},
+    ),
+    (
+        Scheduled(first=CABLE, last=replace(CABLE, cable_length_m=0.6)),
+        {"0.5573 to 0.6435 Hz", "middle 3.773 rad/s, cable 0.6 to 0.8 m"},
+    ),
+    (THREE, {"3 modes", "0.557 to 3.39 Hz", "damping ratio 0 to 0.05"}),
+]
+
+
+@pytest.mark.parametrize(("plant", "told"), PLANTS)
+def test_the_plant_is_told_in_hertz_with_its_cable(plant: Plant, told: set[str]) -> None:
+    value, details = plant_in_words(plant)
+    assert told <= {value, *details.splitlines()}
+
+
+def test_the_largest_residual_of_a_range_is_beside_that_of_its_middle() -> None:
+    figure, made = _sheet_of_modes("ei", PLANTS[2][0], Ideal())
+    assert made.worst_in_range is not None
+    told = f"in the middle of the range, at most {percent(made.worst_in_range)} within it"
+    assert told in words(figure)
+
+
+@pytest.mark.parametrize("model", ["superposed", "switched"])
+@pytest.mark.parametrize("drive", [CRANE_DRIVE, LAG, replace(RAMPS, then=LAG)])
+def test_the_model_of_an_actuator_is_told(drive: Actuator, model: Model) -> None:
+    if isinstance(drive, RateLimited):
+        drive = replace(drive, then=replace(LAG, model=model))
+    elif not isinstance(drive, Ideal):
+        drive = replace(drive, model=model)
+    assert model in " ".join(actuator_in_words(drive))
+    assert not {"superposed", "switched"} & set(" ".join(actuator_in_words(Ideal())).split())
 
 
 def test_the_first_warning_is_on_the_sheet_and_the_others_are_counted() -> None:
     figure, made, _ = _sheet(*CASES["fast"])
-    assert f"{made.warnings[0].detail}; {len(made.warnings) - 1} more" in _words(figure)
+    told = words(figure)
+    assert f"{made.warnings[0].detail}; {len(made.warnings) - 1} more" in told
 
 
-@pytest.mark.parametrize("image_format", ["png", "svg"])
-def test_two_drawings_have_equal_bytes(image_format: Literal["png", "svg"]) -> None:
+@pytest.mark.parametrize("image_format", ["png", "svg", "html"])
+def test_two_drawings_have_equal_bytes(image_format: Literal["png", "svg", "html"]) -> None:
     _, made, curve = _sheet("numzvd", CRANE, CRANE_DRIVE)
-    first, second = (design_sheet("numzvd", (CRANE,), CRANE_DRIVE, made, curve) for _ in range(2))
+    first, second = (
+        design_sheet("numzvd", CRANE, CRANE_DRIVE, made, [curve], VERSION) for _ in range(2)
+    )
     image = figure_bytes(first, image_format)
     assert figure_bytes(second, image_format) == image
     assert figure_bytes(first, image_format) == image
@@ -170,7 +221,9 @@ def test_threads_and_the_users_settings_change_no_byte_and_find_their_settings_a
     _, made, curve = crane_sheet
 
     def svg() -> bytes:
-        return figure_bytes(design_sheet("numzvd", (CRANE,), CRANE_DRIVE, made, curve), "svg")
+        return figure_bytes(
+            design_sheet("numzvd", CRANE, CRANE_DRIVE, made, [curve], VERSION), "svg"
+        )
 
     alone = svg()
     with mpl.rc_context({"lines.linewidth": 9.0, "svg.hashsalt": "another"}):
@@ -183,7 +236,7 @@ def test_threads_and_the_users_settings_change_no_byte_and_find_their_settings_a
 
 def test_the_png_opens_at_its_size(crane_sheet: tuple[Figure, Design, Sensitivity]) -> None:
     pixels = imread(io.BytesIO(figure_bytes(crane_sheet[0], "png")), format="png")
-    assert pixels.shape[:2] == (1200, 1650)
+    assert pixels.shape[:2] == (1245, 1650)
 
 
 def test_the_svg_is_xml_with_a_group_for_each_panel_and_no_date(
@@ -197,10 +250,21 @@ def test_the_svg_is_xml_with_a_group_for_each_panel_and_no_date(
     assert b"<dc:date>" not in image
 
 
+def test_the_page_is_the_svg_with_a_title_and_asks_no_server(
+    crane_sheet: tuple[Figure, Design, Sensitivity],
+) -> None:
+    page = figure_bytes(crane_sheet[0], "html").decode()
+    svg = figure_bytes(crane_sheet[0], "svg").decode()
+    assert svg[svg.index("<svg") :].strip() in page
+    assert "<title>numzvd</title>" in page
+    for loads in ("<script", "<link", "<img", "src="):
+        assert loads not in page
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_the_sensitivity_drawn_is_the_one_given(case: str) -> None:
     figure, _, curve = _sheet(*CASES[case])
-    ratios, residuals = _line(figure, "sensitivity", "residual")
+    ratios, residuals = line(figure, "sensitivity", "residual")
     np.testing.assert_array_equal(ratios, curve.frequency_ratios)
     np.testing.assert_array_equal(residuals, 100 * curve.residuals)
 
@@ -208,9 +272,9 @@ def test_the_sensitivity_drawn_is_the_one_given(case: str) -> None:
 def test_the_band_and_its_width_are_told(crane_sheet: tuple[Figure, Design, Sensitivity]) -> None:
     figure, _, _ = crane_sheet
     assert _has(figure, "sensitivity", "band")
-    _, tolerance = _line(figure, "sensitivity", "tolerance")
+    _, tolerance = line(figure, "sensitivity", "tolerance")
     np.testing.assert_allclose(tolerance, 5.0, rtol=1e-15)
-    assert "insensitivity 0.8671 to 1.1257, width 0.2587" in _words(figure)
+    assert "insensitivity 0.8671 to 1.1257, width 0.2587" in words(figure)
 
 
 def test_a_design_above_tolerance_has_no_band_and_the_sheet_says_so() -> None:
@@ -218,7 +282,7 @@ def test_a_design_above_tolerance_has_no_band_and_the_sheet_says_so() -> None:
     assert curve.insensitivity is None
     assert not _has(figure, "sensitivity", "band")
     assert _has(figure, "sensitivity", "tolerance")
-    assert "no insensitivity: nominal 7.34 % is above tolerance" in _words(figure)
+    assert "no insensitivity: nominal 7.34 % is above tolerance" in words(figure)
 
 
 @pytest.mark.parametrize(
@@ -235,9 +299,9 @@ def test_an_edge_that_is_none_is_told_and_not_drawn(
     mode = Mode(natural_frequency_rad_s=1.0)
     curve = sensitivity(steps, mode, Ideal(), SensitivityRange(tolerance=tolerance))
     figure = Figure()
-    draw_sensitivity(figure.add_subplot(), curve, residual_vibration(steps, mode, Ideal()))
+    draw_sensitivity(figure.add_subplot(), [curve], [residual_vibration(steps, mode, Ideal())])
     (axes,) = figure.axes
-    assert note in _words(figure)
+    assert note in words(figure)
     drawn = [line for line in axes.lines if line.get_linewidth() == pytest.approx(0.9)]
     assert len(drawn) == edges
 
@@ -245,7 +309,7 @@ def test_an_edge_that_is_none_is_told_and_not_drawn(
 def test_a_band_beyond_the_range_asked_for_does_not_widen_it() -> None:
     inside = SensitivityRange(from_ratio=1.05, to_ratio=1.1)
     figure, _, _ = _sheet("numzvd", CRANE, CRANE_DRIVE, inside)
-    assert _panel(figure, "sensitivity").get_xlim() == (1.05, 1.1)
+    assert panel(figure, "sensitivity").get_xlim() == (1.05, 1.1)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -260,7 +324,7 @@ def test_the_vectors_add_up_whatever_the_drive_does(seed: int) -> None:
 @pytest.mark.parametrize("case", CASES)
 def test_the_vector_diagram_is_open_by_the_residual(case: str) -> None:
     figure, made, _ = _sheet(*CASES[case])
-    across, up = _line(figure, "vectors", "corners")
+    across, up = line(figure, "vectors", "corners")
     assert (across[0], up[0]) == (0, 0)
     assert abs(np.hypot(across[-1], up[-1]) - made.residual) < ROUNDING
 
@@ -268,7 +332,7 @@ def test_the_vector_diagram_is_open_by_the_residual(case: str) -> None:
 def test_numzvd_closes_the_vector_diagram_where_umzv_leaves_a_gap() -> None:
     for name, gap in (("numzvd", 0.0), ("umzv", 0.07337)):
         figure, made, _ = _sheet(name, CRANE, CRANE_DRIVE)
-        across, up = _line(figure, "vectors", "corners")
+        across, up = line(figure, "vectors", "corners")
         assert across.size == made.impulses.times_s.size + 1
         assert abs(np.hypot(across[-1], up[-1]) - gap) < 1e-5
         assert _has(figure, "vectors", "gap") == (gap > 0)
@@ -291,7 +355,7 @@ def test_vectors_of_a_damped_mode_sum_to_the_residual_wherever_time_starts() -> 
 def test_the_payload_drawn_rings_on_by_the_residual_and_no_more() -> None:
     for name in ("numzvd", "umzv"):
         figure, made, _ = _sheet(name, CRANE, CRANE_DRIVE)
-        times, deflection = _line(figure, "payload", "shaped")
+        times, deflection = line(figure, "payload", "shaped")
         # The slowest actuator pole is at 16 rad/s: after 1 s it has left 1e-6 of a step.
         late = deflection[times > made.impulses.times_s[-1] + 1.0]
         assert abs(np.abs(late).max() - made.residual) < 1e-4
@@ -307,7 +371,7 @@ def test_a_payload_rings_within_its_envelope_and_touches_it(
     times = np.linspace(0.0, 4.0, 8001)
     axes = Figure().add_subplot()
     left = residual_vibration(halves, mode, actuator)
-    draw_payload(axes, halves, mode, actuator, left, times)
+    draw_payload(axes, halves, [mode], actuator, [left], times)
     (shaped,) = [line for line in axes.lines if line.get_gid() == "shaped"]
     late = times > 2.4  # transients have e^-20 left
     ended = end_s(halves, actuator)
@@ -316,16 +380,105 @@ def test_a_payload_rings_within_its_envelope_and_touches_it(
     assert shares.max() == pytest.approx(1.0, abs=1e-6)  # a maximum between two of the times
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_no_text_meets_another_or_leaves_the_page(case: str) -> None:
-    figure, _, _ = _sheet(*CASES[case])
-    figure.draw_without_rendering()
-    boxes = [(text.get_text(), text.get_window_extent()) for text in _texts(figure)]
-    assert len(boxes) > 30
-    for (one, first), (other, second) in combinations(boxes, 2):
-        assert not first.overlaps(second), (one, other)
-    for text, box in boxes:
-        assert figure.bbox.x0 <= box.x0, text
-        assert box.x1 <= figure.bbox.x1, text
-        assert figure.bbox.y0 <= box.y0, text
-        assert box.y1 <= figure.bbox.y1, text
+@cache
+def _sheet_of_modes(name: str, plant: Plant, actuator: Actuator) -> tuple[Figure, Design]:
+    made = design(plant, actuator, SHAPERS[name])
+    curves = [sensitivity(made.impulses, mode, actuator, WHOLE_RANGE) for mode in plant.modes]
+    return design_sheet(name, plant, actuator, made, curves, VERSION), made
+
+
+@pytest.mark.parametrize("plant", [THREE, SIX])
+def test_every_mode_is_drawn_and_named_in_eitherpanel(plant: Modes) -> None:
+    figure, made = _sheet_of_modes("convolved", plant, Ideal())
+    for number, mode in enumerate(plant.modes):
+        curve = sensitivity(made.impulses, mode, Ideal(), WHOLE_RANGE)
+        _, residuals = line(figure, "sensitivity", f"residual-{number}")
+        np.testing.assert_array_equal(residuals, 100 * curve.residuals)
+        times, deflection = line(figure, "payload", f"shaped-{number}")
+        exact = history(made.impulses, mode, Ideal(), times).deflection
+        shares = deflection[np.abs(exact) > 1e-6] / exact[np.abs(exact) > 1e-6]
+        np.testing.assert_allclose(shares, shares[0], rtol=1e-9)
+        told = words(figure)
+        assert f"{mode.natural_frequency_rad_s / (2 * np.pi):.3g} Hz" in told
+        assert f"mode {number}" in told
+
+
+def _arrows(axes: Axes) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """Tail and head of each arrow, in the units of the panel."""
+    found = [text for text in axes.texts if isinstance(text, Annotation) and text.arrow_patch]
+    return [(text.xyann, text.xy) for text in found]
+
+
+@pytest.mark.parametrize("actuator", [Ideal(), CRANE_DRIVE])
+@pytest.mark.parametrize("name", [kind.name for kind in POSITIVE if kind.name != "mzv"])
+def test_vectors_along_one_line_have_a_lane_each(name: str, actuator: Actuator) -> None:
+    figure, made, _ = _sheet(name, CRANE, actuator)
+    axes = panel(figure, "vectors")
+    vectors = vibration_vectors(made.impulses, CRANE, actuator)
+    arrows = _arrows(axes)
+    assert len(arrows) == vectors.size
+    lanes = [tail[1] for tail, _ in arrows]
+    np.testing.assert_allclose(lanes, np.arange(1, vectors.size + 1), atol=ROUNDING)
+    np.testing.assert_allclose([head[1] for _, head in arrows], lanes, atol=ROUNDING)
+    lengths = [head[0] - tail[0] for tail, head in arrows]
+    np.testing.assert_allclose(lengths, vectors.real, atol=ROUNDING)
+    assert [tail[0] for tail, _ in arrows[1:]] == [head[0] for _, head in arrows[:-1]]
+    assert len({text.get_text() for text in axes.texts} & {str(n) for n in range(1, 9)}) == len(
+        arrows
+    )
+
+
+def test_vectors_that_fold_back_are_set_apart_and_keep_their_direction() -> None:
+    options = BandOptions(half_width=0.6, tolerance=0.02)
+    made = design(CRANE, Ideal(), SHAPERS["si"], options)
+    curve = sensitivity(made.impulses, CRANE, Ideal(), WHOLE_RANGE)
+    axes = panel(design_sheet("si", CRANE, Ideal(), made, [curve], VERSION), "vectors")
+    vectors = vibration_vectors(made.impulses, CRANE, Ideal())
+    places = np.array(_arrows(axes))
+    arrows = axes.transData.transform(places.reshape(-1, 2)).reshape(places.shape)
+    drawn = [complex(*(head - tail)) for tail, head in arrows]
+    np.testing.assert_allclose(np.angle(drawn / vectors), 0.0, atol=1e-9)
+    shares = np.abs(drawn) / np.abs(vectors)
+    np.testing.assert_allclose(shares, shares[0], rtol=1e-9)
+    apart = arrows[:-1, 1, 1] - arrows[1:, 0, 1]
+    np.testing.assert_allclose(apart, apart[0], rtol=1e-9)
+    assert apart[0] > 8
+
+
+def test_a_chain_that_turns_slowly_is_a_polygon() -> None:
+    turns = np.exp(0.05j * np.arange(100))
+    assert not lie_on_one_another(turns)
+    assert lie_on_one_another(np.cos(np.pi * np.arange(5)) + 0j)
+
+
+def test_vectors_of_a_plane_are_drawn_in_it() -> None:
+    figure, made, _ = _sheet("umzv", CRANE, CRANE_DRIVE)
+    vectors = vibration_vectors(made.impulses, CRANE, CRANE_DRIVE)
+    drawn = [complex(*head) - complex(*tail) for tail, head in _arrows(panel(figure, "vectors"))]
+    np.testing.assert_allclose(drawn, vectors, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("plant", [THREE, SIX])
+def test_of_many_impulses_each_time_is_written_or_counted(plant: Modes) -> None:
+    figure, made = _sheet_of_modes("convolved", plant, Ideal())
+    words = [text.get_text() for text in panel(figure, "impulses").texts]
+    written = sum(word.startswith("$t_{") for word in words)
+    left_out = sum(int(word.split()[0]) for word in words if word.endswith("without room"))
+    assert written + left_out == made.impulses.times_s.size
+
+
+UGLY: dict[str, tuple[str, Plant, Actuator]] = {
+    **CASES,
+    "lanes": ("zvd", CRANE, CRANE_DRIVE),
+    "three modes": ("convolved", THREE, Ideal()),
+    "six modes": ("convolved", SIX, Ideal()),
+    "modes behind a drive": ("multi_umzv", TWO, CRANE_DRIVE),
+    "a range": ("ei", PLANTS[2][0], CRANE_DRIVE),
+    "limits": ("numzvd", CRANE, replace(RAMPS, then=EQUAL)),
+}
+
+
+@pytest.mark.parametrize("name", UGLY)
+def test_no_text_meets_another_or_leaves_the_page(name: str) -> None:
+    figure, _ = _sheet_of_modes(*UGLY[name])
+    assert collisions(figure) == []

@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from design.fields import Axis
 from design.maps.field_map import field_map
 from design.maps.map_case import Map, MapCase, Move
-from design.pictures.design_sheet import figure_bytes
+from design.model.actuators.ideal import Ideal
+from design.model.commands import pulse
+from design.pictures.files import figure_bytes
 from design.pictures.map_sheet import map_sheet
 from tests.map_cases import CORNER, LENGTH, PULSES, case
 from tests.shaper_table import CRANE, THESIS
@@ -51,3 +54,64 @@ def test_each_quantity_is_drawn_with_a_title_and_units(name: str) -> None:
     assert len(figure.axes) == panels  # that of the colours included
     assert figure.get_suptitle()
     assert figure_bytes(figure, "png").startswith(b"\x89PNG")
+
+
+MARKED: dict[str, tuple[MapCase, Axis, Axis, tuple[float, float]]] = {
+    "once": (case("numzv", each=False), LENGTH, CORNER, (0.8, 20.0)),
+    "each": (case("numzv", quantity="times_s"), CORNER, LENGTH, (20.0, 0.8)),
+    "move": (case("umzv", each=False, move=Move(pulse_s=2.0)), PULSES, CORNER, (2.0, 20.0)),
+    "gains": (MapCase(plant=CRANE, actuator=THESIS, quantity="alpha"), LENGTH, CORNER, (0.8, 20.0)),
+}
+
+
+def marks(figure: Figure) -> list[tuple[float, float]]:
+    """Places of the marks of what was given; of a curve the place along the axis."""
+    lines = [line for axes in figure.axes for line in axes.lines]
+    found = [line for line in lines if line.get_gid() == "as-given"]
+    ends = [(np.ravel(one.get_xdata())[0], np.ravel(one.get_ydata())[-1]) for one in found]
+    return sorted({(float(across), float(up)) for across, up in ends})
+
+
+@pytest.mark.parametrize("name", MARKED)
+def test_the_plant_as_given_is_marked_in_every_panel(name: str) -> None:
+    of, x, y, point = MARKED[name]
+    found = field_map(of, x, y)
+    figure = map_sheet(of, x, y, found)
+    assert marks(figure) == [pytest.approx(point)]
+    panels = [axes for axes in figure.axes if axes.collections and axes.get_xlabel() is not None]
+    with_mark = [axes for axes in panels if any(one.get_gid() == "as-given" for one in axes.lines)]
+    assert len(with_mark) == len(figure.axes) - 1  # all but the scale of colours
+
+
+def test_a_plant_outside_of_the_map_is_said_to_be_and_not_marked() -> None:
+    beyond = Axis(path=LENGTH.path, values=np.array([1.0, 1.2]))
+    of = case("umzv", each=False)
+    figure = map_sheet(of, beyond, CORNER, field_map(of, beyond, CORNER))
+    assert marks(figure) == []
+    assert "(outside)" in words(figure)
+
+
+def test_a_curve_is_marked_by_a_line() -> None:
+    of = case("umzv", each=False)
+    (mark,) = marks(map_sheet(of, LENGTH, None, field_map(of, LENGTH)))
+    assert mark[0] == pytest.approx(0.8)
+
+
+def words(figure: Figure) -> str:
+    return " ".join(text.get_text() for text in figure.texts)
+
+
+def test_title_and_subtitle_say_what_is_mapped_of_which_shaper_designed_when() -> None:
+    told = {}
+    for each in (True, False):
+        of = case("numzv", each=each)
+        figure = map_sheet(of, LENGTH, CORNER, field_map(of, LENGTH, CORNER))
+        assert figure.get_suptitle() == "Residual vibration of numzv"
+        told[each] = words(figure)
+    assert "designed anew in each cell" in told[True]
+    assert "designed once, for plant and actuator as given (marked)" in told[False]
+    assert "judged by the superposed model" in told[False]
+    held = MapCase(plant=CRANE, actuator=Ideal(), shaper=pulse(1.0))
+    figure = map_sheet(held, LENGTH, None, field_map(held, LENGTH))
+    assert figure.get_suptitle() == "Residual vibration of 2 impulses"
+    assert "held in each cell" in words(figure)

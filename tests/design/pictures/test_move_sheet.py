@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 
@@ -17,13 +16,15 @@ from design.model.actuators.registry import Actuator
 from design.model.initial_state import AngleSwing
 from design.model.plants.pendulum import Pendulum
 from design.moves.maneuvers import Maneuver, maneuver
-from design.pictures.design_sheet import design_sheet, figure_bytes
+from design.pictures.design_sheet import design_sheet
+from design.pictures.files import figure_bytes
 from design.pictures.move_sheet import move_sheet
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
-from design.types import FloatArray
+from tests.design.pictures.drawn import lines, panel, points
 from tests.expm_route import outcome
 
+VERSION = "1.2.3"
 CRANE = Pendulum(cable_length_m=9.0, gravity_m_s2=9.81)
 LIMITS = RateLimited(accel_limit_m_s2=0.3, decel_limit_m_s2=0.4, speed_m_s=1.0)
 LAGGED = RateLimited(
@@ -38,25 +39,13 @@ def moved(drive: Actuator, distance_m: float, kind: str = "numzv") -> Maneuver:
     return maneuver(CRANE, drive, SHAPERS[kind], speed_m_s=1.0, distance_m=distance_m)
 
 
-def panel(figure: Figure, name: str) -> Axes:
-    return next(axes for axes in figure.axes if axes.get_label() == name)
-
-
-def line(axes: Axes, gid: str) -> Line2D:
-    return next(one for one in axes.lines if one.get_gid() == gid)
-
-
-def points(drawn: Line2D) -> tuple[FloatArray, FloatArray]:
-    return np.asarray(drawn.get_xdata(), dtype=float), np.asarray(drawn.get_ydata(), dtype=float)
-
-
 def marks(axes: Axes) -> list[Line2D]:
-    return [one for one in axes.lines if str(one.get_gid()).startswith("limit-")]
+    return lines(axes, "limit-")
 
 
 @pytest.mark.parametrize("distance_m", [12.0, -12.0, 0.3])
 def test_each_mark_has_the_slope_of_its_limit(distance_m: float) -> None:
-    axes = panel(move_sheet("numzv", CRANE.mode, LIMITS, moved(LIMITS, distance_m)), "velocity")
+    axes = panel(move_sheet("numzv", CRANE, LIMITS, moved(LIMITS, distance_m), VERSION), "velocity")
     slopes = {"acceleration": 0.3, "deceleration": -0.4, "speed": 0.0, "rest": 0.0}
     sign = 1 if distance_m > 0 else -1
     for mark in marks(axes):
@@ -74,8 +63,8 @@ def test_the_marks_follow_the_velocity_of_an_ideal_drive_from_end_to_end(
     drive: RateLimited,
 ) -> None:
     move = moved(drive, 12.0, "numzvd")
-    axes = panel(move_sheet("numzvd", CRANE.mode, drive, move), "velocity")
-    times, velocity = points(line(axes, "velocity-line"))
+    axes = panel(move_sheet("numzvd", CRANE, drive, move, VERSION), "velocity")
+    times, velocity = points(lines(axes, "velocity-line")[0])
     reached = 0.0
     for mark in marks(axes):
         at, levels = points(mark)
@@ -87,7 +76,7 @@ def test_the_marks_follow_the_velocity_of_an_ideal_drive_from_end_to_end(
 
 
 def test_the_legend_names_each_limit_that_binds_once() -> None:
-    axes = panel(move_sheet("numzv", CRANE.mode, LIMITS, moved(LIMITS, 0.3)), "velocity")
+    axes = panel(move_sheet("numzv", CRANE, LIMITS, moved(LIMITS, 0.3), VERSION), "velocity")
     texts = [
         text.get_text()
         for legend in axes.get_children()
@@ -100,7 +89,7 @@ def test_the_legend_names_each_limit_that_binds_once() -> None:
 def test_a_design_sheet_marks_its_limits_too_and_says_when_the_last_ramp_ends() -> None:
     made = design(CRANE, LAGGED, SHAPERS["numzvd"])
     curve = sensitivity(made.impulses, CRANE.mode, LAGGED, SensitivityRange())
-    figure = design_sheet("numzvd", CRANE.modes, LAGGED, made, curve)
+    figure = design_sheet("numzvd", CRANE, LAGGED, made, [curve], VERSION)
     limits = [str(mark.get_gid()) for mark in marks(panel(figure, "command"))]
     assert limits == [f"limit-{name}celeration" for name in ("ac", "de", "ac", "de", "ac")]
     texts = [text.get_text() for text in figure.texts]
@@ -113,8 +102,8 @@ def test_a_design_sheet_marks_its_limits_too_and_says_when_the_last_ramp_ends() 
 def test_the_payload_hangs_still_after_the_move(drive: Actuator, distance_m: float) -> None:
     kind = "umzv" if isinstance(drive, Ideal) else "numzv"
     move = moved(drive, distance_m, kind)
-    axes = panel(move_sheet(kind, CRANE.mode, drive, move), "payload")
-    times, deflection = points(line(axes, "shaped"))
+    axes = panel(move_sheet(kind, CRANE, drive, move, VERSION), "payload")
+    times, deflection = points(lines(axes, "shaped")[0])
     late = times > times[-1] - 2.0
     largest = float(np.abs(deflection).max())
     assert np.abs(deflection[late]).max() < 1e-6 * largest
@@ -126,8 +115,8 @@ def test_the_payload_hangs_still_after_the_move(drive: Actuator, distance_m: flo
 def test_a_swing_at_the_start_is_drawn_and_cancelled() -> None:
     begun = AngleSwing(angle_rad=0.02, angle_rate_rad_s=0.01)
     move = maneuver(CRANE, LAGGED, SHAPERS["numzv"], speed_m_s=1.0, distance_m=-0.5, initial=begun)
-    axes = panel(move_sheet("numzv", CRANE.mode, LAGGED, move), "payload")
-    times, deflection = points(line(axes, "shaped"))
+    axes = panel(move_sheet("numzv", CRANE, LAGGED, move, VERSION), "payload")
+    times, deflection = points(lines(axes, "shaped")[0])
     assert np.interp(0.0, times, deflection) == pytest.approx(0.02 * 9.0, abs=1e-9)
     rate = (np.interp(0.01, times, deflection) - np.interp(-0.01, times, deflection)) / 0.02
     assert rate == pytest.approx(0.01 * 9.0, abs=5e-3)
@@ -135,7 +124,7 @@ def test_a_swing_at_the_start_is_drawn_and_cancelled() -> None:
 
 
 def test_without_limits_there_is_no_mark_and_the_end_is_a_switch() -> None:
-    figure = move_sheet("umzv", CRANE.mode, Ideal(), moved(Ideal(), 5.0, "umzv"))
+    figure = move_sheet("umzv", CRANE, Ideal(), moved(Ideal(), 5.0, "umzv"), VERSION)
     assert marks(panel(figure, "velocity")) == []
     assert "last switch" in [text.get_text() for text in figure.texts]
 
@@ -143,7 +132,7 @@ def test_without_limits_there_is_no_mark_and_the_end_is_a_switch() -> None:
 def test_the_bytes_repeat() -> None:
     move = moved(LIMITS, 0.3)
     first, second = (
-        figure_bytes(move_sheet("numzv", CRANE.mode, LIMITS, move), "svg") for _ in range(2)
+        figure_bytes(move_sheet("numzv", CRANE, LIMITS, move, VERSION), "svg") for _ in range(2)
     )
     assert first == second
     assert first.startswith(b"<?xml")
@@ -151,6 +140,6 @@ def test_the_bytes_repeat() -> None:
 
 def test_the_residual_in_words_is_that_of_another_route() -> None:
     move = moved(LIMITS, 12.0)
-    figure = move_sheet("numzv", CRANE.mode, LIMITS, move)
+    figure = move_sheet("numzv", CRANE, LIMITS, move, VERSION)
     assert outcome(move.command, CRANE.mode, LIMITS).residual < 1e-9
     assert "residual below 1e-7 %" in [text.get_text() for text in figure.texts]

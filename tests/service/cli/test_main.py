@@ -11,8 +11,10 @@ from pathlib import Path
 import httpx
 import pytest
 
+from service.operations.table import TABLE
 from tests.conftest import CRANE
 from tests.service.cli.commands import shapersmith, shapersmith_apart
+from tests.shapersmith.requests import REQUESTS
 
 
 def test_design_prints_what_the_service_answers(client: httpx.Client, tmp_path: Path) -> None:
@@ -88,19 +90,31 @@ def test_shapers_lists_every_kind() -> None:
     assert "numzvd" in shapersmith("shapers", "--format", "table").stdout
 
 
-@pytest.mark.parametrize("suffix", ["png", "svg"])
+BEGINNINGS = {"png": b"\x89PNG", "svg": b"<?xml", "html": b"<!doctype html>"}
+
+
+@pytest.mark.parametrize("suffix", BEGINNINGS)
 def test_plot_writes_a_picture(tmp_path: Path, suffix: str) -> None:
     picture = tmp_path / f"crane.{suffix}"
     assert shapersmith("design", "-", "--plot", str(picture), given=CRANE).returncode == 0
-    assert picture.read_bytes().startswith(b"\x89PNG" if suffix == "png" else b"<?xml")
+    assert picture.read_bytes().startswith(BEGINNINGS[suffix])
     assert list(tmp_path.iterdir()) == [picture]
+
+
+@pytest.mark.parametrize("operation", REQUESTS)
+def test_every_command_that_answers_draws(tmp_path: Path, operation: str) -> None:
+    picture = tmp_path / "answer.svg"
+    command = TABLE[operation].command
+    drawn = shapersmith(command, "-", "--plot", str(picture), given=REQUESTS[operation])
+    assert (drawn.returncode, drawn.stderr) == (0, "")
+    assert picture.read_bytes().startswith(BEGINNINGS["svg"])
 
 
 @pytest.mark.parametrize(
     ("path", "told"),
     [
         pytest.param("nowhere/crane.png", "there is no folder", id="no-folder"),
-        pytest.param("crane.gif", "ending in .png or .svg", id="suffix"),
+        pytest.param("crane.gif", "ending in one of .png, .svg, .html", id="suffix"),
     ],
 )
 def test_a_picture_that_cannot_be_written_is_refused_before_the_work(
