@@ -1,5 +1,6 @@
 """Wire form of the plants."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
@@ -76,6 +77,22 @@ class SpringMassIn(WireOf[SpringMass]):
     stiffness_n_m: Annotated[Positive, Field(description="Stiffness of the spring [N/m].")]
     damping_ratio: PlantDamping = 0.0
 
+    def numbers(self, pointer: str) -> Iterator[tuple[str, str, float]]:
+        """Yield the frequency that both fields make, at the second.
+
+        Parameters
+        ----------
+        pointer
+            Of this plant.
+
+        Yields
+        ------
+        tuple of str, str and float
+            Pointer, field of a mode, and value.
+        """
+        frequency_rad_s = self.to_design().mode.natural_frequency_rad_s
+        yield f"{pointer}/stiffness_n_m", "natural_frequency_rad_s", frequency_rad_s
+
 
 class ScheduledIn(Varied):
     """A plant with one field anywhere in a range; its value in `plant` is not used."""
@@ -126,6 +143,34 @@ class ScheduledIn(Varied):
             except InvalidInputError as error:
                 raise error.at(name, value) from None
         return Scheduled(first=ends[0], last=ends[1])
+
+    def numbers(self, pointer: str) -> Iterator[tuple[str, str, float]]:
+        """Yield the numbers in use: the ends of the range, and what is fixed.
+
+        Parameters
+        ----------
+        pointer
+            Of this plant.
+
+        Yields
+        ------
+        tuple of str, str and float
+            Pointer, field that it is a value of, and value.
+        """
+        if isinstance(self.plant, SpringMassIn):
+            ends = self.to_design()
+            for name, end in (("from", ends.first), ("to", ends.last)):
+                yield (
+                    f"{pointer}/{name}",
+                    "natural_frequency_rad_s",
+                    end.mode.natural_frequency_rad_s,
+                )
+            return
+        yield f"{pointer}/from", self.over, self.from_
+        yield f"{pointer}/to", self.over, self.to
+        for name, value in self.plant:
+            if name not in {self.over, "kind"}:
+                yield f"{pointer}/plant/{name}", name, value
 
 
 PlantIn = Annotated[

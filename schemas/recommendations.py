@@ -1,7 +1,7 @@
 """Wire form of recommendations."""
 
 import math
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field
 
@@ -20,18 +20,13 @@ from design.recommendations.requirements import (
 )
 from schemas.actuators import ActuatorIn
 from schemas.base import Positive, Version, Wire, leave_out_none
-from schemas.damping import PlantDamping
+from schemas.damping import DampingRangeIn
 from schemas.impulses import ImpulsesWire
 from schemas.insensitivity import InsensitivityOut
 from schemas.plants import BareMode, PlantIn
 from schemas.warnings import WarningOut, Warnings
 
-
-class DampingRangeIn(Wire):
-    """Which damping ratios the plant may have."""
-
-    from_: Annotated[PlantDamping, Field(alias="from", description="Least damping ratio [-].")]
-    to: Annotated[PlantDamping, Field(description="Largest damping ratio [-].")]
+FirmwareName = Literal["klipper", "marlin", "rrf"]
 
 
 class RecommendationRequest(Wire):
@@ -111,9 +106,21 @@ class RecommendationRequest(Wire):
             description="Sample time of a controller, on whose samples the impulses then lie [s]."
         ),
     ] = None
+    firmware: Annotated[
+        FirmwareName | None,
+        Field(
+            description="Firmware of a printer that is to play the shaper: its kinds alone are "
+            "candidates, and are judged as it plays them; null for any."
+        ),
+    ] = None
 
     def to_design(self) -> Requirements:
         """Build the design record."""
+        firmware = None
+        if self.firmware is not None:
+            from design.export.printers import PRINTERS  # noqa: PLC0415 - most ask for none
+
+            firmware = PRINTERS[self.firmware]
         return Requirements(
             half_width=self.half_width,
             lower_ratio=self.lower_ratio,
@@ -126,6 +133,7 @@ class RecommendationRequest(Wire):
             highest_command=self.highest_command,
             max_high_mode_gain=self.max_high_mode_gain,
             sample_time_s=self.sample_time_s,
+            firmware=firmware,
         )
 
 
@@ -343,6 +351,12 @@ class RecommendationResponse(Wire):
         list[BareMode],
         Field(description="The middle of what the plant may be: the plant of all these designs."),
     ]
+    firmware_lines: Annotated[
+        list[str] | None,
+        leave_out_none(
+            "Configuration of the shaper for the firmware that is asked for; otherwise left out."
+        ),
+    ]
     version: Version
 
     @classmethod
@@ -363,6 +377,7 @@ class RecommendationResponse(Wire):
         """
         question = found.question
         sample_time_s = question.requirements.sample_time_s
+        played = found.recommended.played
         best, *further = (CandidateOut.from_design(one, sample_time_s) for one in found.candidates)
         return cls.model_construct(
             recommended=best,
@@ -380,5 +395,6 @@ class RecommendationResponse(Wire):
                 )
                 for mode in question.designed_for
             ],
+            firmware_lines=None if played is None else list(played.lines),
             version=version,
         )

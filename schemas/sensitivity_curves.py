@@ -55,17 +55,10 @@ class SensitivityOut(Wire):
     @classmethod
     def from_design(cls, sensitivity: Sensitivity) -> Self:
         """Wrap the design record."""
-        band, over_damping = sensitivity.insensitivity, None
-        if sensitivity.damping is not None:
-            ratios, residuals = sensitivity.damping
-            over_damping = DampingOut.model_construct(
-                damping_ratio=ratios.tolist(),
-                residual=residuals.tolist(),
-                worst=float(residuals.max()),
-            )
+        band, curve = sensitivity.insensitivity, sensitivity.damping
         return cls.model_construct(
             frequency_ratio=sensitivity.frequency_ratios.tolist(),
             residual=sensitivity.residuals.tolist(),
             insensitivity=None if band is None else InsensitivityOut.from_design(band),
-            damping=over_damping,
+            damping=None if curve is None else DampingOut.from_design(*curve),
         )

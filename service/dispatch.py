@@ -3,11 +3,11 @@
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 from pydantic import BaseModel, ValidationError
 
 from design.errors import DesignError
+from service.implausible import implausible_values
 from service.operations.table import load
 from service.problems import (
     Problem,
@@ -17,8 +17,6 @@ from service.problems import (
 )
 from service.repeated_names import RepeatedNameError
 from service.strict_json import loads
-
-NOTHING: Mapping[str, object] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,15 +41,13 @@ def answer(operation: str, body: bytes) -> Answer:
         The response or the problem, and how long it took.
     """
     started = time.perf_counter()
-    outcome = respond(operation, body)
-    if isinstance(outcome, Problem):
-        return Answer(outcome, time.perf_counter() - started)
-    encoded = outcome.model_dump_json(by_alias=True).encode()
-    return Answer(encoded, time.perf_counter() - started)
+    found = respond(operation, body)
+    outcome = found if isinstance(found, Problem) else found.model_dump_json(by_alias=True).encode()
+    return Answer(outcome, time.perf_counter() - started)
 
 
 def respond(
-    operation: str, body: bytes, asked: Mapping[str, object] = NOTHING
+    operation: str, body: bytes, asked: Mapping[str, object] | None = None
 ) -> BaseModel | Problem:
     """Validate a body and run the operation.
 
@@ -75,6 +71,11 @@ def respond(
     except RepeatedNameError as error:
         return problem_of_repetition(error)
     try:
-        return case.run(request.model_copy(update=asked) if asked else request)
+        found = case.run(request.model_copy(update=asked) if asked else request)
+        if odd := implausible_values(request):
+            from service.implausible_words import with_warnings  # noqa: PLC0415 - few need them
+
+            return with_warnings(found, odd)
     except DesignError as error:
         return problem_of_design(error, body)
+    return found

@@ -8,7 +8,7 @@ EXCERPT_CHARACTERS = 24
 """Characters of a line that are shown before and after a fault."""
 
 AT_FAULT = (
-    (r"\d,", r"\d", "a decimal comma: numbers have a point, as 0.8"),
+    (r"\d,", r"\d", "a decimal comma: numbers have a point, as {figure}"),
     (r"", r"//|/\*|#", "a comment: JSON has none; TOML has, on the command line"),
     (r",\s*", r"[}\]]", "a comma before a closing bracket: JSON has none there"),
     (r"", r",\s*[}\]]", "a comma before a closing bracket: JSON has none there"),
@@ -19,13 +19,23 @@ AT_FAULT = (
         "typographic quotes: JSON has straight double ones",
     ),
     (r"", r"(True|False|None)\b", "a word of Python: JSON has true, false and null"),
-    (r"[-+]?", r"\.\d", "a number without a digit ahead of its point: write 0.5"),
-    (r"", r"\+", "a plus sign: JSON numbers have none ahead"),
-    (r"(^|[^\d.])-?0", r"\d", "a number with a zero ahead: JSON has none there"),
-    (r"\d", r"\.(?!\d)", "a number without a digit after its point: write 1.0"),
+    (r"", r"[-+]?\.\d", "a number without a digit ahead of its point: write {figure}"),
+    (r"", r"\+", "a plus sign: JSON numbers have none ahead, write {figure}"),
+    (r"(^|[^\d.])-?0", r"\d", "a number with a zero ahead: JSON has none there, write {figure}"),
+    (r"\d", r"\.(?!\d)", "a number without a digit after its point: write {figure}"),
     (r"[{,]\s*", r"\w", "a name without double quotes"),
 )
-"""What stands before and at a fault, and what it is; the first that fits is said."""
+"""What stands before and at a fault, and what it is, with the number meant; the first that fits is
+said."""
+
+BEFORE = re.compile(r"[-+]?[\d.]*,?\Z")
+AT = re.compile(r"[-+]?[\d.]*(?:[eE][-+]?\d+)?")
+"""The part of a number before a fault, and from there on."""
+
+PARTS = re.compile(r"([-+]?)(\d*)(?:[.,](\d*))?([eE][-+]?\d+)?")
+
+EXAMPLE = "0.8"
+"""A number to show where none can be read."""
 
 MEANING = {
     "Extra data": "more text after the end of the value: one request a text",
@@ -97,8 +107,20 @@ def _cause(text: str, at: int, said: str) -> str:
     if not said.startswith(("Unterminated", "Invalid")):
         for ahead, here, cause in AT_FAULT:
             if re.search(rf"(?:{ahead})\Z", before) and re.match(here, after):
-                return cause
+                return cause.format(figure=_figure(before, after)) if "{" in cause else cause
     return MEANING.get(said, said)
+
+
+def _figure(before: str, after: str) -> str:
+    """Return the number at a fault as JSON has it."""
+    ahead, behind = BEFORE.search(before), AT.match(after)
+    text = f"{ahead[0] if ahead else ''}{behind[0] if behind else ''}"
+    parts = PARTS.fullmatch(text)
+    if parts is None or not (parts[2] or parts[3]):
+        return EXAMPLE
+    sign, whole, share, power = (part or "" for part in parts.groups())
+    point = "" if parts[3] is None else f".{share or '0'}"
+    return f"{sign.replace('+', '')}{whole.lstrip('0') or '0'}{point}{power}"
 
 
 def _place(text: str, at: int) -> tuple[int, int]:

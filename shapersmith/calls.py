@@ -13,6 +13,7 @@ from design.recommendations.requirements import Sign
 from schemas.actuators import ActuatorIn
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
+from schemas.recommendations import FirmwareName
 from schemas.shaper_request import ShaperRequest
 from schemas.simulations import CommandIn
 from shapersmith.given import (
@@ -138,6 +139,7 @@ class Calls(ABC):
         highest_command: float = 1.0,
         max_high_mode_gain: float | None = None,
         sample_time_s: float | None = None,
+        firmware: FirmwareName | None = None,
     ) -> Recommendation:
         """Return the fastest shaper that meets what is required, and why.
 
@@ -164,6 +166,8 @@ class Calls(ABC):
             Largest residual in any higher mode [-].
         sample_time_s
             Sample time of a controller [s].
+        firmware
+            Firmware of a printer, whose kinds alone are candidates; None for any.
 
         Returns
         -------
@@ -193,6 +197,7 @@ class Calls(ABC):
             highest_command=highest_command,
             max_high_mode_gain=max_high_mode_gain,
             sample_time_s=sample_time_s,
+            firmware=firmware,
         )
 
     def maneuver(

@@ -20,7 +20,6 @@ from schemas import (
     maneuvers,
     maps,
     plants,
-    recommendations,
     sensitivity_curves,
     simulations,
     tables,
@@ -184,7 +183,7 @@ class DampingRange(Given, damping.DampingIn):
     """Range of a curve over the damping ratio."""
 
 
-class DampingBand(Given, recommendations.DampingRangeIn):
+class DampingBand(Given, damping.DampingRangeIn):
     """Which damping ratios the plant of a recommendation may have."""
 
 

@@ -82,12 +82,12 @@ class Result(Wire):
     def __str__(self) -> str:
         from service.cli.rendering import as_table  # noqa: PLC0415
 
-        return as_table(cast("Response", self)).rstrip()
+        return as_table(cast("Response", self), self._request).rstrip()
 
     def _repr_html_(self) -> str:
         from service.cli.rendering import as_html  # noqa: PLC0415
 
-        return as_html(cast("Response", self))
+        return as_html(cast("Response", self), self._request)
 
 
 class Stepped(Result):

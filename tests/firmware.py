@@ -101,3 +101,24 @@ def reprap_35_reads(line: str) -> Impulses:
     return Impulses(
         times_s=np.array(list(accumulate([0.0, *durations]))), amplitudes=np.array(steps)
     )
+
+
+OF_MARLIN = re.compile(r"M593 ([XY]) F([\d.]+) D([\d.]+)\Z")
+
+
+def marlin_reads(line: str) -> Impulses:
+    """Read M593 as Marlin does: ZV, heights in 128ths, half a period of F between them."""
+    match = OF_MARLIN.match(line)
+    if match is None:
+        raise RefusedError(line)
+    frequency_hz, zeta = float(np.float32(match[2])), float(np.float32(match[3]))
+    if not 0 <= zeta <= 0.99:
+        raise RefusedError(line)
+    echo = 64.0
+    if zeta > 0:
+        cubic = np.polynomial.Polynomial([64.44056192, -99.02008832, -7.58095488, 43.073216])
+        echo = float(np.floor(cubic(zeta)))
+    return Impulses(
+        times_s=np.array([0.0, 1 / (2 * frequency_hz)]),
+        amplitudes=np.array([1 - echo / 128, echo / 128]),
+    )

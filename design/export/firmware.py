@@ -17,6 +17,7 @@ from design.tables.rows import (
     TableHead,
     subject_of,
 )
+from design.types import FloatArray
 
 UNIT_SUM = 1e-12
 """How far the sum of amplitudes may be from 1: roundings, far below what a firmware resolves."""
@@ -120,11 +121,27 @@ def require_positive_row(head: TableHead, rows: Rows, index: int, firmware: str)
     if head.on_samples:  # a row may have fewer impulses than others
         held = ~np.isnan(times_s)
         times_s, amplitudes = times_s[held], amplitudes[held]
+    require_shares(amplitudes, f"row {rows.first + index}", firmware)
+    return Impulses(times_s=times_s, amplitudes=amplitudes)
+
+
+def require_shares(amplitudes: FloatArray, where: str, firmware: str) -> None:
+    """Check that amplitudes are above 0 and add up to 1.
+
+    Parameters
+    ----------
+    amplitudes, where, firmware
+        The amplitudes, shape (n,) [-]; whose they are, and the name that the error gives.
+
+    Raises
+    ------
+    InvalidInputError
+        If they do not.
+    """
     if not ((amplitudes > 0).all() and abs(float(np.sum(amplitudes)) - 1) < UNIT_SUM):
         raise InvalidInputError(
-            f"amplitudes of row {rows.first + index}",
+            f"amplitudes of {where}",
             amplitudes.tolist(),
             f"above 0 and add up to 1 for {firmware}",
             code="amplitudes_not_shares",
         )
-    return Impulses(times_s=times_s, amplitudes=amplitudes)

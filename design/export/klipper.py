@@ -24,6 +24,7 @@ References
 
 import math
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
@@ -134,28 +135,11 @@ def write_klipper(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     paths = varied_paths(head)
 
     def commands(rows: Rows, index: int) -> list[str]:
-        where = f"row {rows.first + index}"
         plant, _, options = subject.at(paths, rows.fields[index].tolist())
-        name, mode = NAMES[subject.kind.name], plant.modes[0]
-        if mode.damping_ratio > MAX_DAMPING_RATIOS[name]:
-            raise InvalidInputError(
-                f"damping_ratio of {where}",
-                mode.damping_ratio,
-                f"at most {MAX_DAMPING_RATIOS[name]} for Klipper's {name}",
-                code="too_damped_for_klipper",
-            )
+        row = Subject(plant=plant, actuator=Ideal(), kind=subject.kind, options=options)
         shaped = require_positive_row(head, rows, index, "Klipper")
-        if isinstance(options, ToleranceOptions):
-            row = Subject(plant=plant, actuator=Ideal(), kind=subject.kind, options=options)
-            shaper, remarks = _fit(row, name, shaped, where)
-        else:
-            shaper, remarks = _exact(name, mode, options, shaped, where), []
-        frequency, damping = repr(_frequency_hz(mode)), repr(mode.damping_ratio)
-        line = (
-            f"SET_INPUT_SHAPER SHAPER_TYPE={shaper} SHAPER_FREQ_X={frequency} "
-            f"SHAPER_FREQ_Y={frequency} DAMPING_RATIO_X={damping} DAMPING_RATIO_Y={damping}"
-        )
-        return [*(f"; {remark}" for remark in remarks), line]
+        line = klipper_line(row, shaped, f"row {rows.first + index}")
+        return [*(f"; {remark}" for remark in line.remarks), line.command]
 
     remarks = [
         "take the line of your row, frequencies in Hz; to keep it, write its parameters in lower",
@@ -163,6 +147,72 @@ def write_klipper(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
         "brackets behind a shaper's name need Klipper as of 31 March 2026, others refuse them",
     ]
     return firmware_lines(head, runs, remarks, commands)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class KlipperLine:
+    """A shaper as Klipper takes it."""
+
+    shaper: str  # Its name, with its parameters in brackets
+    frequency_hz: float
+    damping_ratio: float
+    remarks: list[str]  # What its fit leaves
+    played: Impulses  # What Klipper of 2026 plays
+
+    @property
+    def command(self) -> str:
+        """The command that sets it, both axes alike."""
+        frequency, damping = repr(self.frequency_hz), repr(self.damping_ratio)
+        return (
+            f"SET_INPUT_SHAPER SHAPER_TYPE={self.shaper} SHAPER_FREQ_X={frequency} "
+            f"SHAPER_FREQ_Y={frequency} DAMPING_RATIO_X={damping} DAMPING_RATIO_Y={damping}"
+        )
+
+
+def klipper_line(
+    row: Subject, shaped: Impulses, where: str, *, keeps_claims: bool = True
+) -> KlipperLine:
+    """Return a shaper as Klipper takes it.
+
+    Parameters
+    ----------
+    row, shaped
+        What was designed, for an ideal actuator, and its impulses.
+    where
+        Whose it is, for a refusal.
+    keeps_claims
+        Whether a fit that breaks what the design claims is refused; else it is taken as it is, for
+        a caller who measures the residual.
+
+    Returns
+    -------
+    KlipperLine
+        Its parameters, and what is played.
+
+    Raises
+    ------
+    InvalidInputError
+        If Klipper would refuse it, or play others, or break what it claims.
+    """
+    name, mode = NAMES[row.kind.name], row.plant.modes[0]
+    if mode.damping_ratio > MAX_DAMPING_RATIOS[name]:
+        raise InvalidInputError(
+            f"damping_ratio of {where}",
+            mode.damping_ratio,
+            f"at most {MAX_DAMPING_RATIOS[name]} for Klipper's {name}",
+            code="too_damped_for_klipper",
+        )
+    if isinstance(row.options, ToleranceOptions):
+        shaper, remarks, played = _fit(row, name, shaped, where, keeps_claims=keeps_claims)
+    else:
+        shaper, remarks, played = _exact(name, mode, row.options, shaped, where), [], shaped
+    return KlipperLine(
+        shaper=shaper,
+        frequency_hz=_frequency_hz(mode),
+        damping_ratio=mode.damping_ratio,
+        remarks=remarks,
+        played=played,
+    )
 
 
 def _frequency_hz(mode: Mode) -> float:
@@ -229,8 +279,10 @@ def _same(one: Impulses, other: Impulses) -> bool:
     return bool(np.abs(late).max() <= SAME * one.duration_s and np.abs(high).max() <= SAME)
 
 
-def _fit(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str, list[str]]:
-    """Return the shaper as Klipper writes it, whose impulses keep what is claimed, and remarks."""
+def _fit(
+    row: Subject, name: str, shaped: Impulses, where: str, *, keeps_claims: bool
+) -> tuple[str, list[str], Impulses]:
+    """Return the shaper as Klipper writes it, remarks, and impulses that keep what is claimed."""
     mode = row.plant.modes[0]
     hertz, damping = _frequency_hz(mode), mode.damping_ratio
     made = design(row.plant, row.actuator, row.kind, row.options)
@@ -244,17 +296,19 @@ def _fit(row: Subject, name: str, shaped: Impulses, where: str) -> tuple[str, li
     claims = made.certificate.claims
     told = _round_down(cast(ToleranceOptions, row.options).tolerance)  # of every ei kind
     judged: tuple[Claim, ...] = ()
+    played = shaped
     for _ in range(LOWERINGS):
-        judged = _measure_claims(
-            klipper_impulses(name, hertz, damping, tolerance=told), row, claims
-        )
+        played = klipper_impulses(name, hertz, damping, tolerance=told)
+        judged = _measure_claims(played, row, claims)
         if all(claim.holds for claim in judged):
-            return _line_read_by_most(row, name, told, claims), _remark_on_fit(judged)
+            return _line_read_by_most(row, name, told, claims), _remark_on_fit(judged), played
         # The residual of Klipper's fit is a little above its tolerance: a smaller one mends that.
         worst = max(claim.value / claim.limit for claim in judged)
         told = _round_down(min(told / worst, told - MIN_TOLERANCE))
         if name != "ei" or told < MIN_TOLERANCE:
             break
+    if not keeps_claims and name != "ei":
+        return f"{name}()", _remark_on_fit(judged), played
     broken = [claim for claim in judged if not claim.holds]
     raise InvalidInputError(
         f"impulses of {where}",

@@ -29,7 +29,9 @@ from design.analysis.residual import residual_vibration
 from design.errors import InvalidInputError
 from design.export.firmware import firmware_lines, require_positive_row, require_positive_shaper
 from design.export.kind import Export
+from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
+from design.model.plants.registry import Plant
 from design.tables.columns import require_times, varied_paths
 from design.tables.rows import Rows, TableHead, subject_of
 
@@ -85,42 +87,78 @@ def write_reprap(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     paths = varied_paths(head)
 
     def commands(rows: Rows, index: int) -> list[str]:
-        where = f"row {rows.first + index}"
         shaped = require_positive_row(head, rows, index, "RepRapFirmware")
-        times, amplitudes = shaped.times_s.tolist(), shaped.amplitudes.tolist()
-        delays = [time - times[0] for time in times[1:]]
-        gaps = [after - before for before, after in pairwise(times)]
-        if min(gaps) < MIN_GAP_S:
-            raise InvalidInputError(
-                f"times_s of {where}",
-                times,
-                f"{MIN_GAP_S:g} s or more apart for RepRapFirmware",
-                code="gap_too_short_for_reprap",
-            )
         plant, actuator, _ = subject.at(paths, rows.fields[index].tolist())
-        left, played = (
-            max(residual_vibration(one, mode, actuator) for mode in plant.modes)
-            for one in (shaped, held_impulses(amplitudes[:-1], delays))
-        )
-        if not played <= left + ROUNDED_AWAY:
-            raise InvalidInputError(
-                f"times_s of {where}",
-                times,
-                f"such that the residual in RepRapFirmware, which counts {CLOCK_HZ} a second, is "
-                f"at most {100 * ROUNDED_AWAY:g} % more than {100 * left:.3g} %; it is "
-                f"{100 * played:.3g} %",
-                code="reprap_rounds_too_much",
-            )
-        newer = _command(amplitudes[:-1], delays)
-        older = _command(list(accumulate(amplitudes[:-1])), gaps)
-        told = f"; rounded as the firmware does, it leaves {100 * played:.3g} %"
-        return [told, newer, f"; 3.4 to 3.5: {older}"]
+        return reprap_lines(shaped, plant, actuator, f"row {rows.first + index}")[0]
 
     remarks = [
         'take the line of your row; M593 P"custom" as of RepRapFirmware 3.6, below it in a comment',
         "the line for 3.4 to 3.5, which reads the same letters in another way",
     ]
     return firmware_lines(head, runs, remarks, commands)
+
+
+def reprap_lines(
+    shaped: Impulses, plant: Plant, actuator: Actuator, where: str
+) -> tuple[list[str], Impulses]:
+    """Return the lines for a shaper, and what the firmware plays then.
+
+    Parameters
+    ----------
+    shaped
+        The shaper, of impulses above 0 that add up to 1.
+    plant, actuator
+        What it was designed for.
+    where
+        Whose it is, for a refusal.
+
+    Returns
+    -------
+    list of str
+        The line, between its residual and the line of older firmware, both as comments.
+    Impulses
+        What firmware 3.6 plays.
+
+    Raises
+    ------
+    InvalidInputError
+        If the firmware cannot take so many impulses, or rounds them too far.
+    """
+    times, amplitudes = shaped.times_s.tolist(), shaped.amplitudes.tolist()
+    if not 1 < len(times) <= MAX_IMPULSES:
+        raise InvalidInputError(
+            "impulses",
+            len(times),
+            f"2 to {MAX_IMPULSES} for RepRapFirmware",
+            code="wrong_count_for_reprap",
+        )
+    delays = [time - times[0] for time in times[1:]]
+    gaps = [after - before for before, after in pairwise(times)]
+    if min(gaps) < MIN_GAP_S:
+        raise InvalidInputError(
+            f"times_s of {where}",
+            times,
+            f"{MIN_GAP_S:g} s or more apart for RepRapFirmware",
+            code="gap_too_short_for_reprap",
+        )
+    held = held_impulses(amplitudes[:-1], delays)
+    left, played = (
+        max(residual_vibration(one, mode, actuator) for mode in plant.modes)
+        for one in (shaped, held)
+    )
+    if not played <= left + ROUNDED_AWAY:
+        raise InvalidInputError(
+            f"times_s of {where}",
+            times,
+            f"such that the residual in RepRapFirmware, which counts {CLOCK_HZ} a second, is "
+            f"at most {100 * ROUNDED_AWAY:g} % more than {100 * left:.3g} %; it is "
+            f"{100 * played:.3g} %",
+            code="reprap_rounds_too_much",
+        )
+    newer = _command(amplitudes[:-1], delays)
+    older = _command(list(accumulate(amplitudes[:-1])), gaps)
+    told = f"; rounded as the firmware does, it leaves {100 * played:.3g} %"
+    return [told, newer, f"; 3.4 to 3.5: {older}"], held
 
 
 def held_impulses(heights: list[float], delays_s: list[float]) -> Impulses:

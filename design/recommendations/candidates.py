@@ -14,6 +14,7 @@ from design.errors import DesignError
 from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution
 from design.model.actuators.registry import Actuator
+from design.model.impulses import Impulses
 from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
 from design.pipeline import Design, design
@@ -336,7 +337,7 @@ def design_choice(choice: Choice, question: Question, budget: Budget) -> Designe
     return Designed(
         choice=choice,
         found=found,
-        worst_residual=_worst(found, question),
+        worst_residual=worst_residual(found.impulses, question),
         lower_bound_s=found.solver.lower_bound_s if choice.bound_holds else None,
     )
 
@@ -351,7 +352,7 @@ def _work_of_samples(found: Design, actuator: Actuator, sample_time_s: float) ->
 
 
 def _work_of_worst(found: Design, question: Question) -> float:
-    """Return the work of `_worst`: impulses times frequencies, on each line [units]."""
+    """Return the work of `worst_residual`: impulses times frequencies, on each line [units]."""
     band, lines = question.own_band, 1 if question.requirements.damping is None else 4
     duration, impulses = found.impulses.duration_s, found.impulses.times_s.size
     radians = (band[1] - band[0]) * duration * sum(
@@ -360,9 +361,21 @@ def _work_of_worst(found: Design, question: Question) -> float:
     return question.actuator.PROOF_WORK * impulses * FREQUENCIES_PER_RADIAN * radians * lines
 
 
-def _worst(found: Design, question: Question) -> float:
+def worst_residual(impulses: Impulses, question: Question) -> float:
+    """Return the largest residual over all that the plant may be [-].
+
+    Parameters
+    ----------
+    impulses, question
+        The impulses, and what is asked.
+
+    Returns
+    -------
+    float
+        Over band and damping, with the actuator given, by simulation [-].
+    """
     band, damping = question.own_band, question.requirements.damping
     return max(
-        largest_in_band(found.impulses, mode, question.actuator, band, damping)
+        largest_in_band(impulses, mode, question.actuator, band, damping)
         for mode in question.designed_for
     )

@@ -49,7 +49,7 @@ def serves(kind: ShaperKind, question: Question) -> bool:
     """Return whether a kind is for as many modes as the plant has.
 
     Kinds for several modes serve one too; for a plant of one mode the kinds that they are made of
-    (`zv`, `umzv`, their bases) stand in their place.
+    (`zv`, `umzv`, their bases) stand in their place. Of a firmware, its kinds alone serve.
 
     Parameters
     ----------
@@ -63,6 +63,9 @@ def serves(kind: ShaperKind, question: Question) -> bool:
     bool
         Whether the kind is designed for the question.
     """
+    firmware = question.requirements.firmware
+    if firmware is not None and kind.name not in firmware.kinds:
+        return False
     return (len(question.nominal) > 1) == kind.serves_several
 
 
@@ -90,6 +93,8 @@ def choices(kind: ShaperKind, question: Question) -> Iterator[Choice]:
         # A band narrower than the kind's narrowest is served by that.
         narrowest = names["half_width"].metadata.get("ge", 0.0)
         common["half_width"] = max(question.half_width, narrowest)
+    if asked.firmware is not None:
+        common |= asked.firmware.fixed.get(kind.name, {})
     exact = (
         common.get("half_width") == question.half_width
         and common.get("tolerance") == asked.tolerance

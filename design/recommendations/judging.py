@@ -12,12 +12,20 @@ from design.analysis.ramp_figures import moving_time_s
 from design.analysis.residual import residual_vibration
 from design.analysis.smoothing import Smoothing, smoothing
 from design.analysis.worst_mode import common_interval
+from design.errors import InvalidInputError
 from design.model.impulses import Impulses
-from design.recommendations.candidates import WITHIN, Designed
+from design.model.plants.modes import Modes
+from design.model.plants.registry import Plant
+from design.recommendations.candidates import WITHIN, Designed, worst_residual
+from design.recommendations.firmware import Firmware, Played
 from design.recommendations.requirements import Question
 
 MAX_SHOWN_AMPLITUDES = 4
 """Amplitudes that a reason repeats."""
+
+PLAYED_WITHIN = 1.01
+"""Margin of a tolerance as a firmware plays a shaper: its clock and its fits of five digits move
+the residual by less than this, and no machine shows it [-]."""
 
 ROUNDING = 1e-9
 """What amplitudes, sums and times may be off by, over one or over themselves [-]."""
@@ -72,6 +80,8 @@ class Candidate:
         One for each requirement.
     same_as
         Name of the candidate ahead of it whose impulses are the same; None where there is none.
+    played
+        What the firmware makes of it; None where none is asked for, or it cannot play the shaper.
     """
 
     designed: Designed
@@ -84,6 +94,7 @@ class Candidate:
     end_s: float
     verdicts: tuple[Verdict, ...]
     same_as: str | None = None
+    played: Played | None = None
 
     @property
     def name(self) -> str:
@@ -152,7 +163,54 @@ def judge_choice(designed: Designed, question: Question) -> Candidate:
         end_s=moving_time_s(impulses, actuator),
         verdicts=(),
     )
-    return replace(candidate, verdicts=tuple(_verdicts(candidate, question)))
+    verdicts = [*_verdicts(candidate, question)]
+    played = None
+    if question.requirements.firmware is not None:
+        played, verdict = play(designed, question, question.requirements.firmware)
+        verdicts.append(verdict)
+    return replace(candidate, verdicts=tuple(verdicts), played=played)
+
+
+def play(
+    designed: Designed, question: Question, firmware: Firmware
+) -> tuple[Played | None, Verdict]:
+    """Hold what a firmware makes of a shaper against the tolerance.
+
+    Parameters
+    ----------
+    designed, question, firmware
+        The shaper, what is asked, and what is to play it.
+
+    Returns
+    -------
+    Played or None
+        None where it cannot.
+    Verdict
+        With the residual as it is played.
+    """
+    modes, choice, asked = question.designed_for, designed.choice, question.requirements
+    plant: Plant = modes[0] if len(modes) == 1 else Modes(modes=modes)
+    options = choice.kind.options(**choice.options)
+    try:
+        played = firmware.play(
+            plant, question.actuator, choice.kind, options, designed.found.impulses
+        )
+    except InvalidInputError as error:
+        told = f"is refused by {firmware.title}: {error}"
+        return None, Verdict(
+            requirement="firmware", met=False, value=None, limit=asked.tolerance, reason=told
+        )
+    worst = worst_residual(played.impulses, question)
+    met = worst <= PLAYED_WITHIN * asked.tolerance
+    return played, Verdict(
+        requirement="firmware",
+        met=met,
+        value=worst,
+        limit=asked.tolerance,
+        reason=f"has a residual {_at_most(worst, met=met)} there as {firmware.title} plays it, "
+        f"{'within' if met else 'above'} {percent(asked.tolerance)}"
+        f"{' except for its own digits' if worst > WITHIN * asked.tolerance and met else ''}",
+    )
 
 
 def _verdicts(candidate: Candidate, question: Question) -> Iterator[Verdict]:

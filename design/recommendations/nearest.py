@@ -114,26 +114,48 @@ def _describe_limits(question: Question) -> str:
             limits.append(f"{name} {getattr(asked, name):g}")
     if asked.sample_time_s is not None:
         limits.append(f"samples of {asked.sample_time_s:g} s")
+    if asked.firmware is not None:
+        limits.append(f"a shaper of {asked.firmware.title}")
     return ", ".join(limits)
 
 
 def _nearest(limit: _Limit, candidates: Sequence[Candidate]) -> Iterator[Candidate]:
     """Yield the candidate nearest to one limit of those that meet all others, if there is one."""
-    others = [one for one in candidates if set(one.missed) <= set(limit.fields)]
+    others = [
+        one
+        for one in candidates
+        if set(one.missed) <= set(limit.fields) and limit.size(one) < math.inf
+    ]
     if others:
         yield min(others, key=lambda one: (limit.size(one), one.end_s))
+
+
+def _largest_residual(one: Candidate) -> float:
+    """Return the residual of a shaper as designed and as played, at most [-]."""
+    played = [told.value for told in one.verdicts if told.requirement == "firmware"]
+    values = (math.inf if value is None else value for value in played)
+    return max(one.designed.worst_residual, *values) if played else one.designed.worst_residual
 
 
 def _limits(question: Question) -> Iterator[_Limit]:
     asked = question.requirements
     yield _Limit(
-        fields=("tolerance",),
-        size=lambda one: one.designed.worst_residual,
+        fields=("tolerance", "firmware"),
+        size=_largest_residual,
         describe=lambda one: (
             "within the other limits the smallest residual found is "
-            f"{percent(one.designed.worst_residual)}, by {one.name}, {one.end_s:.4g} s"
+            f"{percent(_largest_residual(one))}, by {one.name}, {one.end_s:.4g} s"
         ),
     )
+    if asked.firmware is not None:
+        title = asked.firmware.title
+        yield _Limit(
+            fields=("firmware",),
+            size=lambda one: one.end_s,
+            describe=lambda one: (
+                f"without what {title} makes of it, {one.name} serves, {one.end_s:.4g} s"
+            ),
+        )
     if asked.max_duration_s is not None:
         yield _Limit(
             fields=("max_duration_s",),

@@ -166,6 +166,9 @@ def _reasons(
         f"that is asked: it takes {best.end_s:.4g} s, and its residual is at most "
         f"{percent(best.designed.worst_residual)} {ranges(question)}"
     )
+    for verdict in best.verdicts:
+        if verdict.requirement == "firmware":
+            yield f"{best.name} {verdict.reason}"
     if len(meeting) > 1:
         yield _over_the_next(best, meeting[1])
     calm = [one for one in meeting if one.high_mode_gain <= NO_GAIN]

@@ -12,6 +12,7 @@ from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
 from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
+from design.recommendations.firmware import Firmware
 
 Sign = Literal["any", "positive", "unity"]
 """Amplitudes allowed: all; above zero; +1, -1, +1, ... as an on-off drive takes them."""
@@ -56,6 +57,8 @@ class Requirements:
         Largest share of an unshaped step left in any higher mode [-]; None for no limit.
     sample_time_s
         The impulses are to lie on samples of this length [s]; None for none.
+    firmware
+        What is to play the shaper: its kinds alone are candidates; None for any.
     """
 
     half_width: float | None = None
@@ -69,6 +72,7 @@ class Requirements:
     highest_command: float = 1.0
     max_high_mode_gain: float | None = None
     sample_time_s: float | None = None
+    firmware: Firmware | None = None
 
     def __post_init__(self) -> None:
         self._require_band()
@@ -200,7 +204,8 @@ def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) ->
     Raises
     ------
     InvalidInputError
-        If the requirements do not go with the plant, or a set of the actuator is out of proportion.
+        If the requirements do not go with the plant or the firmware, or a set of the actuator is
+        out of proportion.
     """
     band = requirements.band
     if isinstance(plant, Scheduled):
@@ -221,6 +226,8 @@ def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) ->
             code="requirement_of_one_mode",
         )
     modes = plant.modes
+    if requirements.firmware is not None:
+        requirements.firmware.require(len(modes), actuator, requirements.sample_time_s)
     if requirements.damping is not None:
         modes = (_in_the_middle(modes[0], requirements.damping),)
     middle = (band[0] + band[1]) / 2

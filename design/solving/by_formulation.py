@@ -29,7 +29,7 @@ SOLVERS: dict[type, str] = {
     UnequalRampsProblem: "design.solving.unequal_ramps:solve_behind_two_lags",
     UnequalBandProblem: "design.solving.unequal_ramps:solve_band_behind_two_lags",
     UnequalHumpsProblem: "design.solving.unequal_humps:solve_humps_behind_two_lags",
-    Convolution: "design.solving.solve:solve_convolution",
+    Convolution: "design.solving.convolution:solve_convolution",
 }
 """What solves each class of formulation: one more solver is one more row."""
 

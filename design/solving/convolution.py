@@ -1,17 +1,37 @@
 """One shaper after another: each step of the one shaped by the other."""
 
 import functools
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from design.errors import InfeasibleDesignError
+from design.formulations.formulation import Convolution
 from design.model.impulses import Impulses
+from design.solvers.budget import Budget
 from design.solvers.solution import Solution
 from design.solving.distinct_steps import distinct_steps
+from design.solving.solve import solve
 
 OVER_RANGE = 1e-9
 """What a command may be out of range by: rounding of its amplitudes [-]."""
+
+
+def solve_convolution(formulation: Convolution, budget: Budget) -> Iterator[Solution]:
+    """Yield the shapers of the parts convolved.
+
+    Parameters
+    ----------
+    formulation, budget
+        The parts, and what the searches may do.
+
+    Yields
+    ------
+    Solution
+        The one of the first solution of each part.
+    """
+    yield convolve_solutions([next(solve(part, budget)) for part in formulation.parts])
 
 
 def convolve_solutions(solved: list[Solution]) -> Solution:

@@ -2,11 +2,10 @@
 
 from collections.abc import Iterator
 
-from design.formulations.formulation import Convolution, Formulation
+from design.formulations.formulation import Formulation
 from design.solvers.budget import Budget
 from design.solvers.solution import Solution
 from design.solving.by_formulation import solver_of
-from design.solving.convolution import convolve_solutions
 
 
 def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[Solution]:
@@ -31,19 +30,3 @@ def solve(formulation: Formulation, budget: Budget | None = None) -> Iterator[So
     """
     kind: type = type(formulation)
     yield from solver_of(kind)(formulation, Budget() if budget is None else budget)
-
-
-def solve_convolution(formulation: Convolution, budget: Budget) -> Iterator[Solution]:
-    """Yield the shapers of the parts convolved.
-
-    Parameters
-    ----------
-    formulation, budget
-        As of `solve`.
-
-    Yields
-    ------
-    Solution
-        The one of the first solution of each part.
-    """
-    yield convolve_solutions([next(solve(part, budget)) for part in formulation.parts])

@@ -2,6 +2,7 @@
 
 import zlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numba
@@ -36,6 +37,13 @@ def inlined(function: Function) -> Function:
     Only so do loops over it become vector instructions.
     """
     return _compile(function, forceinline=True)
+
+
+def is_kept(function: Callable[..., Any]) -> bool:
+    """Return whether the machine code of a compiled function is on disk."""
+    dispatcher: Any = function
+    folder = Path(dispatcher.stats.cache_path or "")
+    return any(folder.glob(f"*{dispatcher.py_func.__qualname__}-*.nbi"))
 
 
 def _compile(function: Function, *, forceinline: bool) -> Function:

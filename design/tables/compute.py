@@ -111,7 +111,7 @@ def compute_with_counts(
     values = specification.field_values(start, stop)
     table = empty_rows(len(values), specification.impulses or 0, specification.columns)
     guarded = corrected = compiled_rows = 0
-    how = _kernel_rows(specification)
+    how = compiled_rows_of(specification)
     if how is not None:
         _compile_rows(specification, how, row_parameters(specification, values), table)
         compiled_rows = int(table.designed.sum())
@@ -167,8 +167,11 @@ def with_impulse_count(specification: TableSpecification) -> TableSpecification:
     return replace(specification, impulses=found.impulses.times_s.size)
 
 
-def _kernel_rows(specification: TableSpecification) -> CompiledRows | None:
-    """Return how the kernel solves the rows; None where it knows not all that they depend on."""
+def compiled_rows_of(specification: TableSpecification) -> CompiledRows | None:
+    """Return how the kernel solves the rows.
+
+    None where it does not know all that they depend on.
+    """
     kind, options = specification.kind, specification.options
     if specification.actuator.kind not in kind.actuators:
         return None

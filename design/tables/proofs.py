@@ -277,7 +277,7 @@ def _write_results(block: FloatArray) -> None:
 
 
 @compiled
-def _prove(
+def prove_rows(
     switched: Optional,
     slopes: Optional,
     lags: FloatArray,
@@ -285,6 +285,18 @@ def _prove(
     times: FloatArray,
     out: FloatArray,
 ) -> None:
+    """Write the figures of each row: the last that is compiled of a table.
+
+    Parameters
+    ----------
+    switched, slopes
+        None, or anything: whether the sets are switched, and whether slopes are wanted.
+    lags, w, times
+        Damping ratio and lags, shape (m, 5), natural frequencies, shape (m,) [rad/s], and times of
+        the impulses, shape (m, n) [s].
+    out
+        Where they go, shape (m, 2) [-].
+    """
     block = np.ones(LENGTH)
     for start in range(0, times.shape[0], LANES):
         for lane in range(LANES):
@@ -360,7 +372,7 @@ def proven(
         Residual and slope, shape (m, 2) [-]; slopes are not numbers if not asked for.
     """
     out = np.empty((len(times_s), 2))
-    _prove(
+    prove_rows(
         True if switched else None,
         True if slopes else None,
         lags,

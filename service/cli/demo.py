@@ -110,7 +110,7 @@ def _show(address: str, kind: str, folder: Path) -> None:
         f"{address}/v1/designs", body, {"content-type": "application/json"}
     )
     response = DesignResponse.model_validate_json(_ask(request))
-    _say(f"{kind} for the thesis's crane:\n\n{as_table(response)}")
+    _say(f"{kind} for the thesis's crane:\n\n{as_table(response, body)}")
     figure = design_picture(DesignRequest.model_validate_json(body))
     for suffix, image_format in PICTURES.items():
         picture = folder / f"{kind}{suffix}"

@@ -46,6 +46,18 @@ class UsageError(Exception):
     """The command line asks for what cannot be."""
 
 
+class _Completion(argparse.Action):
+    """Print what a shell needs to complete words; shtab is imported only then."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, _: object, values: object, *__: object
+    ) -> None:
+        from service.cli.completion import completion_of  # noqa: PLC0415
+
+        sys.stdout.write(completion_of(parser, str(values)))
+        parser.exit()
+
+
 class _Version(argparse.Action):
     """Print the version; it is looked up only then, for --help must not wait for it."""
 
@@ -118,6 +130,12 @@ def command_parser() -> argparse.ArgumentParser:
         epilog=__doc__.partition("\n\n")[2] if __doc__ else None,
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
+    parser.add_argument(
+        "--print-completion",
+        action=_Completion,
+        choices=("bash", "zsh"),
+        help="print what this shell needs to complete words of the command",
+    )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for operation, row in OPERATIONS.items():
         summary = f"{row.help} (POST {row.path})"
@@ -144,6 +162,9 @@ def command_parser() -> argparse.ArgumentParser:
 
 
 def _add_format(command: argparse.ArgumentParser, more: tuple[str, ...] = ()) -> None:
+    command.add_argument(
+        "-o", "--output", metavar="FILE", type=Path, help="write the answer to this file, whole"
+    )
     command.add_argument("--pretty", action="store_true", help="indent the JSON of the answer")
     programs = f"; {', '.join(PROGRAMS)}: the shaper as a program or a line of firmware"
     command.add_argument(
@@ -216,6 +237,10 @@ def _answer(options: argparse.Namespace) -> int:
     content, read = _read(options.request)
     if plot is not None:
         _require_picture(plot, read)
+    if options.output is not None:
+        _require_file(options.output, read, "the request itself")
+        if plot is not None and _same_file(options.output, plot):
+            raise UsageError(f"--output and --plot are both {plot}")
 
     # --help must not wait for it
     from service.cli.reading import ReadingError, read_request  # noqa: PLC0415
@@ -235,7 +260,7 @@ def _answer(options: argparse.Namespace) -> int:
         written = design_file(body, options.format)
         if isinstance(written, Problem):
             return _tell(written, options, as_json=False)
-        sys.stdout.write(written.decode())
+        _write(written.decode(), options)
         return OK
     asked = {"trace": True} if getattr(options, "trace", False) else {}
     response = respond(operation, body, asked)
@@ -248,11 +273,13 @@ def _answer(options: argparse.Namespace) -> int:
         case = load(operation)
         request = case.request.model_validate_json(body).model_copy(update=asked)
         write_whole(plot, figure_bytes(case.draw(request), PICTURES[plot.suffix]))
-    _print(response, options)  # type: ignore[arg-type]
+    _print(response, options, body)  # type: ignore[arg-type]
     return OK
 
 
 def _shapers(options: argparse.Namespace) -> int:
+    if options.output is not None:
+        _require_file(options.output, None, "")
     from service.catalogue import shaper_catalogue  # noqa: PLC0415
 
     _print(shaper_catalogue(), options)
@@ -278,7 +305,7 @@ def _require_picture(path: Path, read: os.stat_result) -> None:
     _require_file(path, read, "the request itself")
 
 
-def _require_file(path: Path, read: os.stat_result, what: str) -> None:
+def _require_file(path: Path, read: os.stat_result | None, what: str) -> None:
     """Refuse an output that could not be written, or would overwrite what was read."""
     from service.files import NotReplaceableError, require_not_input, require_replaceable  # noqa: PLC0415
 
@@ -293,16 +320,32 @@ def _require_file(path: Path, read: os.stat_result, what: str) -> None:
         raise UsageError(f"cannot write {path}: the folder {path.parent} is read-only")
 
 
-def _print(response: "Response", options: argparse.Namespace) -> None:
+def _print(response: "Response", options: argparse.Namespace, request: bytes = b"") -> None:
     if options.format in {None, "json"}:
         indent = 2 if options.pretty else None
-        sys.stdout.write(response.model_dump_json(by_alias=True, indent=indent) + "\n")
-    else:
-        from service.cli import rendering  # noqa: PLC0415 - it knows the answers of all commands
+        _write(response.model_dump_json(by_alias=True, indent=indent) + "\n", options)
+        return
+    from service.cli import rendering  # noqa: PLC0415 - it knows the answers of all commands
 
-        write = rendering.as_table if options.format == "table" else rendering.as_csv
-        sys.stdout.write(write(response))
-    sys.stdout.flush()
+    if options.format == "table":
+        _write(rendering.as_table(response, request), options)
+    else:
+        _write(rendering.as_csv(response), options)
+
+
+def _write(text: str, options: argparse.Namespace) -> None:
+    """Write an answer to the file that is asked for, whole or not at all, or to standard output."""
+    if options.output is None:
+        sys.stdout.write(text)
+        sys.stdout.flush()
+        return
+    from service.files import write_whole  # noqa: PLC0415
+
+    write_whole(options.output, text.encode())
+
+
+def _same_file(one: Path, other: Path) -> bool:
+    return one.resolve() == other.resolve()
 
 
 def _tell(problem: "Problem", options: argparse.Namespace, *, as_json: bool) -> int:

@@ -2,6 +2,7 @@
 
 import sys
 import time
+from collections.abc import Callable
 
 from service.jobs.records import Job
 
@@ -12,9 +13,16 @@ LINE_EVERY_S = 10.0
 
 
 class Progress:
-    """A bar on stderr where that is a terminal, else a line now and then."""
+    """A bar on stderr where that is a terminal, else a line now and then.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    compiling
+        Returns whether the rows wait for code that is compiled.
+    """
+
+    def __init__(self, compiling: Callable[[], bool]) -> None:
+        self._compiling = compiling
         self._live = sys.stderr.isatty()
         self._every_s = REDRAWN_AFTER_S if self._live else LINE_EVERY_S
         self._shown = time.monotonic() if not self._live else 0.0
@@ -26,6 +34,8 @@ class Progress:
             return
         self._shown = now
         text = line_of(job)
+        if not job.done and not job.ended and self._compiling():
+            text += ", compiling, first use only"
         if self._live:
             filled = BAR_CELLS * job.done // max(job.rows, 1)  # a damaged one has none
             bar = "#" * filled + "." * (BAR_CELLS - filled)

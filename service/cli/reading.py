@@ -1,4 +1,4 @@
-"""The specification of a table from files: JSON or TOML, listed designs from JSON Lines or CSV."""
+"""The specification of a table from files: JSON or TOML; its list from JSON Lines, CSV or TOML."""
 
 import csv
 import json
@@ -101,7 +101,8 @@ def read_source(content: bytes, *, toml: bool, folder: Path) -> Source:
         _refuse(f"cannot read {name}: {error.strerror}", code="file_not_readable")
     except UnicodeDecodeError as error:
         _refuse(f"{name} is no UTF-8 text: {error.reason}", code="file_not_utf8")
-    designs = _from_csv(name, listed) if name.lower().endswith(".csv") else _lines(name, listed)
+    reader = {".csv": _from_csv, ".toml": _from_toml}.get(Path(name).suffix.lower(), _lines)
+    designs = reader(name, listed)
     del body["designs_file"]
     body["designs"] = [design for _, design in designs]
     lines = [line for line, _ in designs]
@@ -176,6 +177,25 @@ def _lines(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
             )
         designs.append((number, design))
     return designs
+
+
+def _from_toml(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
+    """Return the tables ``[[designs]]``, each with the line of its heading."""
+    try:
+        designs = tomllib.loads(text).get("designs")
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        _refuse(f"{name}: no TOML: {error}", code="list_not_toml")
+    heads = [
+        number
+        for number, line in enumerate(text.splitlines(), start=1)
+        if re.match(r"\s*\[\[\s*designs\s*\]\]", line)
+    ]
+    if not isinstance(designs, list) or len(heads) != len(designs):
+        _refuse(
+            f"{name}: must hold each design under a heading [[designs]]",
+            code="list_without_headings",
+        )
+    return list(zip(heads, designs, strict=True))
 
 
 def _from_csv(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:

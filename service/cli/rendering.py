@@ -3,7 +3,9 @@
 import csv
 import html
 import io
+import json
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 from schemas.catalogue import Catalogue
 from schemas.certificates import CertificateOut
@@ -19,6 +21,8 @@ from schemas.simulations import SimulationResponse
 from schemas.solver import SolverOut
 from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut
+from service.cli.plant_lines import PLANTS, only_hertz, plant_lines
+from service.cli.recommended import legend, next_command, shown_rows
 
 Response = (
     DesignResponse
@@ -45,9 +49,20 @@ def as_csv(response: Response) -> str:
     return out.getvalue()
 
 
-def as_table(response: Response) -> str:
-    """Return an answer as aligned text with its findings below."""
-    rows = list(_rows(response))
+def as_table(response: Response, request: bytes = b"") -> str:
+    """Return an answer as aligned text with its findings below.
+
+    Parameters
+    ----------
+    response, request
+        The answer, and what was asked as JSON: its plant is named, where it is given.
+
+    Returns
+    -------
+    str
+        Lines, each with its end.
+    """
+    rows = list(_shown_rows(response))
     # Compared at a glance, a row of many numbers each.
     digits = 4 if isinstance(response, RecommendationResponse) else 9
     cells = [[_cell(value, digits) for value in row] for row in rows]
@@ -56,15 +71,26 @@ def as_table(response: Response) -> str:
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
         for row in cells
     ]
-    return "\n".join([*lines, *_findings(response)]) + "\n"
+    return "\n".join([*lines, *_findings(response, request)]) + "\n"
 
 
-def as_html(response: Response) -> str:
-    """Return an answer as a small table of HTML with its findings below."""
-    head, *rows = _rows(response)
+def as_html(response: Response, request: bytes = b"") -> str:
+    """Return an answer as a small table of HTML with its findings below.
+
+    Parameters
+    ----------
+    response, request
+        As of `as_table`.
+
+    Returns
+    -------
+    str
+        A table, and the findings as they are.
+    """
+    head, *rows = _shown_rows(response)
     shown = rows if len(rows) <= MAX_HTML_ROWS else [*rows[: MAX_HTML_ROWS - 1], ["…"]]
     lines = [_html_row("th", head), *(_html_row("td", row) for row in shown)]
-    found = html.escape("\n".join(_findings(response)).strip())
+    found = html.escape("\n".join(_findings(response, request)).strip())
     return f"<table>{''.join(lines)}</table><pre>{found}</pre>"
 
 
@@ -75,6 +101,11 @@ def _html_row(tag: str, row: Iterable[object]) -> str:
 
 def _cell(value: object, digits: int) -> str:
     return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
+
+
+def _shown_rows(response: Response) -> Iterable[Sequence[object]]:
+    """Yield what people read: as the rows of the answer, or in other units."""
+    return shown_rows(response) if isinstance(response, RecommendationResponse) else _rows(response)
 
 
 def _rows(response: Response) -> Iterable[Sequence[object]]:
@@ -198,15 +229,20 @@ def _edges(band: InsensitivityOut | None) -> Sequence[object]:
     return ["" if edge is None else edge for edge in edges]
 
 
-def _findings(response: Response) -> list[str]:
+def _findings(response: Response, request: bytes) -> list[str]:
+    asked: dict[str, Any] = json.loads(request) if request else {}
+    plant = PLANTS.validate_json(json.dumps(asked["plant"])) if "plant" in asked else None
+    hertz = None if plant is None else only_hertz(plant)
+    about = [] if plant is None else plant_lines(plant)
     if isinstance(response, DesignResponse):
         return [
             "",
+            *about,
             f"shaper      {response.shaper.kind}, {response.shaper.duration_s:.9g} s",
             _certificate(response.certificate),
             *_shortest(response.solver),
             f"residual    {100 * response.residual:.4g} % with the actuator given",
-            *([] if response.sensitivity is None else _band(response.sensitivity)),
+            *([] if response.sensitivity is None else _band(response.sensitivity, hertz)),
             *([] if response.fit is None else _fit(response.fit)),
             *_trace(response.trace or []),
             *_warnings(response.warnings),
@@ -214,8 +250,9 @@ def _findings(response: Response) -> list[str]:
     if isinstance(response, SensitivityResponse):
         return [
             "",
+            *about,
             f"residual    {100 * response.residual:.4g} % at the nominal",
-            *_band(response.sensitivity),
+            *_band(response.sensitivity, hertz),
             *_warnings(response.warnings),
         ]
     if isinstance(response, FitOut):
@@ -223,6 +260,7 @@ def _findings(response: Response) -> list[str]:
     if isinstance(response, ManeuverResponse):
         return [
             "",
+            *about,
             f"move        {response.distance_m:.9g} m in {response.duration_s:.9g} s, "
             f"pulse {response.pulse_s:.9g} s{', solved as one' if response.joint else ''}",
             _certificate(response.certificate),
@@ -231,14 +269,19 @@ def _findings(response: Response) -> list[str]:
             *_warnings(response.warnings),
         ]
     if isinstance(response, SimulationResponse):
-        return ["", *_swings(response), *_warnings(response.warnings)]
+        return ["", *about, *_swings(response), *_warnings(response.warnings)]
     if isinstance(response, RecommendationResponse):
         told = [f"why         {reason}" for reason in response.why]
         return [
             "",
+            *legend(response),
+            "",
+            *about,
             *told,
             *_warnings(response.recommended.warnings),
             *(f"refused     {one.name}: {one.reason}" for one in response.refused),
+            *([f"next        {next_command(response, asked)}"] if asked else []),
+            *(["", *response.firmware_lines] if response.firmware_lines else []),
         ]
     if isinstance(response, MapResponse):
         return ["", *_warnings(response.warnings)] if response.warnings else []
@@ -284,12 +327,13 @@ def _shortest(solver: SolverOut) -> list[str]:
     return [f"shortest    none below {solver.lower_bound_s:.9g} s, gap {solver.gap:.2g}"]
 
 
-def _band(curve: SensitivityOut) -> list[str]:
+def _band(curve: SensitivityOut, hertz: float | None) -> list[str]:
     band = curve.insensitivity
     if band is None:
         return ["insensitive nowhere: the nominal itself is above the tolerance"]
     reach = f"{band.searched_from_ratio:.5g} to {band.searched_to_ratio:.5g}"
-    told = [f"insensitive {reach} of the frequency at {100 * band.tolerance:g} %"]
+    of = "" if hertz is None else _in_hertz(band, hertz)
+    told = [f"insensitive {reach} of the frequency{of} at {100 * band.tolerance:g} %"]
     if band.lower_ratio is None:
         told.append(f"no lower edge down to {band.searched_from_ratio:.5g} times")
     if band.upper_ratio is None:
@@ -297,6 +341,11 @@ def _band(curve: SensitivityOut) -> list[str]:
     if band.width is not None:
         told.append(f"width {band.width:.5f}")
     return [", ".join(told)]
+
+
+def _in_hertz(band: InsensitivityOut, hertz: float) -> str:
+    ends = band.searched_from_ratio * hertz, band.searched_to_ratio * hertz
+    return f" ({ends[0]:.5g} to {ends[1]:.5g} Hz)"
 
 
 def _swings(response: SimulationResponse) -> list[str]:

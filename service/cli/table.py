@@ -15,6 +15,7 @@ from design.errors import DesignError, InvalidInputError
 from design.export.registry import EXPORTS
 from schemas.tables import TableRequest
 from service.cli.checks import drifts_of_file, drifts_of_text, file_named_in, readable
+from service.cli.compiling import Compiling
 from service.cli.progress import Progress
 from service.cli.reading import ReadingError, Source, read_source
 from service.files import (
@@ -138,7 +139,7 @@ def _write(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
             file = path.with_name(f".{path.name}.job")
             store, job = _resume(file, plan)
             try:
-                ended = _compute(options, store, job)
+                ended = _compute(options, store, job, plan)
                 if ended.state == "failed":
                     return Problem(SOLVER_FAILED, ended.reason)
                 write_result(store, ended, name, path)
@@ -188,10 +189,10 @@ def _remove(file: Path) -> None:
         file.with_name(file.name + end).unlink(missing_ok=True)
 
 
-def _compute(options: argparse.Namespace, store: Store, job: str) -> Job:
+def _compute(options: argparse.Namespace, store: Store, job: str, plan: Plan) -> Job:
     """Run a job to its end."""
     workers = options.workers or os.cpu_count() or 1
-    progress = Progress()
+    progress = Progress(Compiling(plan.job))
     runner = Runner(
         store, starter(workers, options.scheduler), database_wait_s=STALLED_S, tell=_say
     )
@@ -236,7 +237,7 @@ def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
     tolerances = TableRequest.model_validate_json(plan.job.specification).tolerances
     with _temporary_store() as store:
         store.add(plan.job)
-        job = _compute(options, store, plan.job.id)
+        job = _compute(options, store, plan.job.id, plan)
         if job.state == "failed":
             return Problem(SOLVER_FAILED, job.reason)
         try:

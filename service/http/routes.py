@@ -4,10 +4,10 @@ from collections.abc import Callable, Coroutine
 from typing import Any
 
 from fastapi import APIRouter, Request
-from fastapi.routing import APIRoute
 from starlette.responses import Response
 
 from service.dispatch import Answer, answer
+from service.http.bare_route import BareRoute
 from service.http.bodies import answer_response, client_of, read_body, while_connected
 from service.http.openapi import OPERATION_TEXTS, body_of, problems
 from service.operations.table import TABLE, load
@@ -40,14 +40,6 @@ def _answering(operation: str) -> Callable[[Request], Coroutine[Any, Any, Respon
         return answer_response(done, request.state.request_id)
 
     return answering
-
-
-class BareRoute(APIRoute):
-    """Documented as any route; its endpoint takes the request itself, and nothing is injected."""
-
-    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
-        """Return the endpoint."""
-        return self.endpoint
 
 
 for _name, _row in TABLE.items():

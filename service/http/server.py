@@ -61,7 +61,10 @@ def serve(settings: Settings, *, host: str, port: int) -> None:
         timeout_graceful_shutdown=math.ceil(settings.time_limit_s) + SHUTDOWN_MARGIN_S,
     )
     bound_host, bound_port = listener.getsockname()[:2]
-    logging.getLogger("shapersmith").info("serving on http://%s:%d", bound_host, bound_port)
+    address = f"http://{f'[{bound_host}]' if ':' in bound_host else bound_host}:{bound_port}"
+    logging.getLogger("shapersmith").info(
+        "serving on %s, its documentation on %s/docs", address, address
+    )
     server = uvicorn.Server(config)
     app.state.stopping = lambda: server.should_exit
     server.run(sockets=[listener])

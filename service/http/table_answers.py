@@ -75,8 +75,12 @@ EVENT = {
 EVENTS: dict[int | str, Json] = {
     200: {
         "description": "An event `progress` for each change, then one with the name of the "
-        "last state; `gone` where the table was deleted. Each has the job as its data.",
-        "headers": _headers(Cache_Control="no-store: events are not kept."),
+        "last state; `gone` where the table was deleted. Each has the job as its data. "
+        "Where nothing changes for 15 s a comment is sent, so that no proxy ends the stream.",
+        "headers": _headers(
+            Cache_Control="no-cache: events are not kept.",
+            X_Accel_Buffering="no: a proxy passes each event on at once.",
+        ),
         "content": {
             "text/event-stream": {
                 "schema": {"type": "string"},

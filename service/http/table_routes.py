@@ -1,11 +1,13 @@
 """HTTP routes of table jobs."""
 
 import re
+from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Annotated
 
-from fastapi import APIRouter, Query, Request
-from starlette.responses import Response, StreamingResponse
+from fastapi import APIRouter, Depends, Query, Request
+from fastapi.sse import EventSourceResponse, ServerSentEvent
+from starlette.responses import Response
 
 from design.errors import InvalidInputError
 from design.export.formats import FORMATS
@@ -216,21 +218,24 @@ async def resume(request: Request, id: JobId) -> Response:
     raise ProblemError(problem)
 
 
+async def _watched_job(request: Request, id: JobId) -> Job:
+    """Return the job of a path: it is found before the stream begins."""
+    return await _find_job(request, id)
+
+
 @router.get(
     "/v1/tables/{id}/events",
-    response_class=Response,
+    response_class=EventSourceResponse,
     operation_id="watch_table",
     responses={**problems(TABLE_TEXTS, 404, 500, 503), **EVENTS},
     summary="Progress of a table as server-sent events",
 )
-async def events(request: Request, id: JobId) -> Response:
+async def events(
+    request: Request, job: Annotated[Job, Depends(_watched_job)]
+) -> AsyncIterator[ServerSentEvent]:
     """Send the state whenever it changes, until the job has ended."""
-    job = await _find_job(request, id)
-    return StreamingResponse(
-        _jobs(request).events(job),
-        media_type="text/event-stream",
-        headers={"cache-control": "no-store"},
-    )
+    async for name, data in _jobs(request).events(job):
+        yield ServerSentEvent(event=name, raw_data=data)
 
 
 @router.get(

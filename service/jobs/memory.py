@@ -8,7 +8,7 @@ from pathlib import Path
 
 from service.jobs.adding import KeyReusedError
 from service.jobs.asking import UnansweredError
-from service.jobs.records import UNFINISHED, Job, NewJob, State
+from service.jobs.records import UNFINISHED, Event, Job, NewJob, State
 from service.jobs.watching import Watching
 from service.problems import NOT_FOUND, Problem
 from service.version import version
@@ -115,8 +115,8 @@ class MemoryJobs:
             self.change(job, "running")
         return found.state in {*UNFINISHED, "failed"}
 
-    def events(self, job: Job) -> AsyncIterator[str]:
-        """Yield a server-sent event for each state of a job, until its last."""
+    def events(self, job: Job) -> AsyncIterator[Event]:
+        """Yield an event for each state of a job, until its last."""
         return self._watching.events(job)
 
     def path_of(self, job: str, name: str) -> Path:

@@ -4,7 +4,7 @@ from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from typing import Protocol
 
-from service.jobs.records import Job, NewJob
+from service.jobs.records import Event, Job, NewJob
 from service.problems import Problem
 
 
@@ -63,8 +63,8 @@ class Jobs(Protocol):
     async def resume(self, job: str) -> bool:
         """Let a failed job be tried again; return whether it is unfinished now."""
 
-    def events(self, job: Job) -> AsyncIterator[str]:
-        """Yield a server-sent event for each state of a job, until its last."""
+    def events(self, job: Job) -> AsyncIterator[Event]:
+        """Yield an event for each state of a job, until its last."""
 
     def path_of(self, job: str, name: str) -> Path:
         """Return where the file of a job in a format is, or is to be.

@@ -1,7 +1,7 @@
 """What the job store holds, as records."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
 
@@ -107,3 +107,10 @@ class Done:
     verified: int
     infeasible: int
     verified_ideal: int = 0
+
+
+class Event(NamedTuple):
+    """What is sent of a job that is watched: a name, and the job as JSON."""
+
+    name: str
+    data: str

@@ -10,7 +10,7 @@ from service.jobs.asking import Asking
 from service.jobs.cleaning import Cleaner
 from service.jobs.database import StoreError
 from service.jobs.keeping import Keeper
-from service.jobs.records import Job, NewJob
+from service.jobs.records import Event, Job, NewJob
 from service.jobs.results import write_result_of
 from service.jobs.running import STOP_WAIT_S, store_url
 from service.jobs.store import Store
@@ -122,8 +122,8 @@ class JobService:
         """Let a failed job be tried again; return whether it is unfinished now."""
         return await self._writing.ask(self.store.resume, job)
 
-    def events(self, job: Job) -> AsyncIterator[str]:
-        """Yield a server-sent event for each state of a job, until its last."""
+    def events(self, job: Job) -> AsyncIterator[Event]:
+        """Yield an event for each state of a job, until its last."""
         return self._watching.events(job)
 
     def path_of(self, job: str, name: str) -> Path:

@@ -6,7 +6,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 
 from service.jobs.asking import UnansweredError
 from service.jobs.plan import wire_job
-from service.jobs.records import Job
+from service.jobs.records import Event, Job
 
 LOOK_EVERY_S = 0.5
 """Between two looks at a job [s]."""
@@ -22,7 +22,7 @@ class _Watched:
 
     def __init__(self, job: Job) -> None:
         self.job = job
-        self.event = ""
+        self.event: Event | None = None
         self.number = 0
         self.over = False
         self.streams = 0
@@ -50,8 +50,8 @@ class Watching:
         self._stopping = stopping
         self._watched: dict[str, _Watched] = {}
 
-    async def events(self, job: Job) -> AsyncIterator[str]:
-        """Yield a server-sent event for each state of a job, until its last.
+    async def events(self, job: Job) -> AsyncIterator[Event]:
+        """Yield an event for each state of a job, until its last.
 
         The events end early where the service stops.
 
@@ -62,8 +62,8 @@ class Watching:
 
         Yields
         ------
-        str
-            The first event is of the present state; the last is `GONE` where the job was deleted.
+        Event
+            The first is of the present state; the last is `GONE` where the job was deleted.
         """
         watched = self._watched.get(job.id)
         if watched is None:
@@ -76,7 +76,7 @@ class Watching:
                 async with watched.changed:
                     while watched.number == seen and not watched.over:
                         await watched.changed.wait()
-                if watched.number > seen:
+                if watched.number > seen and watched.event is not None:
                     seen = watched.number
                     yield watched.event
                 if watched.over and watched.number == seen:
@@ -111,7 +111,7 @@ class Watching:
                 watched.changed.notify_all()
 
     async def _show(self, watched: _Watched, job: Job, name: str) -> None:
-        event = f"event: {name}\ndata: {wire_job(job).model_dump_json()}\n\n"
+        event = Event(name, wire_job(job).model_dump_json())
         if event != watched.event:
             async with watched.changed:
                 watched.event = event

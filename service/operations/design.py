@@ -1,6 +1,5 @@
 """Design one shaper, prove it, and add what is asked: its curve, its coefficients, its file."""
 
-from design.analysis.sensitivity import Sensitivity
 from design.analysis.worst_mode import worst_of
 from design.model.actuators.rate_limited import RateLimited
 from design.model.plants.scheduled import Scheduled
@@ -29,31 +28,27 @@ def design_shaper(request: DesignRequest) -> DesignResponse:
     scheduled = None
     if isinstance(done.plant, Scheduled) and done.design.worst_in_range is not None:
         scheduled = RangeOut.from_design(done.plant, done.design.worst_in_range)
-    modes, ramps = done.plant.modes, None
+    curves, modes, ramps = done.curves, done.plant.modes, None
     if isinstance(done.actuator, RateLimited):
         certificate = done.design.certificate
         claims = () if done.design.for_ideal else certificate.claims
         ramps = figures_beside_textbooks(done.design.impulses, modes, done.actuator, claims)
+    curve = None
+    if curves:
+        curve = SensitivityOut.from_design(curves[0] if len(curves) == 1 else worst_of(curves))
     trace = [TraceStepOut.from_design(step) for step in done.trace]
     return DesignResponse.from_design(
         request.shaper.kind,
         done.design,
         ramps,
         done.sampled,
-        _curve(done.curves),
-        of_modes(modes, done.design.residuals, done.curves) if len(modes) > 1 else None,
+        curve,
+        of_modes(modes, done.design.residuals, curves) if len(modes) > 1 else None,
         scheduled,
         fits,
         trace if request.trace else None,
         version(),
     )
-
-
-def _curve(curves: list[Sensitivity]) -> SensitivityOut | None:
-    """Return the curve of the worst of all modes; None where no curves were asked for."""
-    if not curves:
-        return None
-    return SensitivityOut.from_design(curves[0] if len(curves) == 1 else worst_of(curves))
 
 
 OPERATION = Operation(

@@ -1,6 +1,8 @@
 """A table of here is that of a service, byte by byte, and refused in the same words."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -87,3 +89,23 @@ def test_a_table_that_has_failed_is_an_error(
     with pytest.raises(shapersmith.SolverFailedError, match="no rows today"):
         shapersmith.table(ON_SAMPLES, tmp_path / "table.csv", "csv")
     assert not [*tmp_path.iterdir()]
+
+
+def test_a_script_without_a_guard_writes_a_table(tmp_path: Path) -> None:
+    """A script has no ``if __name__ == "__main__"``: whatever starts it anew would run it again."""
+    axis = {"field": "/plant/cable_length_m", "values": [0.6, 0.8]}
+    specification = {"design": {**CRANE, "shaper": {"kind": "numzv"}}, "axes": [axis]}
+    script = tmp_path / "script.py"
+    script.write_text(
+        f"""
+import shapersmith
+print("begun")
+job = shapersmith.table({specification!r}, "table.csv", "csv")
+print(job.verified)
+"""
+    )
+    done = subprocess.run(
+        [sys.executable, script], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.split() == ["begun", "2"]

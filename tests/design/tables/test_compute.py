@@ -162,7 +162,7 @@ def test_every_column_is_that_of_the_single_design(kind: str) -> None:
     # The drive's sets are apart: what does not know them is proven for an ideal one only.
     assert one.status.tolist() == [VERIFIED if kind == "numzvd" else VERIFIED_IDEAL] * 2
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(compute, "_kernel_rows", lambda _: None)
+        patch.setattr(compute, "compiled_rows_of", lambda _: None)
         rows, counts = compute_with_counts(table, 0, 2)
     assert counts.single == 2
     assert one.status.tolist() == rows.status.tolist()

@@ -24,6 +24,10 @@ from service.cli.reading import ReadingError, read_source
         ("d.jsonl", b'{"plant": {}}\n{"plant"\n', "line_not_json"),
         ("d.jsonl", b"[]\n", "line_not_object"),
         ("d.jsonl", b"\xff\n", "file_not_utf8"),
+        ("d.toml", b"[[designs]\n", "list_not_toml"),
+        ("d.toml", b"designs = 1\n", "list_without_headings"),
+        ("d.toml", b"designs = [{}]\n", "list_without_headings"),
+        ("d.toml", b"[plant]\n", "list_without_headings"),
         ("none/d.csv", b"", "file_not_readable"),
     ],
 )
@@ -61,3 +65,20 @@ def test_a_list_is_read_as_spreadsheets_of_any_country_write_it(
         {"plant": {"cable_length_mm": 700.0, "damping_ratio": 0.02}},
     ]
     assert source.lines == [2, 3]
+
+
+def test_a_list_in_toml_has_a_heading_for_each_design(tmp_path: Path) -> None:
+    text = """# crane
+[[designs]]
+plant.cable_length_mm = 600
+  [[ designs ]]  # the long one
+[designs.plant]
+cable_length_m = 0.7
+"""
+    (tmp_path / "d.TOML").write_text(text, encoding="utf-16")
+    source = read_source(b'{"designs_file": "d.TOML"}', toml=False, folder=tmp_path)
+    assert json.loads(source.body)["designs"] == [
+        {"plant": {"cable_length_mm": 600}},
+        {"plant": {"cable_length_m": 0.7}},
+    ]
+    assert source.lines == [2, 4]

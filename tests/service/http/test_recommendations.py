@@ -177,3 +177,19 @@ def test_the_table_ranks_and_says_what_each_misses() -> None:
     assert [row["rank"] for row in meeting] == [str(n) for n in range(1, len(meeting) + 1)]
     assert all(row["misses"] for row in rows[len(meeting) :])
     assert float(rows[0]["duration_s"]) == pytest.approx(1.3174918952, abs=1e-9)
+
+
+def test_a_firmware_is_answered_with_its_lines_and_others_have_none(client: httpx.Client) -> None:
+    printer = {"kind": "mode", "natural_frequency_hz": 45, "damping_ratio": 0.06}
+    request = {"plant": printer, "actuator": {"kind": "ideal"}, "half_width": 0.3}
+    plain = client.post("/v1/recommendations", json=request)
+    assert b"firmware" not in plain.content
+    answer = client.post("/v1/recommendations", json={**request, "firmware": "klipper"}).json()
+    assert "[input_shaper]" in answer["firmware_lines"]
+    verdicts = [one["requirement"] for one in answer["recommended"]["requirements"]]
+    assert verdicts[-1] == "firmware"
+    text = shapersmith("recommend", "-", "--format", "table", given={**request, "firmware": "rrf"})
+    assert text.stdout.splitlines()[-2].startswith('M593 P"custom" H')
+    wrong = client.post("/v1/recommendations", json={**request, "firmware": "kliper"}).json()
+    assert wrong["errors"][0]["pointer"] == "/firmware"
+    assert wrong["errors"][0]["detail"].endswith("; did you mean klipper?")

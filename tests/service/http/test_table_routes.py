@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from service.jobs.memory import MemoryJobs
+from service.jobs.records import Job
 from service.problems import INVALID, OVERLOADED, Problem
 from tests.service.http.in_process import InProcess, require_problem
 from tests.service.http.test_tables_over_http import TABLE
@@ -170,8 +171,30 @@ def test_events_end_with_the_state(service: InProcess, jobs: MemoryJobs, begun: 
     jobs.change(begun, "done", rows_done=8)
     answer = service.ask("GET", f"/v1/tables/{begun}/events")
     assert answer.headers["content-type"].startswith("text/event-stream")
-    assert answer.headers["cache-control"] == "no-store"
-    assert answer.text.startswith("event: done\ndata: {")
+    assert answer.headers["cache-control"] == "no-cache"
+    assert answer.headers["x-accel-buffering"] == "no"
+    state = service.ask("GET", f"/v1/tables/{begun}").text
+    assert answer.text == f"event: done\ndata: {state}\n\n"
+
+
+def test_a_stream_is_kept_alive_where_nothing_changes(
+    service: InProcess, jobs: MemoryJobs, begun: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fastapi.routing._PING_INTERVAL", 0.05)
+    looks: list[str] = []
+
+    async def find(job: str) -> Job | None:
+        looks.append(job)
+        if len(looks) == 2:  # the stream has been idle for one look
+            jobs.change(job, "done", rows_done=8)
+        return await jobs.find(job)
+
+    jobs.change(begun, "running")
+    monkeypatch.setattr(jobs._watching, "_look", find)
+    text = service.ask("GET", f"/v1/tables/{begun}/events").text
+    assert text.startswith("event: progress\ndata: {")
+    assert "\n\n: ping\n\n" in text
+    assert text.rpartition("event: ")[2].startswith("done\n")
 
 
 def test_a_file_is_made_once_and_served_whole_in_part_or_not_at_all(

@@ -10,7 +10,7 @@ import pytest
 
 from service.jobs import watching
 from service.jobs.asking import UnansweredError
-from service.jobs.records import Job
+from service.jobs.records import Event, Job
 from service.jobs.watching import Watching
 from tests.patience import PATIENT_S
 
@@ -55,13 +55,12 @@ def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(watching, "LOOK_EVERY_S", 0.001)
 
 
-def name_and_done(event: str) -> tuple[str, int]:
-    name, data = event.strip().split("\n")
-    state: dict[str, Any] = json.loads(data.removeprefix("data: "))
-    return name.removeprefix("event: "), state["rows_done"]
+def name_and_done(event: Event) -> tuple[str, int]:
+    state: dict[str, Any] = json.loads(event.data)
+    return event.name, state["rows_done"]
 
 
-async def seen(stream: AsyncIterator[str]) -> list[tuple[str, int]]:
+async def seen(stream: AsyncIterator[Event]) -> list[tuple[str, int]]:
     return [name_and_done(event) async for event in stream]
 
 

@@ -1,0 +1,58 @@
+"""The plant of a request in the words of those who measure it: hertz, periods, lengths."""
+
+from math import tau
+
+from pydantic import TypeAdapter
+
+from schemas.plants import ModesIn, PendulumIn, PlantIn, ScheduledIn, SpringMassIn
+
+PLANTS: TypeAdapter[PlantIn] = TypeAdapter(PlantIn)
+
+
+def plant_lines(plant: PlantIn) -> list[str]:
+    """Return a line for the plant, or one for each of its modes.
+
+    Returns
+    -------
+    list of str
+        With hertz and periods; a range of a scheduled plant is one line.
+
+    Examples
+    --------
+    >>> crane = PLANTS.validate_python({"kind": "pendulum", "cable_length_m": 0.8})
+    >>> plant_lines(crane)
+    ['plant       pendulum, cable 0.8 m, 0.55723 Hz, period 1.7946 s']
+    """
+    if isinstance(plant, ModesIn):
+        modes = plant.to_design().modes
+        return [
+            f"mode {number:<7}{_swing(one.natural_frequency_rad_s, one.damping_ratio)}"
+            for number, one in enumerate(modes, start=1)
+        ]
+    if isinstance(plant, ScheduledIn):
+        range_ = plant.to_design()
+        ends = sorted(end.mode.natural_frequency_rad_s / tau for end in (range_.first, range_.last))
+        return [
+            f"plant       {plant.plant.kind}, {plant.over} from {plant.from_:g} to {plant.to:g}, "
+            f"{ends[0]:.5g} to {ends[1]:.5g} Hz, period {1 / ends[1]:.5g} to {1 / ends[0]:.5g} s"
+        ]
+    what = ""
+    if isinstance(plant, PendulumIn):
+        what = f"cable {plant.cable_length_m:g} m, "
+    elif isinstance(plant, SpringMassIn):
+        what = f"{plant.mass_kg:g} kg, {plant.stiffness_n_m:g} N/m, "
+    mode = plant.to_design().mode
+    swing = _swing(mode.natural_frequency_rad_s, mode.damping_ratio)
+    return [f"plant       {plant.kind}, {what}{swing}"]
+
+
+def only_hertz(plant: PlantIn) -> float | None:
+    """Return the natural frequency of a plant that has only one [Hz]."""
+    if isinstance(plant, ModesIn | ScheduledIn):
+        return None
+    return plant.to_design().mode.natural_frequency_rad_s / tau
+
+
+def _swing(frequency_rad_s: float, damping_ratio: float) -> str:
+    damped = f", damping ratio {damping_ratio:g}" if damping_ratio else ""
+    return f"{frequency_rad_s / tau:.5g} Hz, period {tau / frequency_rad_s:.5g} s{damped}"

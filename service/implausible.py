@@ -1,0 +1,37 @@
+"""Values of a request that are hardly meant: with field, quantity, and that as ranges have it."""
+
+from collections.abc import Iterator
+from math import inf, tau
+from typing import Any
+
+from pydantic import BaseModel
+
+from schemas.plants import ScheduledIn, SpringMassIn
+from schemas.usual_ranges import PARTS, USUAL_RANGES
+
+
+def implausible_values(request: Any) -> list[tuple[str, str, float, float]]:  # noqa: ANN401
+    """Return pointer, field and quantity of what is beyond its usual range."""
+    modes = request.plant.to_design().modes if hasattr(request, "plant") else ()
+    period_s = max((mode.period_s for mode in modes), default=inf)
+    beyond = []
+    for part in PARTS:
+        for pointer, name, value in _numbers(getattr(request, part, None), part, f"/{part}"):
+            if usual := USUAL_RANGES.get((part, name)):
+                quantity = tau / value if usual.of_frequency else value
+                compared = quantity / period_s if usual.in_periods else quantity
+                if not usual.low <= compared < usual.high:
+                    beyond.append((pointer, name, quantity, compared))
+                    period_s = inf if part == "plant" else period_s  # no drive is slow beside it
+    return beyond
+
+
+def _numbers(here: Any, name: str, pointer: str) -> Iterator[tuple[str, str, float]]:  # noqa: ANN401
+    """Yield the numbers of a part, each with its pointer and the field that it is a value of."""
+    if isinstance(here, ScheduledIn | SpringMassIn):
+        yield from here.numbers(pointer)
+    elif isinstance(here, BaseModel | list):
+        for inner, value in enumerate(here) if isinstance(here, list) else here:
+            yield from _numbers(value, str(inner), f"{pointer}/{inner}")
+    elif isinstance(here, float | int):
+        yield pointer, name, here

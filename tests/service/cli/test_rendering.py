@@ -1,0 +1,152 @@
+"""What people read has hertz, periods and per cent, says what its columns are, and what to run."""
+
+import csv
+import io
+import json
+import math
+import re
+import shlex
+from typing import Any
+
+import pytest
+
+import shapersmith as package
+from tests.conftest import CRANE
+from tests.service.cli.commands import shapersmith
+from tests.shapersmith.requests import REQUESTS
+
+DRIVEN = {"plant": CRANE["plant"], "actuator": CRANE["actuator"]}
+IDEAL = {"kind": "ideal"}
+SPRING = {"kind": "spring_mass", "mass_kg": 2, "stiffness_n_m": 50, "damping_ratio": 0.05}
+TWO = {
+    "kind": "modes",
+    "modes": [{"natural_frequency_hz": 1}, {"period_s": 0.4, "damping_ratio": 0.02}],
+}
+RANGE = {
+    "kind": "scheduled", "plant": CRANE["plant"], "over": "cable_length_m", "from": 0.7, "to": 0.9,
+}  # fmt: skip
+
+COMMANDS = {"simulation": "simulate", "recommendation": "recommend"}
+"""Commands that are not called as their operation."""
+
+
+def text(command: str, request: dict[str, Any]) -> str:
+    done = shapersmith(command, "-", "--format", "table", given=request)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def crane_hertz() -> float:
+    return math.sqrt(9.81 / 0.8) / math.tau
+
+
+@pytest.mark.parametrize("operation", ["design", "sensitivity", "maneuver", "simulation"])
+def test_a_text_says_length_hertz_and_period_of_the_plant(operation: str) -> None:
+    told = text(COMMANDS.get(operation, operation), REQUESTS[operation])
+    hertz = crane_hertz()
+    assert (
+        f"\nplant       pendulum, cable 0.8 m, {hertz:.5g} Hz, period {1 / hertz:.5g} s\n" in told
+    )
+
+
+@pytest.mark.parametrize(
+    ("plant", "kind", "lines"),
+    [
+        pytest.param(
+            SPRING,
+            "zv",
+            [
+                "plant       spring_mass, 2 kg, 50 N/m, 0.79577 Hz, period 1.2566 s, "
+                "damping ratio 0.05"
+            ],
+            id="spring",
+        ),
+        pytest.param(
+            TWO,
+            "multi_zv",
+            [
+                "mode 1      1 Hz, period 1 s",
+                "mode 2      2.5 Hz, period 0.4 s, damping ratio 0.02",
+            ],
+            id="modes",
+        ),
+        pytest.param(
+            RANGE,
+            "ei",
+            [
+                "plant       pendulum, cable_length_m from 0.7 to 0.9, 0.52545 to 0.59581 Hz, "
+                "period 1.6784 to 1.9031 s"
+            ],
+            id="range",
+        ),
+    ],
+)
+def test_each_mode_and_both_ends_of_a_range_are_said(
+    plant: dict[str, Any], kind: str, lines: list[str]
+) -> None:
+    told = text("design", {"plant": plant, "actuator": IDEAL, "shaper": {"kind": kind}})
+    assert "\n" + "\n".join(lines) + "\n" in told
+
+
+def test_the_insensitive_band_is_in_hertz_too() -> None:
+    told = text("design", CRANE)
+    found = re.search(r"insensitive (\S+) to (\S+) of the frequency \((\S+) to (\S+) Hz\)", told)
+    assert found is not None
+    low, high, low_hertz, high_hertz = map(float, found.groups())
+    assert low_hertz == pytest.approx(crane_hertz() * low, rel=1e-4)
+    assert high_hertz == pytest.approx(crane_hertz() * high, rel=1e-4)
+
+
+def test_python_and_notebooks_have_the_same_lines() -> None:
+    found = package.design(**CRANE)
+    assert str(found) == text("design", CRANE).rstrip()
+    assert "cable 0.8 m, 0.55733 Hz" in found._repr_html_()
+
+
+@pytest.mark.parametrize("limited", [False, True])
+def test_a_recommendation_has_a_legend_of_its_columns(limited: bool) -> None:
+    drive = {"kind": "rate_limited", "accel_limit_m_s2": 2, "decel_limit_m_s2": 3, "speed_m_s": 0.5}
+    told = text("recommend", {**DRIVEN, **({"actuator": drive} if limited else {})})
+    rank, shaper, *columns = told.splitlines()[0].split()
+    assert (rank, shaper) == ("rank", "shaper")
+    assert ("ramp_end_s" in columns) == limited
+    assert re.findall(r"^legend      (\S+)", told, re.MULTILINE) == columns
+
+
+def test_a_recommendation_is_in_per_cent_and_hertz() -> None:
+    request = {**DRIVEN, "lower_ratio": 0.9, "upper_ratio": 1.2}
+    told = text("recommend", request)
+    row = dict(zip(told.splitlines()[0].split(), told.splitlines()[1].split(), strict=False))
+    best = json.loads(shapersmith("recommend", "-", given=request).stdout)["recommended"]
+    assert float(row["residual_%"]) == pytest.approx(100 * best["worst_residual"], rel=1e-3)
+    for end in ("lower", "upper"):
+        hertz = float(row["from_hz" if end == "lower" else "to_hz"])
+        ratio = best["insensitivity"][f"{end}_ratio"]
+        assert hertz == pytest.approx(crane_hertz() * ratio, rel=1e-3)
+    plain = shapersmith("recommend", "-", "--format", "csv", given=request).stdout
+    first = next(csv.DictReader(io.StringIO(plain)))
+    assert float(first["worst_residual"]) == best["worst_residual"]
+
+
+@pytest.mark.parametrize(
+    "request_",
+    [
+        pytest.param({**DRIVEN, "half_width": 0.1}, id="as-given"),
+        pytest.param({**DRIVEN, "lower_ratio": 0.9, "upper_ratio": 1.3}, id="other-middle"),
+        pytest.param({"plant": RANGE, "actuator": IDEAL}, id="range"),
+        pytest.param({"plant": TWO, "actuator": IDEAL}, id="modes"),
+        pytest.param(
+            {"plant": SPRING, "actuator": IDEAL, "damping": {"from": 0, "to": 0.06}}, id="damping"
+        ),
+        pytest.param({**DRIVEN, "sample_time_s": 0.02, "sign": "positive"}, id="samples"),
+    ],
+)
+def test_the_last_line_designs_the_recommended_shaper(request_: dict[str, Any]) -> None:
+    last = text("recommend", request_).splitlines()[-1]
+    word, echo, body, pipe, program, *arguments = shlex.split(last)
+    assert (word, echo, pipe, program) == ("next", "echo", "|", "shapersmith")
+    designed = json.loads(shapersmith(*arguments[:2], given=body).stdout)
+    best = json.loads(shapersmith("recommend", "-", given=request_).stdout)["recommended"]
+    for name, values in best["impulses"].items():
+        assert designed["shaper"]["impulses"][name] == pytest.approx(values, abs=1e-9)
+    assert shapersmith(*arguments, given=body).returncode == 0
