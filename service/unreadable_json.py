@@ -34,6 +34,14 @@ AT = re.compile(r"[-+]?[\d.]*(?:[eE][-+]?\d+)?")
 
 PARTS = re.compile(r"([-+]?)(\d*)(?:[.,](\d*))?([eE][-+]?\d+)?")
 
+BINARY = re.compile(rb"[\x00-\x08\x0e-\x1a\x1c-\x1f]")
+"""Bytes that no text has."""
+
+LOOKED_AT_BYTES = 512
+
+SECTION = re.compile(r"\s*\[\s*[A-Za-z][\w .-]*\]\s*(\n|\Z)")
+"""A heading as TOML, INI and the files of printers have it."""
+
 EXAMPLE = "0.8"
 """A number to show where none can be read."""
 
@@ -85,6 +93,8 @@ def _decoded(content: bytes) -> str:
     if encoding != "utf-8":
         mark = "UTF-8 with a byte order mark" if encoding == "utf-8-sig" else encoding.upper()
         raise ValueError(f"the text is {mark}: send UTF-8 without a byte order mark")
+    if BINARY.search(content[:LOOKED_AT_BYTES]):
+        raise ValueError("the file is no text: a request is JSON")
     try:
         return content.decode()
     except UnicodeDecodeError as error:
@@ -101,6 +111,8 @@ def _told(text: str, error: json.JSONDecodeError) -> str:
 
 
 def _cause(text: str, at: int, said: str) -> str:
+    if not text.lstrip().startswith(("{", '"')) and (at == 0 or SECTION.match(text)):
+        return "a request is JSON, which begins with {; TOML is read from files named .toml"
     before, after = text[max(at - 100, 0) : at], text[at : at + 100]
     if not text[at:].strip():
         return "the text ends here: a bracket or a quote is not closed"

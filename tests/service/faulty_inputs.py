@@ -203,6 +203,9 @@ TEXTS = [
     with_text("digit", ": 0.8,", ": 1.,", "without a digit after its point", "write 1.0"),
     with_text("digit", ": 0.8,", ": 00.8,", "with a zero ahead", "write 0.8"),
     with_text("digit", ": 0.8,", ": +0.8,", "a plus sign", "write 0.8"),
+    with_text("no JSON", "{", "[printer]\n{", "line 1, column 2: a request is JSON, which begins"),
+    with_text("no JSON", "{", "; a printer\n{", "line 1, column 1: a request is JSON"),
+    with_text("no JSON", "{", "kind = 3 {", "line 1, column 1: a request is JSON"),
     with_text("sign", ": 0.8,", ": 0.8", "line 5, column 3: a comma is missing ahead of this"),
     with_text("sign", '"cable_length_m":', '"cable_length_m"', "a colon is missing ahead of this"),
 ]
@@ -229,6 +232,16 @@ ENCODED = [
     )
 ]
 
+BINARY = [
+    Faulty(
+        slip="no text",
+        body=start + TEXT.encode(),
+        code="not_json",
+        told=("the file is no text: a request is JSON",),
+    )
+    for start in (b"\x89PNG\r\n\x1a\n\0\0", b"\xff\xd8\xff\xe0\0\x10JFIF", b"PK\x03\x04\x14\0")
+]
+
 LISTS = [
     (
         "d.csv",
@@ -251,4 +264,4 @@ LISTS = [
 ]
 """Lists of designs beside a specification: name, text, code, and a part of the answer."""
 
-FAULTY = [*FIELDS, *CHOICES, *NUMBERS, *REPEATED, *TEXTS, *ENCODED]
+FAULTY = [*FIELDS, *CHOICES, *NUMBERS, *REPEATED, *TEXTS, *ENCODED, *BINARY]
