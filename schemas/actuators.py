@@ -46,6 +46,12 @@ DeadTime = Annotated[
 class IdealIn(WireOf[Ideal]):
     """An actuator that follows its command at once."""
 
+    ALSO: ClassVar[tuple[str, ...]] = (
+        "none",
+        "perfect",
+        "no_lag",
+    )
+
     RECORD = Ideal
 
     EXAMPLE: ClassVar[Example] = {"kind": "ideal"}
@@ -55,6 +61,14 @@ class IdealIn(WireOf[Ideal]):
 
 class FirstOrderIn(WireOf[FirstOrder]):
     """First-order lag, its time constant by direction."""
+
+    ALSO: ClassVar[tuple[str, ...]] = (
+        "pt1",
+        "lag",
+        "time_constant",
+        "drive",
+        "motor",
+    )
 
     RECORD = FirstOrder
 
@@ -92,6 +106,11 @@ class SecondOrderSetIn(WireOf[SecondOrderSet]):
 class SecondOrderIn(WireOf[SecondOrder]):
     """Second-order actuator, its parameters by direction."""
 
+    ALSO: ClassVar[tuple[str, ...]] = (
+        "pt2",
+        "servo",
+    )
+
     RECORD = SecondOrder
 
     EXAMPLE: ClassVar[Example] = {
@@ -115,6 +134,13 @@ class SecondOrderIn(WireOf[SecondOrder]):
 
 class RateLimitedIn(WireOf[RateLimited]):
     """Limits to acceleration, deceleration and jerk, and what follows the limited command."""
+
+    ALSO: ClassVar[tuple[str, ...]] = (
+        "ramp",
+        "limits",
+        "trapezoid",
+        "acceleration_limited",
+    )
 
     RECORD = RateLimited
 

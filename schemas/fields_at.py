@@ -33,6 +33,12 @@ def kinds_of(expected: Sequence[Any]) -> list[str]:
     return [kind for field in fields if field for kind in get_args(field.annotation)]
 
 
+def also_called(expected: Sequence[Any]) -> dict[str, tuple[str, ...]]:
+    """Return what people call kinds, of those types whose models say it."""
+    models = [one for one in expected if getattr(one, "ALSO", ())]
+    return {kind: one.ALSO for one in models for kind in kinds_of([one])}
+
+
 def _inner(here: tuple[Any, ...], step: int | str) -> tuple[Any, ...]:
     if isinstance(step, int):
         lists = (one for one in here if get_origin(one) in {list, tuple})

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
@@ -31,11 +31,27 @@ class BareMode(WireOf[Mode]):
 class ModeIn(BareMode):
     """One vibration mode."""
 
+    ALSO: ClassVar[tuple[str, ...]] = (
+        "frequency",
+        "single_mode",
+        "oscillator",
+        "resonance",
+        "robot",
+        "printer",
+    )
+
     kind: Literal["mode"]
 
 
 class ModesIn(Wire):
     """Several vibration modes of one plant, or one."""
+
+    ALSO: ClassVar[tuple[str, ...]] = (
+        "multi_mode",
+        "several_modes",
+        "two_modes",
+        "double_pendulum",
+    )
 
     kind: Literal["modes"]
     modes: Annotated[
@@ -55,6 +71,15 @@ class ModesIn(Wire):
 class PendulumIn(WireOf[Pendulum]):
     """A load on a cable, at small angles."""
 
+    ALSO: ClassVar[tuple[str, ...]] = (
+        "crane",
+        "overhead_crane",
+        "gantry",
+        "trolley",
+        "hoist",
+        "cable",
+    )
+
     RECORD = Pendulum
 
     kind: Literal["pendulum"]
@@ -69,6 +94,12 @@ class PendulumIn(WireOf[Pendulum]):
 
 class SpringMassIn(WireOf[SpringMass]):
     """A load held by a spring."""
+
+    ALSO: ClassVar[tuple[str, ...]] = (
+        "mass_spring",
+        "mass_spring_damper",
+        "spring",
+    )
 
     RECORD = SpringMass
 

@@ -4,13 +4,19 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
-from schemas.fields_at import expected_at, kinds_of
-from schemas.pointers import json_pointer
-from schemas.units import other_names, reading_of
-from service.suggestions import close_names, meaning_of_field
+from schemas.fields_at import also_called, expected_at, kinds_of
+from schemas.units import other_names
+from service.belonging import (
+    Where,
+    models_at,
+    names_in_order,
+    places_of,
+    where_it_belongs,
+)
+from service.number_texts import number_meant, percent_meant
+from service.suggestions import close_names, kinds_meant, listed, meaning_of_field
 
 MAX_ECHO_CHARACTERS = 80
 """Characters of a refused value that a message repeats."""
@@ -47,10 +53,16 @@ RULES = {
 WORDS = {True: "true", False: "false", None: "null"}
 """Values that JSON has other words for than Python."""
 
-NUMBER = re.compile(r"\s*[-+]?\d+([.,]\d+)?([eE][-+]?\d+)?\s*")
+POINTER = re.compile(r"\^/\(([a-z|]+)\)/")
+"""The form of a text that is a pointer into some parts of a request."""
 
 
-def refusal(fault: ErrorDetails, model: Any, given: str) -> str:  # noqa: ANN401
+def refusal(
+    fault: ErrorDetails,
+    model: Any,  # noqa: ANN401
+    given: str,
+    request: Any = None,  # noqa: ANN401
+) -> str:
     """Return what is wrong with a field, to be read after its name.
 
     Parameters
@@ -61,6 +73,8 @@ def refusal(fault: ErrorDetails, model: Any, given: str) -> str:  # noqa: ANN401
         Model of the request, or a union of models.
     given
         Name of the field as the request has it: in another unit, maybe.
+    request
+        The request as JSON has it.
 
     Returns
     -------
@@ -72,27 +86,41 @@ def refusal(fault: ErrorDetails, model: Any, given: str) -> str:  # noqa: ANN401
     value = fault["input"]
     if type_ == "missing":
         others = other_names(str(where[-1]))
-        return f"must be given{f', or {_either(others)} in its place' if others else ''}"
+        return "must be given" + (f", or {listed(others, 'or')} in its place" if others else "")
     if type_ == "extra_forbidden":
-        return f"is no field here; {_meaning(where, model)}"
+        return f"is no field here; {_meaning(where, model, request)}"
     if type_ == "union_tag_not_found":
-        return f"must have a kind: {_either(kinds_of(expected_at(model, where)))}"
+        return f"must have a kind: {listed(kinds_of(expected_at(model, where)), 'or')}"
     if type_ == "union_tag_invalid":
         kinds = re.findall(r"'([^']*)'", context["expected_tags"])
         tag = str(context["tag"])
-        told = f"must be of a kind that is known, got {echo(tag)}{_meant(tag, kinds)}"
+        meant = _swapped(tag, kinds, where, model, request) or _meant(
+            kinds_meant(tag, {**dict.fromkeys(kinds, ()), **also_called(expected_at(model, where))})
+        )
+        told = f"must be of a kind that is known, got {echo(tag)}{meant}"
         return f"{told}{' The' if told.endswith('?') else '; the'} kinds are {', '.join(kinds)}"
     if type_ == "literal_error":
         names = re.findall(r"'([^']*)'", context["expected"])
         if names and isinstance(value, str):
-            return f"must be {_either(names)}, got {echo(value)}{_meant(value, names)}"
+            told = f"must be {listed(names, 'or')}, got {echo(value)}"
+            return told + _meant(close_names(value, names))
+    if type_ == "string_pattern_mismatch" and (form := POINTER.match(context["pattern"])):
+        return _no_pointer(str(value), form[1].split("|"), model, request)
     if type_ not in RULES:
         return f"{fault['msg']}, got {echo(value)}"
     told = f"must be {RULES[type_].format_map(context)}, got {echo(value)}"
     field = next((step for step in reversed(where) if isinstance(step, str)), given)
-    if given != field and given in other_names(field):
+    if isinstance(value, str):
+        of_number = type_ in {"float_type", "int_type"}
+        return told + (number_meant(value, given, field) if of_number else "")
+    most = context.get("le", context.get("lt"))
+    if given != field and given in other_names(field) and _is_number(value):
         return f"{told}, read as {field}"
-    return told + _likely(type_, value)
+    return told + (percent_meant(value, field, most) if most is not None else "")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def echo(value: object) -> str:
@@ -101,44 +129,50 @@ def echo(value: object) -> str:
     return text if len(text) <= MAX_ECHO_CHARACTERS else f"{text[: MAX_ECHO_CHARACTERS - 3]}..."
 
 
-def _meaning(where: tuple[int | str, ...], model: Any) -> str:  # noqa: ANN401
+def _meaning(where: Where, model: Any, request: Any) -> str:  # noqa: ANN401
     name = str(where[-1])
-    fields = [one for inner in _models_at(model, where[:-1]) for one in _in_order(inner)]
-    reading = reading_of(name)
-    sought = name if reading is None else reading.name
+    fields = [one for inner in models_at(model, where[:-1]) for one in names_in_order(inner)]
+    told = where_it_belongs(name, where, model, request)
+    if not told or told.startswith("did you mean"):
+        return told or meaning_of_field(name, fields)
+    return f"{told}; the fields are {', '.join(fields)}"
+
+
+def _swapped(tag: str, kinds: list[str], where: Where, model: Any, request: Any) -> str:  # noqa: ANN401
+    """Return that a kind is one of another field, and whether that has one of this field."""
+    here, name = _object_at(request, where[:-1]), str(where[-1]) if where else ""
+    for outer in models_at(model, where[:-1]):
+        for other in names_in_order(outer):
+            if other == name or tag not in kinds_of(expected_at(outer, (other,))):
+                continue
+            beside = here.get(other) if isinstance(here, dict) else None
+            if isinstance(beside, dict) and beside.get("kind") in kinds:
+                return f"; {name} and {other} are swapped"
+            return f"; {tag} is a kind of {other}"
+    return ""
+
+
+def _object_at(here: Any, where: Where) -> Any:  # noqa: ANN401
+    """Return what stands at a place of a request; tags of unions are no steps."""
+    for step in where:
+        if step in (here if isinstance(here, dict) else range(len(here or ()))):
+            here = here[step]
+    return here
+
+
+def _no_pointer(value: str, parts: list[str], model: Any, request: Any) -> str:  # noqa: ANN401
+    """Return what is wrong with a text that should point at a number of a request."""
+    ahead = listed([f"/{part}/" for part in parts], "or")
+    within = request.get("design") if isinstance(request, dict) and "axes" in request else request
+    designed = models_at(model, ("design",)) if within is not request else [model]
     places = [
-        json_pointer([outer, name])
-        for outer in dict.fromkeys(one for root in _models_at(model, ()) for one in _in_order(root))
-        if outer != where[0]
-        and any(sought in _in_order(inner) for inner in _models_at(model, (outer,)))
+        place
+        for one in designed
+        for place in places_of(value.rpartition("/")[2], one, within)
+        if place.split("/")[1] in parts
     ]
-    return f"did you mean {_either(places)}?" if places else meaning_of_field(name, fields)
+    return f"must begin with {ahead}, got {echo(value)}{_meant(places)}"
 
 
-def _models_at(model: Any, where: tuple[int | str, ...]) -> list[type[BaseModel]]:  # noqa: ANN401
-    types = (one for one in expected_at(model, where) if isinstance(one, type))
-    return [one for one in types if issubclass(one, BaseModel)]
-
-
-def _in_order(model: type[BaseModel]) -> list[str]:
-    return [field.alias or name for name, field in model.model_fields.items()]
-
-
-def _meant(value: str, names: list[str]) -> str:
-    close = close_names(value, names)
-    return f"; did you mean {_either(close)}?" if close else ""
-
-
-def _either(names: list[str] | tuple[str, ...]) -> str:
-    *first, last = names
-    return f"{', '.join(first)} or {last}" if first else last
-
-
-def _likely(type_: str, value: object) -> str:
-    """Return what a text was meant to be where a number is expected."""
-    if type_ not in {"float_type", "int_type"} or not isinstance(value, str):
-        return ""
-    if not NUMBER.fullmatch(value):
-        return ""
-    number = value.strip().replace(",", ".")
-    return f"; give {number}, {'with a point' if ',' in value else 'without quotes'}"
+def _meant(names: list[str]) -> str:
+    return f"; did you mean {listed(names, 'or')}?" if names else ""

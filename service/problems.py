@@ -25,9 +25,11 @@ from schemas.pointers import path_of as path_of_pointer
 from schemas.problems import FieldFault, ProblemDocument
 from schemas.trace import TraceStepOut
 from schemas.units import other_names
+from service.belonging import owner_of_request
+from service.design_words import refusal_of_design
 from service.plain_words import echo, refusal
 from service.repeated_names import RepeatedNameError
-from service.suggestions import meaning_of_choice
+from service.suggestions import listed
 from service.unreadable_json import why_unreadable
 
 
@@ -239,12 +241,9 @@ def problem_of_design(error: DesignError, body: bytes | str = b"null") -> Proble
         told = f"{error.name}: must be {error.rule}, got {echo(error.value)}"
         return invalid_fields(told, (FieldFault(pointer="", code=error.code, detail=told),))
     if isinstance(error, InvalidInputError):
-        path = _as_given(error.path, json.loads(body))
-        told = f"must be {error.rule}, got {echo(error.value)}"
-        if isinstance(error.value, str):
-            told += meaning_of_choice(error.value, error.rule)
-        if path != error.path:
-            told += f" in SI units ({error.path[-1]})"
+        request = json.loads(body)
+        path = _as_given(error.path, request)
+        told = refusal_of_design(error, path, request)
         fault = FieldFault(pointer=_shorten(json_pointer(path)), code=error.code, detail=told)
         return invalid_fields(_sentence(fault), (fault,))
     faults: tuple[FieldFault, ...] = ()
@@ -282,8 +281,13 @@ def problem_of_validation(
         return Problem(NOT_JSON, why_unreadable(body, faults[0]["msg"]))
     parsed = json.loads(body)
     named = tuple(
-        _fault(fault, pointer(fault["loc"], parsed), model) for fault in faults[:MAX_FAULTS]
+        _fault(fault, pointer(fault["loc"], parsed), model, parsed) for fault in faults[:MAX_FAULTS]
     )
+    if owner := owner_of_request(model, parsed):
+        strangers = [one.pointer for one in named if one.code == "extra_forbidden"]
+        are = "is" if len(strangers) == 1 else "are"
+        told = f"this is a request of {owner}; {listed(strangers, 'and')}: {are} no field here"
+        return invalid_fields(told, named)
     told = "; ".join(map(_sentence, named))
     if len(faults) > MAX_FAULTS:
         told += f"; and {len(faults) - MAX_FAULTS} more"
@@ -364,12 +368,17 @@ def _as_given(path: Path, here: Any) -> Path:  # noqa: ANN401
     return tuple(parts)
 
 
-def _fault(fault: ErrorDetails, where: str, model: Any) -> FieldFault:  # noqa: ANN401
+def _fault(
+    fault: ErrorDetails,
+    where: str,
+    model: Any,  # noqa: ANN401
+    request: Any,  # noqa: ANN401
+) -> FieldFault:
     names = [name for name in path_of_pointer(where) if not name.isdecimal()]
     return FieldFault(
         pointer=_shorten(where),
         code=CODE_OF_TYPE.get(fault["type"], fault["type"]),
-        detail=refusal(fault, model, names[-1] if names else ""),
+        detail=refusal(fault, model, names[-1] if names else "", request),
     )
 
 

@@ -1,11 +1,11 @@
 """What somebody may have meant by a name that is none: another name, or another unit."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from math import tau
 from typing import NamedTuple
 
-from schemas.units import other_names, reading_of
+from schemas.units import SI_ENDS, UNITS, other_names, reading_of
 
 
 class ForeignUnit(NamedTuple):
@@ -101,8 +101,18 @@ def meaning_of_choice(value: str, rule: str) -> str:
     """
     if not rule.startswith(CHOICE):
         return ""
-    names = [one.rpartition("/")[2] for one in rule.removeprefix(CHOICE).split(", ")]
-    near = _near(value.rpartition("/")[2], list(dict.fromkeys(names)))
+    choices = rule.removeprefix(CHOICE).split(", ")
+    name = value.rpartition("/")[2]
+    reading = reading_of(name)
+    same = (name, name if reading is None else reading.name)
+    meant = [
+        f"{path}{slash}{name}"
+        for path, slash, last in (one.rpartition("/") for one in choices)
+        if last in same
+    ]
+    if meant and value not in meant:
+        return f"; did you mean {listed(meant, 'or')}?"
+    near = _near(name, list(dict.fromkeys(one.rpartition("/")[2] for one in choices)))
     return f"; {near}" if near else ""
 
 
@@ -112,9 +122,39 @@ def _near(name: str, fields: Sequence[str]) -> str:
     for end, si_end, in_si in FOREIGN_UNITS:
         field = name.removesuffix(end) + si_end
         if name.endswith(end) and field in fields and field != name:
-            return f"give {_listed(_in_units(field, in_si), 'or')}"
-    close = close_names(name, known)
-    return f"did you mean {_listed(close, 'or')}?" if close else ""
+            return f"give {listed(_in_units(field, in_si), 'or')}"
+    # Names that end in one unit are close by its letters alone.
+    close = [one for one in close_names(name, known) if close_names(_stem(name), [_stem(one)])]
+    return f"did you mean {listed(close, 'or')}?" if close else ""
+
+
+def _stem(name: str) -> str:
+    """Return a name without its unit."""
+    ends = (*(unit.end for unit in UNITS), *SI_ENDS)
+    return name.removesuffix(next((end for end in ends if name.endswith(end)), ""))
+
+
+def kinds_meant(name: str, kinds: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return the kinds that may be meant by a name that is none.
+
+    Parameters
+    ----------
+    name, kinds
+        The name, and the kinds that are served, each with what people call it.
+
+    Returns
+    -------
+    list of str
+        By what people call them, else by their letters.
+
+    Examples
+    --------
+    >>> kinds_meant("Overhead crane", {"mode": (), "pendulum": ("overhead_crane",)})
+    ['pendulum']
+    """
+    plain = name.strip().lower().replace(" ", "_").replace("-", "_")
+    meant = [kind for kind, also in kinds.items() if plain in also]
+    return meant or close_names(name, kinds)
 
 
 def close_names(name: str, known: Iterable[str]) -> list[str]:
@@ -151,7 +191,19 @@ def _times(factor: float) -> str:
     return f"{factor:.6g} times larger" if factor > 1 else f"{1 / factor:.6g} times smaller"
 
 
-def _listed(names: list[str], word: str) -> str:
+def listed(names: Sequence[str], word: str) -> str:
+    """Return names as a sentence lists them, with a word before the last.
+
+    Parameters
+    ----------
+    names, word
+        One name or more, and ``or`` or ``and``.
+
+    Returns
+    -------
+    str
+        With commas between names that have none.
+    """
     *first, last = names
     if not first:
         return last
