@@ -1,6 +1,7 @@
 """Wire form of curve coefficients."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Annotated, Self
 
 from pydantic import Field
@@ -11,7 +12,7 @@ from design.curve_fit.fit_range import Field as PlantField
 from design.curve_fit.polynomials import Fit
 from design.errors import InvalidInputError
 from schemas.actuators import ActuatorIn
-from schemas.base import Wire
+from schemas.base import Wire, wire_names
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
 from schemas.varied import Varied
@@ -90,6 +91,28 @@ class FitIn(Varied):
             max_residual=self.max_residual,
             form=self.form,
         )
+
+
+@contextmanager
+def name_fit(outer: str = "") -> Iterator[None]:
+    """Name the field in which a fit finds a fault, from the request on.
+
+    Parameters
+    ----------
+    outer
+        Field of the request that holds plant, actuator and shaper; empty for the request itself.
+
+    Raises
+    ------
+    InvalidInputError
+        The fault of the body, its path led on from ``fit`` or from ``outer``.
+    """
+    try:
+        yield
+    except InvalidInputError as error:
+        if error.path[0] in wire_names(FitIn):
+            raise error.within("fit") from None
+        raise (error.within(outer) if outer else error) from None
 
 
 class FitDesign(Wire):

@@ -89,9 +89,10 @@ class ExactCurve:
             form = kind.formulate(kind.case((mode,), actuator, self.options))
             if isinstance(form, UNSERVED):
                 raise InvalidInputError(
-                    "over",
-                    axis.variable.meaning,
-                    f"left out for {kind.name}: its amplitudes and their number may change",
+                    "shaper.kind",
+                    kind.name,
+                    f"a kind whose amplitudes stay: {kind.name} cannot be fitted, its amplitudes "
+                    "and their number may change; a table holds both",
                     code="fit_not_served",
                 )
             self.formulations.append(form)
@@ -107,6 +108,14 @@ class ExactCurve:
                 code="fitted_amplitudes_depend",
             )
         self.exact_times_s = self._exact_times_s()
+
+    @property
+    def exact_worst_residual(self) -> float:
+        """Largest residual of the exact times where the fit is checked [-]."""
+        exact = residuals_of_many(
+            self.exact_times_s, self.amplitudes, self.poles_rad_s, self.actuator
+        )
+        return float(exact.max())
 
     def _amplitudes_at(self, place: int) -> FloatArray:
         """Return the amplitudes at one of the points that are checked."""

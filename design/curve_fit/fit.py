@@ -68,9 +68,13 @@ def fit(
         best = min(best, (tried.worst_residual, degree))
         if curve.budget.spent:
             break
+    exact = curve.exact_worst_residual
+    itself = (
+        f"; the exact times of {kind.name} have {exact:.3g} themselves" if exact > limit else ""
+    )
     raise InfeasibleDesignError(
         f"no degree up to {degree} has a residual of at most max_residual = {limit:g}; that of "
         f"the best, degree {best[1]}, is "
-        f"{best[0]:.3g}{f'; {curve.budget.in_words}' if curve.budget.spent else ''}",
+        f"{best[0]:.3g}{itself}{f'; {curve.budget.in_words}' if curve.budget.spent else ''}",
         code="no_degree_suffices",
     )

@@ -51,9 +51,11 @@ class FitRange:
                 code="range_not_finite",
             )
         if (self.degree is None) == (self.max_residual is None):
-            both = {"degree": self.degree, "max_residual": self.max_residual}
             raise InvalidInputError(
-                "degree", both, "given, or max_residual in its place", code="degree_or_residual"
+                "degree",
+                "neither" if self.degree is None else "both",
+                "given alone, or left out for max_residual: give one of degree and max_residual",
+                code="degree_or_residual",
             )
         if self.degree is not None:
             require_between("degree", self.degree, 0, MAX_DEGREE)

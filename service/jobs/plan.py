@@ -12,6 +12,7 @@ from design.tables.columns import columns_of
 from design.tables.compute import with_impulse_count
 from design.tables.rows import TableHead
 from design.tables.specification import TableSpecification
+from schemas.fits import name_fit
 from schemas.tables import TableJob, TableRequest, TableSize, sha256_of
 from service.jobs.records import Job, NewJob
 from service.problems import (
@@ -176,13 +177,14 @@ def head_of(
         specification = replace(specification, impulses=impulses)
     polynomials = None
     if fitted and request.fit is not None:
-        polynomials = fit(
-            specification.plant,
-            specification.actuator,
-            specification.kind,
-            request.fit.to_design(request.design.plant.kind),
-            specification.options,
-        )
+        with name_fit("design"):
+            polynomials = fit(
+                specification.plant,
+                specification.actuator,
+                specification.kind,
+                request.fit.to_design(request.design.plant.kind),
+                specification.options,
+            )
     return TableHead(
         version=job.version,
         specification_json=job.specification,

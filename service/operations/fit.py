@@ -10,7 +10,7 @@ from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.pipeline import design
 from schemas.base import name_field
-from schemas.fits import FitDesign, FitIn, FitOut, FitRequest
+from schemas.fits import FitDesign, FitIn, FitOut, FitRequest, name_fit
 from schemas.samples import continuous_options
 from schemas.shapers import ShaperIn
 from service.operations.operation import Operation
@@ -107,7 +107,8 @@ def _fitted(
     plant, actuator = subject_of(subject)
     options, wanted, ends = read_fit(subject.shaper, fit_in, subject.plant.kind, plant)
     kind = subject.shaper.shaper_kind()
-    found = fit(plant, actuator, kind, wanted, options)
+    with name_fit():
+        found = fit(plant, actuator, kind, wanted, options)
     # Polynomials are no better than what they were fitted to.
     ignored = [
         warning
