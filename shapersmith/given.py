@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping
-from typing import Any, Literal, NoReturn, Self
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, Self
 
 from pydantic import (
     ConfigDict,
@@ -25,9 +25,11 @@ from schemas import (
     tables,
 )
 from schemas.base import Wire
+from schemas.problems import FieldFault
 from schemas.shaper_request import ShaperRequest
 from schemas.shapers import ShaperIn
-from service.problems import problem_of_validation
+from service.plain_words import echo
+from service.problems import invalid_fields, problem_of_validation
 from shapersmith.errors import raise_problem
 
 Json = Mapping[str, Any]
@@ -38,6 +40,14 @@ class Given(Wire):
     """A wire model that is made in Python: from NumPy too, and refused as HTTP refuses it."""
 
     model_config = ConfigDict(validate_by_name=True)
+
+    if not TYPE_CHECKING:  # a type checker reads the fields, and finds this by itself
+
+        def __new__(cls, *unnamed: object, **_: object) -> Self:
+            """Make one; refuse values without a name."""
+            if unnamed:
+                _refuse_unnamed(cls, unnamed)
+            return object.__new__(cls)
 
     @model_validator(mode="wrap")
     @classmethod
@@ -56,6 +66,16 @@ class Given(Wire):
         """Validate JSON by the model of the wire that this one is made from."""
         wire: type[Wire] = cls.__bases__[1]
         return wire.model_validate_json(body, by_alias=True, by_name=True)
+
+
+def _refuse_unnamed(model: type[Wire], values: tuple[object, ...]) -> NoReturn:
+    """Refuse values that are given in order, and say how the first is given."""
+    first = next((name for name in model.model_fields if name != "kind"), None)
+    example = "" if first is None else f"{first}={echo(_plain(values[0]))}"
+    takes = "no values" if first is None else "its values by name"
+    told = f"{model.__name__} takes {takes}, as {model.__name__}({example})"
+    fault = FieldFault(pointer="", code="value_without_name", detail=told)
+    raise_problem(invalid_fields(told, (fault,)).document())
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401

@@ -36,6 +36,16 @@ def test_every_kind_of_the_wire_has_its_model(union: Any) -> None:
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
+def test_a_value_without_a_name_is_refused_with_the_first_name(model: Any) -> None:
+    with pytest.raises(shapersmith.InvalidInputError) as refused:
+        model(7.5)
+    first = next((name for name in model.model_fields if name != "kind"), None)
+    example = "" if first is None else f"{first}=7.5"
+    assert refused.value.code == "value_without_name"
+    assert refused.value.detail.endswith(f", as {model.__name__}({example})")
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda model: model.__name__)
 def test_a_model_adds_no_field(model: type[Wire]) -> None:
     _, wire, *_ = model.__mro__[1:]
     assert issubclass(wire, Wire)
