@@ -13,7 +13,7 @@ from typing import BinaryIO
 import numpy as np
 
 from design.errors import InvalidInputError
-from design.export.header import facts, head_of
+from design.export.header import END, facts, head_of
 from design.export.kind import Export, takes_all
 from design.tables.rows import STATUSES, Rows, TableHead
 
@@ -103,10 +103,15 @@ def read_csv(file: BinaryIO) -> tuple[TableHead, Iterator[Rows]]:
             break
         name, _, value = line[2:].partition(": ")
         texts[name] = value.rstrip("\r\n")
-    head = head_of(texts)
+    # Names stand in the order of their lines.
+    lines = {name: number for number, name in enumerate([*texts, END], start=1)}
+    head = head_of(texts, lines)
     if heading != ",".join(column.name for column in head.columns):
         raise InvalidInputError(
-            "file", heading, "a heading that names the columns of its head", code="wrong_heading"
+            "file",
+            f"line {lines[END]}: {heading}",
+            "a heading that names the columns of its head",
+            code="wrong_heading",
         )
     return head, runs_of_cells(head, _cells(text, len(texts) + 1))
 

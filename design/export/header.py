@@ -2,7 +2,8 @@
 
 import hashlib
 import json
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, NoReturn
 
 from design.errors import InvalidInputError
 from design.tables.rows import Column, TableHead
@@ -20,6 +21,10 @@ FACTS = (
     "columns",
 )
 """Names of what a file says of its table."""
+
+
+END = ""
+"""Stands for the line on which a head ends."""
 
 
 def facts(head: TableHead) -> dict[str, str]:
@@ -41,8 +46,15 @@ def facts(head: TableHead) -> dict[str, str]:
     return dict(zip(FACTS, texts, strict=True))
 
 
-def head_of(texts: dict[str, str]) -> TableHead:
+def head_of(texts: dict[str, str], lines: Mapping[str, int] | None = None) -> TableHead:
     """Return the head of a table from its `facts`.
+
+    Parameters
+    ----------
+    texts
+        The facts.
+    lines
+        Line of each fact in a file of text, and under `END` that on which the head ends.
 
     Returns
     -------
@@ -55,17 +67,24 @@ def head_of(texts: dict[str, str]) -> TableHead:
         If a fact is missing or is no JSON of its kind, or the specification is another than that of
         its hash.
     """
-    specification = texts.get("specification", "")
+    values: dict[str, Any] = {}
+    for name in FACTS:
+        try:
+            values[name] = json.loads(texts[name])
+        except (KeyError, ValueError) as error:
+            what = "without" if isinstance(error, KeyError) else "with an unreadable"
+            line = (lines or {}).get(name, (lines or {}).get(END))
+            _refuse_head(f"{f'line {line}: ' if line else ''}a head {what} {name}")
+    specification = texts["specification"]
     sha256 = hashlib.sha256(specification.encode()).hexdigest()
+    if values["specification_sha256"] != sha256:
+        raise InvalidInputError(
+            "specification_sha256",
+            values["specification_sha256"],
+            f"the hash of the file's specification, {sha256}",
+            code="wrong_hash",
+        )
     try:
-        values: dict[str, Any] = {name: json.loads(text) for name, text in texts.items()}
-        if values["specification_sha256"] != sha256:
-            raise InvalidInputError(
-                "specification_sha256",
-                values["specification_sha256"],
-                f"the hash of the file's specification, {sha256}",
-                code="wrong_hash",
-            )
         return TableHead(
             version=values["tool"].removeprefix(f"{TOOL} "),
             specification_json=specification,
@@ -78,13 +97,14 @@ def head_of(texts: dict[str, str]) -> TableHead:
             impulses=values["impulses"],
             amplitudes=tuple(values["amplitudes"]),
         )
-    except (KeyError, ValueError, TypeError, AttributeError) as error:
-        raise InvalidInputError(
-            "file",
-            f"a head without a sound {error}",
-            "a table as shapersmith writes it",
-            code="unsound_head",
-        ) from None
+    except (ValueError, TypeError, AttributeError) as error:
+        _refuse_head(f"a head without a sound fact: {error}")
+
+
+def _refuse_head(what: str) -> NoReturn:
+    raise InvalidInputError(
+        "file", what, "a table as shapersmith writes it", code="unsound_head"
+    ) from None
 
 
 def comment_lines(head: TableHead) -> list[str]:

@@ -6,7 +6,7 @@ from typing import BinaryIO
 
 from design.errors import InvalidInputError
 from design.export.csv_file import number_texts, runs_of_cells
-from design.export.header import facts, head_of
+from design.export.header import END, facts, head_of
 from design.export.kind import Export, takes_all
 from design.tables.rows import STATUSES, Rows, TableHead
 
@@ -68,7 +68,7 @@ def read_json(file: BinaryIO) -> tuple[TableHead, Iterator[Rows]]:
             break
         name, _, text = line.removesuffix(",").partition(": ")
         texts[name.strip('"')] = text
-    head = head_of(texts)
+    head = head_of(texts, {name: number for number, name in enumerate([*texts, END], start=2)})
     rows = ((number, line) for number, line in enumerate(lines, len(texts) + 3) if line != "]}")
     return head, runs_of_cells(head, ((number, _cells(line, number)) for number, line in rows))
 

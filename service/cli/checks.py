@@ -1,9 +1,11 @@
 """Whether a file still is what its specification gives."""
 
+import json
 import re
 from collections.abc import Iterable, Iterator
 from itertools import zip_longest
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +13,7 @@ from design.errors import InvalidInputError
 from design.export.reading import READERS, rows_of
 from design.tables.rows import STATUSES, Rows, TableHead
 from design.types import FloatArray
+from schemas.pointers import json_pointer
 from schemas.tables import Tolerances
 
 NAMED = re.compile(rb"#define (\w+)_ROWS |FUNCTION_BLOCK (\w+)_table\b")
@@ -18,6 +21,12 @@ NAMED = re.compile(rb"#define (\w+)_ROWS |FUNCTION_BLOCK (\w+)_table\b")
 
 MAX_LISTED_DRIFTS = 20
 """Drifts that are listed; all are counted."""
+
+MAX_FIELDS_APART = 5
+"""Fields of two specifications that are listed."""
+
+MAX_SHOWN = 60
+"""Characters of a value of a specification that are shown."""
 
 
 class Drifts:
@@ -67,8 +76,8 @@ def drifts_of_file(
         found, old = rows_of(name, file)
         if found.specification_sha256 != head.specification_sha256:
             drifts.add(
-                f"the file is of another specification: {found.specification_sha256}, not "
-                f"{head.specification_sha256}"
+                "the file is of another specification: "
+                + "; ".join(_fields_apart(found.specification_json, head.specification_json))
             )
             return drifts
         names = [column.name for column in head.columns]
@@ -81,6 +90,33 @@ def drifts_of_file(
         except InvalidInputError as error:
             drifts.add(f"{path.name}: {error}")
     return drifts
+
+
+def _fields_apart(was: str, becomes: str) -> list[str]:
+    """Return the fields in which two specifications differ, `MAX_FIELDS_APART` at most."""
+    apart = list(_apart(json.loads(was), json.loads(becomes), ()))
+    more = len(apart) - MAX_FIELDS_APART
+    return [*apart[:MAX_FIELDS_APART], *([f"and {more} more"] if more > 0 else [])]
+
+
+def _apart(was: Any, becomes: Any, path: tuple[str, ...]) -> Iterator[str]:  # noqa: ANN401
+    """Yield each field that differs, with both values."""
+    if isinstance(was, dict) and isinstance(becomes, dict):
+        for name in dict.fromkeys((*was, *becomes)):
+            yield from _apart(was.get(name), becomes.get(name), (*path, name))
+    elif isinstance(was, list) and isinstance(becomes, list) and len(was) == len(becomes):
+        for number, (one, other) in enumerate(zip(was, becomes, strict=True)):
+            yield from _apart(one, other, (*path, str(number)))
+    elif was != becomes:
+        both = (_shown(was), _shown(becomes))
+        yield f"{json_pointer(path)} is {both[0]} in the file, {both[1]} now"
+
+
+def _shown(value: Any) -> str:  # noqa: ANN401
+    if value is None:
+        return "not there"
+    text = json.dumps(value)
+    return text if len(text) <= MAX_SHOWN else f"{text[: MAX_SHOWN - 3]}..."
 
 
 def _compare(

@@ -12,6 +12,7 @@ from pathlib import Path
 from sqlalchemy.exc import DBAPIError
 
 from design.errors import DesignError, InvalidInputError
+from design.export.reading import why_not_read
 from design.export.registry import EXPORTS
 from schemas.tables import TableRequest
 from service.cli.checks import drifts_of_file, drifts_of_text, file_named_in, readable
@@ -247,7 +248,7 @@ def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
             else:
                 drifts = drifts_of_text(path, pieces(store, job.id, name, file_named_in(path)))
         except InvalidInputError as error:
-            raise CommandError(f"{path} cannot be checked: {error}") from None
+            raise CommandError(why_not_read(name, path, error)) from None
     if not drifts.count:
         _say(f"{path} is as it was: {_counts(job)}")
         return 0
