@@ -15,7 +15,7 @@ from schemas.actuators import ActuatorIn
 from schemas.base import Wire, wire_names
 from schemas.plants import PlantIn
 from schemas.shapers import ShaperIn
-from schemas.varied import Varied
+from schemas.varied import VariedInRequest
 from schemas.warnings import WarningOut, Warnings
 
 FIELDS: dict[str, PlantField] = {
@@ -28,7 +28,7 @@ FIELDS: dict[str, PlantField] = {
 """Fields that can be fitted over, as JSON pointers into the request."""
 
 
-class FitIn(Varied):
+class FitIn(VariedInRequest):
     """Over which field to fit, and how well."""
 
     over: Annotated[

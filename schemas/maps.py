@@ -22,7 +22,7 @@ from schemas.plants import PlantIn
 from schemas.pointers import path_of
 from schemas.samples import continuous_options
 from schemas.shapers import ShaperIn
-from schemas.varied import Varied
+from schemas.varied import VariedInRequest
 from schemas.warnings import WarningOut, Warnings
 
 MAX_MAP_AXIS_POINTS = 2000
@@ -35,7 +35,7 @@ NOT_ON_SAMPLES = (
 """Why a shaper that is designed in every cell, or for a move, takes no sample time."""
 
 
-class AxisIn(Varied):
+class AxisIn(VariedInRequest):
     """One field and its values: ``from``, ``to`` and ``points``, or ``values``."""
 
     field: Annotated[

@@ -1,7 +1,7 @@
 """Wire form of recommendations."""
 
 import math
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field
 
@@ -24,12 +24,11 @@ from schemas.damping import DampingRangeIn
 from schemas.impulses import ImpulsesWire
 from schemas.insensitivity import InsensitivityOut
 from schemas.plants import BareMode, PlantIn
+from schemas.printed import FirmwareName, MaybePrinted
 from schemas.warnings import WarningOut, Warnings
 
-FirmwareName = Literal["klipper", "marlin", "rrf"]
 
-
-class RecommendationRequest(Wire):
+class RecommendationRequest(MaybePrinted):
     """Body of `POST /v1/recommendations`; the design record checks bounds, and says why."""
 
     plant: PlantIn

@@ -153,6 +153,23 @@ def other_names(field: str) -> tuple[str, ...]:
     return tuple(name for name, read in readings if read is not None and read.name == field)
 
 
+ENDS = sorted({*SI_ENDS, *(unit.end for unit in UNITS), "_kg"}, key=len, reverse=True)
+
+MILLI = {"_m": "_mm", "_s": "_ms", "_m_s": "_mm_s", "_m_s2": "_mm_s2"}
+"""Ends of units, and of those a thousand times smaller that are read."""
+
+
+def end_of(name: str) -> str:
+    """Return the unit of a name as its end; empty for one without."""
+    return next((end for end in ENDS if name.endswith(end)), "")
+
+
+def in_milli(name: str) -> str:
+    """Return a name in a thousandth of its unit; empty where none is read."""
+    milli = MILLI.get(end_of(name), "")
+    return name.removesuffix(end_of(name)) + milli if milli else ""
+
+
 def in_si(given: dict[str, Any], fields: AbstractSet[str]) -> dict[str, Any]:
     """Return an object with its fields in SI units.
 

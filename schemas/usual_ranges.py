@@ -36,8 +36,26 @@ SLOWEST_DRIVE = 3.0
 """A lag of three periods passes 1 / (6 pi) of a step's vibration, 5.3 %, about the usual tolerance:
 few ask for a shaper behind it. From about 16 on it is refused [periods of the plant]."""
 
-PARTS = ("plant", "actuator", "speed_m_s")
+PARTS = ("plant", "actuator", "speed_m_s", "fit", "x", "y", "printed")
 """Parts of a request that are looked at."""
+
+VARIED = ("fit", "x", "y")
+"""Parts that are ranges of fields of others."""
+
+PRINTER_HZ = 5.0, 300.0
+"""Frequencies of printers, wider than what Klipper's own test sweeps, 5 to 133.33 Hz [Hz]."""
+
+ROUNDING = 1e-9
+"""How far a figure may be beyond a range by its conversion alone [-]."""
+
+PRINTED = Range(
+    (1 - ROUNDING) / PRINTER_HZ[1],
+    (1 + ROUNDING) / PRINTER_HZ[0],
+    "s",
+    "period_ms",
+    of_frequency=True,
+)
+"""Periods of a plant for whose firmware a shaper is asked."""
 
 USUAL_RANGES = {
     # Few cranes lower a load farther, and no bench is smaller: 0.3 m and more in millimetres are
@@ -56,8 +74,16 @@ USUAL_RANGES = {
     ("actuator", "natural_frequency_rad_s"): Range(
         0.0, SLOWEST_DRIVE, "s", "period_ms", of_frequency=True, in_periods=True
     ),
-    # Faster than any of these machines: 50 mm/s and more are found.
-    ("actuator", "speed_m_s"): Range(0.0, 50.0, "m/s", "speed_mm_s"),
-    ("speed_m_s", "speed_m_s"): Range(0.0, 50.0, "m/s", "speed_mm_s"),
+    # Faster than nearly all of these machines: what is in mm/s or m/min is found from 10 on.
+    ("actuator", "speed_m_s"): Range(0.0, 10.0, "m/s", "speed_mm_s"),
+    ("speed_m_s", "speed_m_s"): Range(0.0, 10.0, "m/s", "speed_mm_s"),
+    ("printed", "natural_frequency_rad_s"): PRINTED,
 }
 """Ranges by part of the request and name of the field; other fields have none."""
+
+USUAL_RANGES |= {
+    (part, f"{of}/{name}"): usual
+    for part in VARIED
+    for (of, name), usual in USUAL_RANGES.items()
+    if of in {"plant", "actuator"}
+}

@@ -1,5 +1,6 @@
 """A field that is varied, and its values, in any unit that the field may be given in."""
 
+from collections.abc import Iterator
 from typing import Any, Self
 
 from pydantic import model_validator
@@ -7,6 +8,7 @@ from pydantic_core import PydanticCustomError
 
 from design.fields import space_evenly
 from schemas.base import Wire
+from schemas.pointers import path_of
 from schemas.units import Reading, reading_of
 
 MAX_SPACED_POINTS = 100_000
@@ -51,6 +53,35 @@ class Varied(Wire):
         if None not in ends and (ends[0] < ends[1]) != (read["from_"] < read["to"]):
             read["from_"], read["to"] = read["to"], read["from_"]
         return read
+
+
+class VariedInRequest(Varied):
+    """A field of a request by its pointer, and its range or values."""
+
+    def numbers(self, pointer: str) -> Iterator[tuple[str, str, float]]:
+        """Yield the ends of the range, or the least and the largest value.
+
+        Parameters
+        ----------
+        pointer
+            Of this object.
+
+        Yields
+        ------
+        tuple of str, str and float
+            Pointer, part of the request and field that it is a value of, and value.
+        """
+        named = "over" if "over" in type(self).model_fields else "field"
+        path = path_of(getattr(self, named))
+        name = f"{path[0]}/{path[-1]}"
+        values: list[float] = getattr(self, "values", None) or []
+        ends = (min(values), max(values)) if values else ()
+        for end in dict.fromkeys(map(values.index, ends)):
+            yield f"{pointer}/values/{end}", name, values[end]
+        for field, alias in (("from_", "from"), ("to", "to")):
+            value = getattr(self, field)
+            if value is not None:
+                yield f"{pointer}/{alias}", name, value
 
 
 def _rises(start: float, stop: float, spacing: str) -> bool:

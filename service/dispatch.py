@@ -75,7 +75,7 @@ def respond(
         if odd := implausible_values(request):
             from service.implausible_words import with_warnings  # noqa: PLC0415 - few need them
 
-            return with_warnings(found, odd)
+            return with_warnings(found, odd, body)
     except DesignError as error:
         return problem_of_design(error, body)
     return found

@@ -1,4 +1,4 @@
-"""Values of a request that are hardly meant: with field, quantity, and that as ranges have it."""
+"""Values of a request that are hardly meant, each with its usual range and as that has it."""
 
 from collections.abc import Iterator
 from math import inf, tau
@@ -6,29 +6,28 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from schemas.plants import ScheduledIn, SpringMassIn
-from schemas.usual_ranges import PARTS, USUAL_RANGES
+from schemas.usual_ranges import PARTS, USUAL_RANGES, Range
 
 
-def implausible_values(request: Any) -> list[tuple[str, str, float, float]]:  # noqa: ANN401
-    """Return pointer, field and quantity of what is beyond its usual range."""
+def implausible_values(request: Any) -> list[tuple[str, Range, float, float]]:  # noqa: ANN401
+    """Return pointer, usual range and quantity of what is beyond it."""
     modes = request.plant.to_design().modes if hasattr(request, "plant") else ()
     period_s = max((mode.period_s for mode in modes), default=inf)
     beyond = []
     for part in PARTS:
         for pointer, name, value in _numbers(getattr(request, part, None), part, f"/{part}"):
             if usual := USUAL_RANGES.get((part, name)):
-                quantity = tau / value if usual.of_frequency else value
+                quantity = tau / value if usual.of_frequency and value else value
                 compared = quantity / period_s if usual.in_periods else quantity
                 if not usual.low <= compared < usual.high:
-                    beyond.append((pointer, name, quantity, compared))
+                    beyond.append((pointer, usual, quantity, compared))
                     period_s = inf if part == "plant" else period_s  # no drive is slow beside it
     return beyond
 
 
 def _numbers(here: Any, name: str, pointer: str) -> Iterator[tuple[str, str, float]]:  # noqa: ANN401
     """Yield the numbers of a part, each with its pointer and the field that it is a value of."""
-    if isinstance(here, ScheduledIn | SpringMassIn):
+    if hasattr(here, "numbers"):
         yield from here.numbers(pointer)
     elif isinstance(here, BaseModel | list):
         for inner, value in enumerate(here) if isinstance(here, list) else here:

@@ -2,7 +2,7 @@
 
 import re
 
-from schemas.units import SI_ENDS, UNITS, other_names, reading_of
+from schemas.units import end_of, in_milli, other_names, reading_of
 from service.suggestions import FOREIGN_UNITS
 
 NUMBER = re.compile(r"\s*([-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*(\D.*?)?\s*", re.DOTALL)
@@ -52,8 +52,6 @@ END_OF_SYMBOL = {
 
 SPELLED = str.maketrans({"²": "2", "³": "3", "^": "", "µ": "u", "μ": "u", "°": "deg", " ": ""})
 
-ENDS = sorted({*SI_ENDS, *(unit.end for unit in UNITS), "_kg"}, key=len, reverse=True)
-
 OF_ANOTHER_FIELD = frozenset({"from", "to", "values"})
 """Fields whose unit is that of another."""
 
@@ -98,7 +96,7 @@ def number_meant(text: str, given: str, field: str) -> str:
     if given in OF_ANOTHER_FIELD:
         return "; give a number alone, in the unit of the field that varies"
     for name in (given, field, *other_names(field)):
-        if _end_of(name) == end:
+        if end_of(name) == end:
             return f"; give {number}" if name == given else f"; give {name} {number}"
     return _converted(float(number), end, given, field)
 
@@ -106,14 +104,14 @@ def number_meant(text: str, given: str, field: str) -> str:
 def _converted(number: float, end: str, given: str, field: str) -> str:
     """Return a number of a unit that is not read, in the field's."""
     for unit in FOREIGN_UNITS:
-        if (unit.end, unit.si_end) == (end, _end_of(field)):
+        if (unit.end, unit.si_end) == (end, end_of(field)):
             in_si, reading = number * unit.in_si, reading_of(given)
             if given == field or reading is None:
                 return f"; give {in_si:.12g}"
             if reading.even:
                 return f"; give {in_si / reading.convert(1.0):.12g}"
             return f"; give {field} {in_si:.12g}"
-    own = next((symbol for symbol, one in END_OF_SYMBOL.items() if one == _end_of(given)), "")
+    own = next((symbol for symbol, one in END_OF_SYMBOL.items() if one == end_of(given)), "")
     return f"; the field is in {own}" if own else "; the field has no unit"
 
 
@@ -169,13 +167,5 @@ def thousandth_meant(value: object, given: str, field: str) -> str:
     """
     if isinstance(value, bool) or not isinstance(value, int | float):
         return ""
-    milli = {"_m": "_mm", "_s": "_ms", "_m_s": "_mm_s", "_m_s2": "_mm_s2"}.get(_end_of(given))
-    if milli is None:
-        return ""
-    name = given.removesuffix(_end_of(given)) + milli
+    name = in_milli(given)
     return f"; was {name} {value:.12g} meant?" if name in other_names(field) else ""
-
-
-def _end_of(name: str) -> str:
-    """Return the unit of a name as its end; empty for one without."""
-    return next((end for end in ENDS if name.endswith(end)), "")

@@ -5,7 +5,7 @@ from difflib import get_close_matches
 from math import tau
 from typing import NamedTuple
 
-from schemas.units import SI_ENDS, UNITS, other_names, reading_of
+from schemas.units import end_of, other_names, reading_of
 
 
 class ForeignUnit(NamedTuple):
@@ -130,8 +130,7 @@ def _near(name: str, fields: Sequence[str]) -> str:
 
 def _stem(name: str) -> str:
     """Return a name without its unit."""
-    ends = (*(unit.end for unit in UNITS), *SI_ENDS)
-    return name.removesuffix(next((end for end in ends if name.endswith(end)), ""))
+    return name.removesuffix(end_of(name))
 
 
 def kinds_meant(name: str, kinds: Mapping[str, Sequence[str]]) -> list[str]:

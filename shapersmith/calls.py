@@ -13,7 +13,7 @@ from design.recommendations.requirements import Sign
 from schemas.actuators import ActuatorIn
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
-from schemas.recommendations import FirmwareName
+from schemas.printed import FirmwareName
 from schemas.shaper_request import ShaperRequest
 from schemas.simulations import CommandIn
 from shapersmith.given import (
