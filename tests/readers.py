@@ -27,9 +27,9 @@ int main(void)
 {{
     static shapersmith_real memory[4];
     static {name}_shaper shaper;
-    int row, k;
+    int row = 0, k;
     {name}_start(&shaper, memory, 4, SHAPERSMITH_C(0.0));
-    if ({name}_set(&shaper, {name}_times[0], {name}_amplitudes[0], SHAPERSMITH_C(1e9)) > 0) {{
+    if ({name}_set(&shaper, {name}_times[row], {amplitudes}, SHAPERSMITH_C(1e9)) > 0) {{
         return (int){name}_step(&shaper, SHAPERSMITH_C(0.0));
     }}
     for (row = 0; row < {upper}_ROWS; ++row) {{
@@ -38,7 +38,7 @@ int main(void)
             printf(" %.17g", (double){name}_times[row][k]);
         }}
         for (k = 0; k < {upper}_IMPULSES; ++k) {{
-            printf(" %.17g", (double){name}_amplitudes[row][k]);
+            printf(" %.17g", (double){amplitudes}[k]);
         }}
         {columns}
         printf("\\n");
@@ -62,7 +62,7 @@ int main(void)
             printf(" %.17g", (double){name}_samples[row][k] * (double){name}_sample_times[row]);
         }}
         for (k = 0; k < {upper}_IMPULSES; ++k) {{
-            printf(" %.17g", (double){name}_amplitudes[row][k]);
+            printf(" %.17g", (double){amplitudes}[k]);
         }}
         {columns}
         printf("\\n");
@@ -94,7 +94,7 @@ class Held:
     impulses
         By every route that leads to them, as two firmwares of other ages.
     numbers
-        What it holds besides: the columns.
+        What it holds besides: the columns, in programs except times and amplitudes.
     status
         As told; 0 in files that do not tell.
     """
@@ -108,15 +108,21 @@ def read_c(text: bytes, folder: Path) -> list[Held]:
     """Compile a header and have a program print it."""
     name = re.findall(rb"\} (\w+)_shaper;", text)[0].decode()
     (folder / "table.h").write_bytes(text)
-    macros = re.findall(rf"#define ({name.upper()}_\w+) \d+", text.decode())
-    columns = macros[macros.index(f"{name.upper()}_COLUMNS") + 1 :]
+    macros = re.findall(rf"#define ({name.upper()}_\w+) (\d+)", text.decode())
+    names = [macro for macro, _ in macros]
+    first = names.index(f"{name.upper()}_COLUMNS") + 1
+    columns = names[first : first + int(macros[first - 1][1])]
     prints = [f'printf(" %.17g", (double){name}_table[row][{column}]);' for column in columns]
-    if len(columns) < 1:
-        raise UnreadableError("no columns")
     on_samples = f" {name}_samples[".encode() in text
     program = PRINTS_ON_SAMPLES if on_samples else PRINTS
+    of_rows = f" {name}_amplitudes[{name.upper()}_ROWS]".encode() in text
     (folder / "main.c").write_text(
-        program.format(name=name, upper=name.upper(), columns="\n        ".join(prints))
+        program.format(
+            name=name,
+            upper=name.upper(),
+            columns="\n        ".join(prints),
+            amplitudes=f"{name}_amplitudes{'[row]' if of_rows else ''}",
+        )
     )
     made = subprocess.run(
         ["gcc", *FLAGS, "-o", str(folder / "main"), str(folder / "main.c")],
@@ -162,7 +168,8 @@ def read_st(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
     try:
         block = Block(program, f"{name}_table")
         while (told := block(row=len(rows)))["status"] != -1:
-            amplitudes, columns = (told[key].values for key in ("amplitudes", "columns"))
+            amplitudes = told["amplitudes"].values
+            columns = told["columns"].values if "columns" in told else []
             if "samples" in told:
                 times = [told["sample_time_s"] * number for number in told["samples"].values]
             else:

@@ -39,6 +39,7 @@ from tests.random_cases import Case, case, random_options
 from tests.readers import Held, UnreadableError, read_back
 
 FORMATS = ("c", "st", "klipper", "rrf", "csv", "json", "parquet", "mat")
+PROGRAMS = ("c", "st")
 KLIPPER_SHARE = 0.8
 """Of Klipper's cases, those whose kind and drive it knows: among all kinds they are few [-]."""
 
@@ -132,6 +133,8 @@ def _difference_in_numbers(written: Written, held: Held) -> str:
     numbers = [*made.impulses.times_s, *made.impulses.amplitudes]
     if [*found.times_s, *found.amplitudes] != numbers:
         return f"impulses {found.times_s.tolist()}, {found.amplitudes.tolist()}, not {numbers}"
+    if written.name in PROGRAMS:
+        numbers = []  # they stand once
     numbers.append(made.residual)
     return "" if list(held.numbers) == numbers else f"columns {held.numbers}, not {numbers}"
 
