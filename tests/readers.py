@@ -15,7 +15,7 @@ from design.model.impulses import Impulses
 from design.tables.columns import amplitudes_of, times_of
 from design.tables.rows import WITH_DESIGN
 from design.types import FloatArray
-from tests.firmware import klipper_reads, lines_of, reprap_35_reads, reprap_36_reads
+from tests.firmware import klipper_reads, lines_of, marlin_reads, reprap_35_reads, reprap_36_reads
 from tests.structured_text import Block
 
 FLAGS = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-O0"]
@@ -181,8 +181,24 @@ def read_st(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
 
 
 def read_klipper(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
-    """Read each line as Klipper of 2026 does."""
-    return [Held(impulses=(klipper_reads(line),)) for line in lines_of(text.decode())]
+    """Read each pair of lines, of X and Y, as Klipper of 2026 does."""
+    lines = lines_of(text.decode())
+    pairs = list(zip(lines[::2], lines[1::2], strict=True))
+    if any(other != re.sub(r"_X\b", "_Y", one) for one, other in pairs):
+        raise UnreadableError("the axes of a row differ")
+    return [Held(impulses=(klipper_reads(one), klipper_reads(other))) for one, other in pairs]
+
+
+def read_marlin(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
+    """Read each pair of lines, of X and Y, as Marlin does, with the numbers F and D of both."""
+    lines = lines_of(text.decode())
+    return [
+        Held(
+            impulses=(marlin_reads(one), marlin_reads(other)),
+            numbers=tuple(map(float, re.findall(r"[FD]([\d.]+)", f"{one} {other}"))),
+        )
+        for one, other in zip(lines[::2], lines[1::2], strict=True)
+    ]
 
 
 def read_rrf(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
@@ -210,5 +226,11 @@ def read_back(name: str, text: bytes, folder: Path) -> list[Held]:
     """Return what the reader of a format makes of each row that holds a design, or of all."""
     if name in READERS:
         return read_data(name, text)
-    readers = {"c": read_c, "st": read_st, "klipper": read_klipper, "rrf": read_rrf}
+    readers = {
+        "c": read_c,
+        "st": read_st,
+        "klipper": read_klipper,
+        "rrf": read_rrf,
+        "marlin": read_marlin,
+    }
     return readers[name](text, folder)

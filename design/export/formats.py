@@ -31,5 +31,6 @@ FORMATS: dict[str, Format] = {
     "st": Format("structured_text", is_program=True),
     "klipper": Format("klipper", is_program=True),
     "rrf": Format("reprap", is_program=True),
+    "marlin": Format("marlin", is_program=True),
 }
 """Formats by their name on the wire."""

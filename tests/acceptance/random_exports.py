@@ -30,6 +30,7 @@ from design.export.klipper import NAMES, READ_AS_ZERO
 from design.export.registry import EXPORTS
 from design.export.single import single_table
 from design.model.actuators.ideal import Ideal
+from design.model.impulses import Impulses
 from design.pipeline import Design, design
 from design.shapers.ei import ToleranceOptions
 from design.shapers.registry import SHAPERS
@@ -38,10 +39,16 @@ from tests.firmware import RefusedError, lines_of, m593_numbers
 from tests.random_cases import Case, case, random_options
 from tests.readers import Held, UnreadableError, read_back
 
-FORMATS = ("c", "st", "klipper", "rrf", "csv", "json", "parquet", "mat")
+FORMATS = ("c", "st", "klipper", "rrf", "csv", "json", "parquet", "mat", "marlin")
 PROGRAMS = ("c", "st")
-KLIPPER_SHARE = 0.8
-"""Of Klipper's cases, those whose kind and drive it knows: among all kinds they are few [-]."""
+KNOWN_SHARE = 0.8
+"""Of Klipper's and Marlin's cases, those whose kind and drive they know: else they are few [-]."""
+
+MARLIN_CLOSE = 1e-6
+"""Of numbers of seven digits, as a share [-]."""
+
+HEIGHT_OF_MARLIN = 2 / 128
+"""Of heights: its cubic is off by less than a 128th, and is rounded down to one [-]."""
 
 LINES_CLOSE = 5.1e-10
 """Half of the ninth decimal, in lines for RepRapFirmware."""
@@ -52,7 +59,7 @@ KLIPPER_CLOSE = 1e-8
 """Of impulses that Klipper computes: a tenth of what any digit does that is changed here [-]."""
 
 MUTATIONS = 50
-MUTABLE = ("c", "st", "klipper", "rrf", "csv", "json", "mat", "parquet")
+MUTABLE = ("c", "st", "klipper", "rrf", "csv", "json", "mat", "parquet", "marlin")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -77,11 +84,12 @@ class Verdict:
 
 
 def exported_case(number: int) -> tuple[Case, str]:
-    """Return a case and the format it is written in; Klipper's are mostly of its own kinds."""
+    """Return a case and the format it is written in; Klipper's and Marlin's are mostly known."""
     subject, name = case(number), FORMATS[number % len(FORMATS)]
     rng = np.random.default_rng([7, number])
-    if name == "klipper" and rng.random() < KLIPPER_SHARE:
-        kind = SHAPERS[str(rng.choice(list(NAMES)))]
+    known = {"klipper": list(NAMES), "marlin": ["zv"]}.get(name)
+    if known is not None and rng.random() < KNOWN_SHARE:
+        kind = SHAPERS[str(rng.choice(known))]
         options, _ = random_options(rng, kind.options)
         plant = case(number).plant
         if len(plant.modes) == 1:
@@ -118,7 +126,9 @@ def difference(written: Written, text: bytes, folder: Path) -> str:
     if len(held) != 1:
         return f"{len(held)} rows"
     if written.name == "klipper":
-        return _difference_in_klipper(written, held[0])
+        return "".join(_difference_in_klipper(written, played) for played in held[0].impulses)
+    if written.name == "marlin":
+        return _difference_in_marlin(written, held[0])
     if written.name == "rrf":
         return _difference_in_lines(written, text.decode(), held[0])
     return _difference_in_numbers(written, held[0])
@@ -158,8 +168,7 @@ def _difference_in_lines(written: Written, text: str, held: Held) -> str:
     return ""
 
 
-def _difference_in_klipper(written: Written, held: Held) -> str:
-    (played,) = held.impulses
+def _difference_in_klipper(written: Written, played: Impulses) -> str:
     made, subject = written.made, written.subject
     if not isinstance(subject.options, ToleranceOptions):
         wanted = made.impulses
@@ -177,6 +186,21 @@ def _difference_in_klipper(written: Written, held: Held) -> str:
     return "".join(f"{claim.quantity} {claim.value:.4g} > {claim.limit:.4g}" for claim in broken)
 
 
+def _difference_in_marlin(written: Written, held: Held) -> str:
+    """Compare numbers with those of the mode, and impulses with those of the design."""
+    shaper, (mode,) = written.made.impulses, written.subject.plant.modes
+    damped_hz = mode.natural_frequency_rad_s * np.sqrt(1 - mode.damping_ratio**2) / (2 * np.pi)
+    wanted = [damped_hz, mode.damping_ratio] * 2
+    if not np.allclose(held.numbers, wanted, rtol=MARLIN_CLOSE, atol=0):
+        return f"{held.numbers}, not {wanted}"
+    for found in held.impulses:
+        late = np.abs(found.times_s - shaper.times_s).max() / shaper.duration_s
+        high = np.abs(found.amplitudes - shaper.amplitudes).max()
+        if late > MARLIN_CLOSE or high > HEIGHT_OF_MARLIN:
+            return f"apart by {late:.3g}, {high:.3g}"
+    return ""
+
+
 def _promise(claim: Claim) -> Promise:
     limit = READ_AS_ZERO if claim.is_zero else claim.limit
     return Promise(quantity=claim.quantity, limit=limit, mode=claim.mode, band=claim.band)
@@ -192,6 +216,7 @@ PLACES = {
     "st": (r"(?s):= \[.*?\];", rf"(?<![\w.])({PLAIN})(?=[,\]\s])"),
     "klipper": (r"(?m)^SET_INPUT_SHAPER.*$", rf"=({PLAIN})(?=[ ,)]|$)"),
     "rrf": (r"(?m)^(?:M593|; 3.4 to 3.5: M593).*$", rf"[HT:]({PLAIN})(?=[: ]|$)"),
+    "marlin": (r"(?m)^M593.*$", rf"[FD]({PLAIN})(?= |$)"),
     "csv": (r"(?m)^-?\d.*$", rf"(?:^|,)({PLAIN})(?=,|$)"),
     "json": (r"(?m)^\[.*$", rf"[\[ ]({PLAIN})(?=,)"),
 }

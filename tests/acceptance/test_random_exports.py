@@ -41,6 +41,6 @@ def test_every_number_of_a_file_may_be_the_one_that_is_changed(written: list[Wri
         if one.name in {"mat", "parquet"}:
             continue
         impulses = one.made.impulses.times_s.size
-        least = {"klipper": 4, "rrf": 4 * (impulses - 1)}
+        least = {"klipper": 4, "marlin": 2, "rrf": 4 * (impulses - 1)}
         assert len(_spans(one)) >= least.get(one.name, 2 * impulses), one.name
     assert set(MUTABLE) == set(FORMATS)
