@@ -3,12 +3,16 @@
 import io
 import re
 import subprocess
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import ArrayLike
+from xsdata.exceptions import ParserError
 
 from design.export.reading import READERS, rows_of
 from design.model.impulses import Impulses
@@ -16,7 +20,11 @@ from design.tables.columns import amplitudes_of, times_of
 from design.tables.rows import WITH_DESIGN
 from design.types import FloatArray
 from tests.firmware import klipper_reads, lines_of, marlin_reads, reprap_35_reads, reprap_36_reads
+from tests.plc_files import plcopen_text, scl_text, twincat_text
 from tests.structured_text import Block
+
+PLC_TEXTS = {"plcopen": plcopen_text, "twincat": twincat_text, "scl": scl_text}
+"""What turns files for PLC editors into Structured Text."""
 
 FLAGS = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-O0"]
 
@@ -180,6 +188,14 @@ def read_st(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
     return rows
 
 
+def read_plc(text: bytes, to_text: Callable[[bytes], str]) -> list[Held]:
+    """Turn a file for an editor into Structured Text, and run the block of its table."""
+    try:
+        return read_st(to_text(text).encode(), Path())
+    except (AssertionError, ParserError, ElementTree.ParseError, BadZipFile, TypeError) as error:
+        raise UnreadableError(str(error)) from None
+
+
 def read_klipper(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
     """Read each pair of lines, of X and Y, as Klipper of 2026 does."""
     lines = lines_of(text.decode())
@@ -233,4 +249,6 @@ def read_back(name: str, text: bytes, folder: Path) -> list[Held]:
         "rrf": read_rrf,
         "marlin": read_marlin,
     }
+    if name in PLC_TEXTS:
+        return read_plc(text, PLC_TEXTS[name])
     return readers[name](text, folder)

@@ -39,8 +39,21 @@ from tests.firmware import RefusedError, lines_of, m593_numbers
 from tests.random_cases import Case, case, random_options
 from tests.readers import Held, UnreadableError, read_back
 
-FORMATS = ("c", "st", "klipper", "rrf", "csv", "json", "parquet", "mat", "marlin")
-PROGRAMS = ("c", "st")
+FORMATS = (
+    "c",
+    "st",
+    "klipper",
+    "rrf",
+    "csv",
+    "json",
+    "parquet",
+    "mat",
+    "marlin",
+    "plcopen",
+    "twincat",
+    "scl",
+)
+PROGRAMS = ("c", "st", "plcopen", "twincat", "scl")
 KNOWN_SHARE = 0.8
 """Of Klipper's and Marlin's cases, those whose kind and drive they know: else they are few [-]."""
 
@@ -59,7 +72,21 @@ KLIPPER_CLOSE = 1e-8
 """Of impulses that Klipper computes: a tenth of what any digit does that is changed here [-]."""
 
 MUTATIONS = 50
-MUTABLE = ("c", "st", "klipper", "rrf", "csv", "json", "mat", "parquet", "marlin")
+BINARY = ("mat", "parquet", "twincat")
+MUTABLE = (
+    "c",
+    "st",
+    "klipper",
+    "rrf",
+    "csv",
+    "json",
+    "mat",
+    "parquet",
+    "marlin",
+    "plcopen",
+    "twincat",
+    "scl",
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -213,6 +240,8 @@ PLACES = {
         r"(?s)/\* A row without a design.*?/\* A shaper for a live",
         rf"SHAPERSMITH_C\(({PLAIN})\)",
     ),
+    "plcopen": (r"(?s)<arrayValue>.*?</arrayValue>", rf'value="({PLAIN})"'),
+    "scl": (r"(?s):= \[.*?\];", rf"(?<![\w.])({PLAIN})(?=[,\]\s])"),
     "st": (r"(?s):= \[.*?\];", rf"(?<![\w.])({PLAIN})(?=[,\]\s])"),
     "klipper": (r"(?m)^SET_INPUT_SHAPER.*$", rf"=({PLAIN})(?=[ ,)]|$)"),
     "rrf": (r"(?m)^(?:M593|; 3.4 to 3.5: M593).*$", rf"[HT:]({PLAIN})(?=[: ]|$)"),
@@ -235,7 +264,7 @@ def _spans(written: Written) -> list[tuple[int, int]]:
 
 def mutate(written: Written, rng: np.random.Generator) -> bytes:
     """Return the file with one digit or one sign of one number changed to another value."""
-    if written.name in {"mat", "parquet"}:
+    if written.name in BINARY:
         return _mutate_binary(written, rng)
     text = written.text.decode()
     spans = _spans(written)
@@ -258,6 +287,9 @@ def _mutate_binary(written: Written, rng: np.random.Generator) -> bytes:
     """Change a number of a file that is no text: in its bytes, or packed anew."""
     numbers = [*written.made.impulses.times_s[1:], *written.made.impulses.amplitudes]
     value = float(numbers[int(rng.integers(len(numbers)))])
+    if written.name == "twincat":
+        at = written.text.index(b"all_times_s") + int(rng.integers(40))  # its sum is wrong then
+        return written.text[:at] + bytes([written.text[at] ^ 1]) + written.text[at + 1 :]
     if written.name == "mat":
         packed = np.array(value, dtype="<f8").tobytes()
         at = written.text.index(packed) + int(rng.integers(len(packed)))
