@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.errors import InvalidInputError
+from design.export.header import short_names
 from design.export.program import Listing
 from design.model.impulses import Impulses
 from design.response.simulation import ringing_after
@@ -152,7 +153,7 @@ def lookup_of(head: TableHead, rows: Rows) -> Lookup | str:
         return str(error)
     axes = tuple(
         LookupAxis(field=field, name=name, values=values)
-        for field, name, values in zip(made.names, _inputs_of(made.names), made.axes, strict=True)
+        for field, name, values in zip(made.names, short_names(made.names), made.axes, strict=True)
     )
     known = ~np.isnan(made.times_s(_between(axes, 1))).any(axis=1)
     usable = np.reshape(known, made.closed.shape)
@@ -301,14 +302,6 @@ def _in_precision(axis: LookupAxis, values: NDArray[Any]) -> NDArray[Any]:
     """Return coordinates by the operations of a program."""
     found = np.sqrt(values) if axis.coordinate in {"inverse_root", "root"} else values
     return np.reciprocal(found) if axis.coordinate.startswith("inverse") else found
-
-
-def _inputs_of(fields: Sequence[str]) -> list[str]:
-    """Return the names of inputs: the field's, or its whole path where two have one name."""
-    last = [field.rpartition(".")[2] for field in fields]
-    if len(set(last)) == len(last):
-        return last
-    return [field.replace(".", "_") for field in fields]
 
 
 def _parts_of(usable: BoolArray) -> int:
