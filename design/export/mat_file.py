@@ -192,7 +192,7 @@ def read_mat(file: BinaryIO) -> tuple[TableHead, Iterator[Rows]]:
     counted = [float(table[name][0, 0]) for name in ("row_count", "impulses")]
     if counted != [head.rows, head.impulses]:
         raise InvalidInputError(
-            "file", f"counts {counted}", "those of its head", code="rows_unlike_head"
+            "file", f"counts {counted}", "those of its head", code="counts_unlike_head"
         )
     count = table["status"].shape[0]
     fields = np.empty((count, len(paths)))

@@ -288,7 +288,7 @@ def test_a_mat_file_that_is_none_of_ours_has_a_code_for_what_is_wrong() -> None:
         read("mat", b"nothing of the kind")
     with refused("table_incomplete", "file", says="without reasons"):
         read("mat", changed(reasons=None))
-    with refused("rows_unlike_head", "file", says="counts"):
+    with refused("counts_unlike_head", "file"):
         read("mat", changed(impulses=6.0))
     with refused("unsound_head", "file"):
         read("mat", changed(head=None))
