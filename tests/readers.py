@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
-from zipfile import BadZipFile
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -188,6 +188,16 @@ def read_st(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
     return rows
 
 
+def read_arduino(text: bytes, folder: Path) -> list[Held]:
+    """Compile the header in a library."""
+    try:
+        with ZipFile(io.BytesIO(text)) as archive:
+            (path,) = (name for name in archive.namelist() if name.endswith(".h"))
+            return read_c(archive.read(path), folder)
+    except BadZipFile as error:
+        raise UnreadableError(str(error)) from None
+
+
 def read_plc(text: bytes, to_text: Callable[[bytes], str]) -> list[Held]:
     """Turn a file for an editor into Structured Text, and run the block of its table."""
     try:
@@ -248,6 +258,7 @@ def read_back(name: str, text: bytes, folder: Path) -> list[Held]:
         "klipper": read_klipper,
         "rrf": read_rrf,
         "marlin": read_marlin,
+        "arduino": read_arduino,
     }
     if name in PLC_TEXTS:
         return read_plc(text, PLC_TEXTS[name])

@@ -35,5 +35,6 @@ FORMATS: dict[str, Format] = {
     "klipper": Format("klipper", is_program=True),
     "rrf": Format("reprap", is_program=True),
     "marlin": Format("marlin", is_program=True),
+    "arduino": Format("arduino", is_program=True),
 }
 """Formats by their name on the wire."""

@@ -52,8 +52,9 @@ FORMATS = (
     "plcopen",
     "twincat",
     "scl",
+    "arduino",
 )
-PROGRAMS = ("c", "st", "plcopen", "twincat", "scl")
+PROGRAMS = ("c", "st", "plcopen", "twincat", "scl", "arduino")
 KNOWN_SHARE = 0.8
 """Of Klipper's and Marlin's cases, those whose kind and drive they know: else they are few [-]."""
 
@@ -72,7 +73,7 @@ KLIPPER_CLOSE = 1e-8
 """Of impulses that Klipper computes: a tenth of what any digit does that is changed here [-]."""
 
 MUTATIONS = 50
-BINARY = ("mat", "parquet", "twincat")
+BINARY = ("mat", "parquet", "twincat", "arduino")
 MUTABLE = (
     "c",
     "st",
@@ -86,6 +87,7 @@ MUTABLE = (
     "plcopen",
     "twincat",
     "scl",
+    "arduino",
 )
 
 
@@ -287,8 +289,8 @@ def _mutate_binary(written: Written, rng: np.random.Generator) -> bytes:
     """Change a number of a file that is no text: in its bytes, or packed anew."""
     numbers = [*written.made.impulses.times_s[1:], *written.made.impulses.amplitudes]
     value = float(numbers[int(rng.integers(len(numbers)))])
-    if written.name == "twincat":
-        at = written.text.index(b"all_times_s") + int(rng.integers(40))  # its sum is wrong then
+    if written.name in {"twincat", "arduino"}:
+        at = written.text.index(b"_times") + int(rng.integers(40))  # its sum is wrong then
         return written.text[:at] + bytes([written.text[at] ^ 1]) + written.text[at + 1 :]
     if written.name == "mat":
         packed = np.array(value, dtype="<f8").tobytes()
