@@ -38,6 +38,7 @@ check: $(STAMP) ## format, lint, types, import rules, docstrings
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(BIN)/mypy --platform win32 --cache-dir .mypy_cache/win32 shapersmith design schemas service
 	$(BIN)/lint-imports
 	$(BIN)/python -m pytest -q tests/contracts
 
