@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from design.export.formats import FORMATS
+from service.cli import streams
 from service.operations.table import TABLE as OPERATIONS
 from service.operations.table import load
 
@@ -90,6 +91,7 @@ def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> i
     """
     # As in the workers of the service: on a busy machine threads of BLAS wait for each other.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    streams.prepare()
     options = command_parser().parse_args(arguments)
     try:
         _require_json_if_pretty(options)

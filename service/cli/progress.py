@@ -23,6 +23,7 @@ class Progress:
 
     def __init__(self, compiling: Callable[[], bool]) -> None:
         self._compiling = compiling
+        self._width = 0
         self._live = sys.stderr.isatty()
         self._every_s = REDRAWN_AFTER_S if self._live else LINE_EVERY_S
         self._shown = time.monotonic() if not self._live else 0.0
@@ -39,7 +40,10 @@ class Progress:
         if self._live:
             filled = BAR_CELLS * job.done // max(job.rows, 1)  # a damaged one has none
             bar = "#" * filled + "." * (BAR_CELLS - filled)
-            sys.stderr.write(f"\r[{bar}] {text}\x1b[K")
+            line = f"[{bar}] {text}"
+            # Not every screen of Windows knows the code that clears the rest of a line.
+            sys.stderr.write(f"\r{line:{self._width}}")
+            self._width = len(line)
         else:
             sys.stderr.write(f"{text}\n")
         sys.stderr.flush()
