@@ -49,7 +49,7 @@ chaos: $(STAMP) ## what the service withstands: overload, kills, locks
 	$(BIN)/python -m benchmarks.chaos
 
 lock: ## resolve the dependencies anew (needs uv)
-	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 --extra postgres pyproject.toml -o requirements.lock
+	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 --extra dask --extra postgres pyproject.toml -o requirements.lock
 	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 -c requirements.lock --group dev pyproject.toml -o requirements-dev.lock
 
 clean: ## remove what the other targets made
