@@ -219,8 +219,11 @@ def _table(options: argparse.Namespace) -> int:
     if options.check is None:
         _require_file(options.output, read, "the specification itself")
 
+    from service.compiled_code import keep_in  # noqa: PLC0415
     from service.jobs import executors  # noqa: PLC0415
 
+    if "SHAPERSMITH_DATA_DIR" in os.environ:
+        keep_in(os.environ["SHAPERSMITH_DATA_DIR"])
     if not options.scheduler:
         executors.prepare()
     from service.cli.table import CommandError, run_table  # noqa: PLC0415

@@ -11,6 +11,7 @@ from types import FrameType
 
 import uvicorn
 
+from service.compiled_code import keep_in
 from service.http.app import create_app
 from service.http.refusing import RefusingProtocol
 from service.jobs.service import JobService
@@ -53,6 +54,7 @@ def serve(settings: Settings, *, host: str, port: int) -> None:
     """
     listener = _listen(host, port)
     log_to_stderr()
+    keep_in(settings.data_dir)
     # uvicorn raises the signal again once it has stopped: this makes that the end, with status 0.
     for number in STOPS:
         signal.signal(number, _stop_quietly)
