@@ -85,8 +85,8 @@ def run_table(options: argparse.Namespace, content: bytes) -> int | Problem:
             return Problem(INVALID, str(error))
     size = plan.size
     _say(
-        f"{size.rows:,} rows in {size.chunks:,} chunks, about {size.estimated_bytes / 1e6:,.1f} MB "
-        "of numbers"
+        f"{_counted(size.rows, 'row')} in {_counted(size.chunks, 'chunk')}, about "
+        f"{size.estimated_bytes / 1e6:,.1f} MB of numbers"
     )
     try:
         if check is not None:
@@ -254,10 +254,13 @@ def _check(options: argparse.Namespace, plan: Plan, path: Path, name: str) -> in
     for text in drifts.told:
         _say(text)
     more = drifts.count - len(drifts.told)
-    _say(
-        f"{path} has drifted: {drifts.count} differences" + (f", {more} not listed" if more else "")
-    )
+    found = _counted(drifts.count, "difference")
+    _say(f"{path} has drifted: {found}" + (f", {more} not listed" if more else ""))
     return DRIFTED
+
+
+def _counted(number: int, noun: str) -> str:
+    return f"{number:,} {noun}" + ("" if number == 1 else "s")
 
 
 @contextmanager

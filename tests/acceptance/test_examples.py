@@ -130,7 +130,7 @@ def test_shapers_of_a_changing_cable_are_printed_and_a_move_is_drawn(tmp_path: P
     assert len(rows) == 4
     assert [row[0] for row in rows.values()] == sorted(row[0] for row in rows.values())
     assert max(max(row[1:]) for row in rows.values()) <= 5.0
-    assert rows["umzvd"][3] == 2.45  # as the README says of the thesis's crane
+    assert rows["umzvd"][3] == 2.45  # as docs/examples/07_python.py says of the thesis's crane
     assert rows["numzvd"][3] == 0.0
     assert refusal.startswith("within 0.5 s: none of ")
     assert picture.read_bytes().startswith(b"\x89PNG")

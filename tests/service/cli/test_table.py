@@ -110,7 +110,7 @@ def test_check_catches_one_changed_digit_and_nothing_else(
     drifted = table(spec, "-o", path, "--check")
     assert drifted.returncode == 5, drifted.stderr
     assert "row 0, t2_s" in drifted.stderr
-    assert "1 differences" in drifted.stderr
+    assert "1 difference" in drifted.stderr
 
 
 def test_check_tells_missing_rows_and_another_specification(spec: Path, tmp_path: Path) -> None:
@@ -244,7 +244,7 @@ def test_a_program_that_was_called_otherwise_since_is_checked_by_its_own_names(
     after.write_text(f"{text[:digit]}9{text[digit + 1 :]}")
     done = table(spec, "--check", after, "--workers", "1")
     assert done.returncode == 5, done.stderr
-    assert "1 differences" in done.stderr
+    assert "1 difference" in done.stderr
 
 
 def test_a_name_without_a_format_has_a_code(tmp_path: Path) -> None:
