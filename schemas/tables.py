@@ -13,7 +13,7 @@ from design.curve_fit.fit_range import plants_at_ends
 from design.errors import InvalidInputError
 from design.export.program import DEFAULT_TITLE
 from design.fields import Axis, EvenRange, LongAxis, Path, Spacing
-from design.tables.rows import Subject, TableHead
+from design.tables.rows import Real, Subject, TableHead
 from design.tables.specification import (
     COLUMNS,
     COLUMNS_ON_SAMPLES,
@@ -215,6 +215,10 @@ class TableRequest(Wire):
     tolerances: Tolerances = Tolerances()
     fit: Annotated[
         FitIn | None, Field(description="Polynomials, for the formats that hold programs.")
+    ] = None
+    real: Annotated[
+        Real | None,
+        Field(description="Type of numbers in Structured Text; LREAL if not given."),
     ] = None
 
     def to_design(self) -> TableSpecification:

@@ -1,13 +1,14 @@
 """Files appear whole or not at all, and have one writer at a time."""
 
-import fcntl
 import glob
 import os
 import secrets
 import stat
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from filelock import FileLock, Timeout
 
 KINDS = {
     stat.S_IFDIR: "a folder",
@@ -126,9 +127,9 @@ def write_pieces(path: Path, pieces: Iterable[bytes]) -> None:
     """
     require_replaceable(path)
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(8)}.part")
-    handle = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)  # less the umask
+    file = temporary.open("xb")
     try:
-        with os.fdopen(handle, "wb") as file:
+        with file:
             for piece in pieces:
                 file.write(piece)
             file.flush()
@@ -164,22 +165,14 @@ def hold_lock(path: Path) -> Iterator[None]:
     LockedError
         If another process holds it.
     """
-    while True:
-        handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            os.close(handle)
-            raise LockedError(str(path)) from None
-        try:
-            mine = os.path.samestat(os.fstat(handle), path.stat())
-        except FileNotFoundError:
-            mine = False
-        if mine:
-            break
-        os.close(handle)  # its last holder removed it between our two calls
+    lock = FileLock(path, timeout=0)
+    try:
+        lock.acquire()
+    except Timeout:
+        raise LockedError(str(path)) from None
     try:
         yield
     finally:
-        path.unlink(missing_ok=True)
-        os.close(handle)
+        with suppress(PermissionError):  # Windows removes no open file, but when it is let go of
+            path.unlink(missing_ok=True)
+        lock.release()

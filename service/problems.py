@@ -64,9 +64,7 @@ TIME_LIMIT = ProblemKind(
 INTERNAL = ProblemKind(
     "internal", HTTPStatus.INTERNAL_SERVER_ERROR, 1, "A fault of the service itself"
 )
-OVERLOADED = ProblemKind(
-    "overloaded", HTTPStatus.SERVICE_UNAVAILABLE, 1, "Too much work is waiting"
-)
+OVERLOADED = ProblemKind("overloaded", HTTPStatus.SERVICE_UNAVAILABLE, 1, "No worker is free")
 TOO_LARGE = ProblemKind(
     "too-large", HTTPStatus.REQUEST_ENTITY_TOO_LARGE, 2, "The body is too large"
 )

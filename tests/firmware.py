@@ -25,6 +25,14 @@ def lines_of(text: str) -> list[str]:
     return [line for line in lines if line]
 
 
+def line_of_x(text: str) -> str:
+    """Return the line for X of a file of one row, where that for Y says the same."""
+    one, other = lines_of(text)
+    if other != re.sub(r"_X\b", "_Y", one):
+        raise RefusedError(other)
+    return one
+
+
 def klipper_reads(line: str, *, older: bool = False) -> Impulses:
     """Read SET_INPUT_SHAPER as klippy/gcode.py and klippy/extras/input_shaper.py do.
 
@@ -34,20 +42,12 @@ def klipper_reads(line: str, *, older: bool = False) -> Impulses:
     if command.upper() != "SET_INPUT_SHAPER":
         raise RefusedError(command)
     given = {key.upper(): value for key, value in (word.split("=", 1) for word in words)}
-    known = {
-        "SHAPER_TYPE",
-        *(f"{name}_{a}" for name in ("SHAPER_FREQ", "DAMPING_RATIO") for a in "XY"),
-    }
-    if set(given) != known:
+    axis = next(iter(given))[-1]
+    names = [f"{name}_{axis}" for name in ("SHAPER_TYPE", "SHAPER_FREQ", "DAMPING_RATIO")]
+    # Of one axis, as the lines of either axis are: what a line does not name stays.
+    if axis not in "XY" or set(given) != set(names):
         raise RefusedError(line)
-    for name in ("SHAPER_FREQ", "DAMPING_RATIO"):
-        if given[f"{name}_X"] != given[f"{name}_Y"]:
-            raise RefusedError(f"{name} of one axis")
-    shaper, hertz, damping = (
-        given["SHAPER_TYPE"].lower(),
-        float(given["SHAPER_FREQ_X"]),
-        float(given["DAMPING_RATIO_X"]),
-    )
+    shaper, hertz, damping = given[names[0]].lower(), float(given[names[1]]), float(given[names[2]])
     brackets = re.match(r"(\w+)\s*\((.*)\)$", shaper)
     name = shaper if brackets is None else brackets[1]
     if name not in MAX_DAMPING_RATIOS or (older and brackets is not None):

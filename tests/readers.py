@@ -3,20 +3,28 @@
 import io
 import re
 import subprocess
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
+from zipfile import BadZipFile, ZipFile
 
 import numpy as np
 from numpy.typing import ArrayLike
+from xsdata.exceptions import ParserError
 
 from design.export.reading import READERS, rows_of
 from design.model.impulses import Impulses
 from design.tables.columns import amplitudes_of, times_of
 from design.tables.rows import WITH_DESIGN
 from design.types import FloatArray
-from tests.firmware import klipper_reads, lines_of, reprap_35_reads, reprap_36_reads
+from tests.firmware import klipper_reads, lines_of, marlin_reads, reprap_35_reads, reprap_36_reads
+from tests.plc_files import plcopen_text, scl_text, twincat_text
 from tests.structured_text import Block
+
+PLC_TEXTS = {"plcopen": plcopen_text, "twincat": twincat_text, "scl": scl_text}
+"""What turns files for PLC editors into Structured Text."""
 
 FLAGS = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-O0"]
 
@@ -27,9 +35,9 @@ int main(void)
 {{
     static shapersmith_real memory[4];
     static {name}_shaper shaper;
-    int row, k;
+    int row = 0, k;
     {name}_start(&shaper, memory, 4, SHAPERSMITH_C(0.0));
-    if ({name}_set(&shaper, {name}_times[0], {name}_amplitudes[0], SHAPERSMITH_C(1e9)) > 0) {{
+    if ({name}_set(&shaper, {name}_times[row], {amplitudes}, SHAPERSMITH_C(1e9)) > 0) {{
         return (int){name}_step(&shaper, SHAPERSMITH_C(0.0));
     }}
     for (row = 0; row < {upper}_ROWS; ++row) {{
@@ -38,7 +46,7 @@ int main(void)
             printf(" %.17g", (double){name}_times[row][k]);
         }}
         for (k = 0; k < {upper}_IMPULSES; ++k) {{
-            printf(" %.17g", (double){name}_amplitudes[row][k]);
+            printf(" %.17g", (double){amplitudes}[k]);
         }}
         {columns}
         printf("\\n");
@@ -62,7 +70,7 @@ int main(void)
             printf(" %.17g", (double){name}_samples[row][k] * (double){name}_sample_times[row]);
         }}
         for (k = 0; k < {upper}_IMPULSES; ++k) {{
-            printf(" %.17g", (double){name}_amplitudes[row][k]);
+            printf(" %.17g", (double){amplitudes}[k]);
         }}
         {columns}
         printf("\\n");
@@ -94,7 +102,7 @@ class Held:
     impulses
         By every route that leads to them, as two firmwares of other ages.
     numbers
-        What it holds besides: the columns.
+        What it holds besides: the columns, in programs except times and amplitudes.
     status
         As told; 0 in files that do not tell.
     """
@@ -108,15 +116,21 @@ def read_c(text: bytes, folder: Path) -> list[Held]:
     """Compile a header and have a program print it."""
     name = re.findall(rb"\} (\w+)_shaper;", text)[0].decode()
     (folder / "table.h").write_bytes(text)
-    macros = re.findall(rf"#define ({name.upper()}_\w+) \d+", text.decode())
-    columns = macros[macros.index(f"{name.upper()}_COLUMNS") + 1 :]
+    macros = re.findall(rf"#define ({name.upper()}_\w+) (\d+)", text.decode())
+    names = [macro for macro, _ in macros]
+    first = names.index(f"{name.upper()}_COLUMNS") + 1
+    columns = names[first : first + int(macros[first - 1][1])]
     prints = [f'printf(" %.17g", (double){name}_table[row][{column}]);' for column in columns]
-    if len(columns) < 1:
-        raise UnreadableError("no columns")
     on_samples = f" {name}_samples[".encode() in text
     program = PRINTS_ON_SAMPLES if on_samples else PRINTS
+    of_rows = f" {name}_amplitudes[{name.upper()}_ROWS]".encode() in text
     (folder / "main.c").write_text(
-        program.format(name=name, upper=name.upper(), columns="\n        ".join(prints))
+        program.format(
+            name=name,
+            upper=name.upper(),
+            columns="\n        ".join(prints),
+            amplitudes=f"{name}_amplitudes{'[row]' if of_rows else ''}",
+        )
     )
     made = subprocess.run(
         ["gcc", *FLAGS, "-o", str(folder / "main"), str(folder / "main.c")],
@@ -162,7 +176,8 @@ def read_st(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
     try:
         block = Block(program, f"{name}_table")
         while (told := block(row=len(rows)))["status"] != -1:
-            amplitudes, columns = (told[key].values for key in ("amplitudes", "columns"))
+            amplitudes = told["amplitudes"].values
+            columns = told["columns"].values if "columns" in told else []
             if "samples" in told:
                 times = [told["sample_time_s"] * number for number in told["samples"].values]
             else:
@@ -173,9 +188,43 @@ def read_st(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
     return rows
 
 
+def read_arduino(text: bytes, folder: Path) -> list[Held]:
+    """Compile the header in a library."""
+    try:
+        with ZipFile(io.BytesIO(text)) as archive:
+            (path,) = (name for name in archive.namelist() if name.endswith(".h"))
+            return read_c(archive.read(path), folder)
+    except BadZipFile as error:
+        raise UnreadableError(str(error)) from None
+
+
+def read_plc(text: bytes, to_text: Callable[[bytes], str]) -> list[Held]:
+    """Turn a file for an editor into Structured Text, and run the block of its table."""
+    try:
+        return read_st(to_text(text).encode(), Path())
+    except (AssertionError, ParserError, ElementTree.ParseError, BadZipFile, TypeError) as error:
+        raise UnreadableError(str(error)) from None
+
+
 def read_klipper(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
-    """Read each line as Klipper of 2026 does."""
-    return [Held(impulses=(klipper_reads(line),)) for line in lines_of(text.decode())]
+    """Read each pair of lines, of X and Y, as Klipper of 2026 does."""
+    lines = lines_of(text.decode())
+    pairs = list(zip(lines[::2], lines[1::2], strict=True))
+    if any(other != re.sub(r"_X\b", "_Y", one) for one, other in pairs):
+        raise UnreadableError("the axes of a row differ")
+    return [Held(impulses=(klipper_reads(one), klipper_reads(other))) for one, other in pairs]
+
+
+def read_marlin(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
+    """Read each pair of lines, of X and Y, as Marlin does, with the numbers F and D of both."""
+    lines = lines_of(text.decode())
+    return [
+        Held(
+            impulses=(marlin_reads(one), marlin_reads(other)),
+            numbers=tuple(map(float, re.findall(r"[FD]([\d.]+)", f"{one} {other}"))),
+        )
+        for one, other in zip(lines[::2], lines[1::2], strict=True)
+    ]
 
 
 def read_rrf(text: bytes, folder: Path) -> list[Held]:  # noqa: ARG001
@@ -203,5 +252,14 @@ def read_back(name: str, text: bytes, folder: Path) -> list[Held]:
     """Return what the reader of a format makes of each row that holds a design, or of all."""
     if name in READERS:
         return read_data(name, text)
-    readers = {"c": read_c, "st": read_st, "klipper": read_klipper, "rrf": read_rrf}
+    readers = {
+        "c": read_c,
+        "st": read_st,
+        "klipper": read_klipper,
+        "rrf": read_rrf,
+        "marlin": read_marlin,
+        "arduino": read_arduino,
+    }
+    if name in PLC_TEXTS:
+        return read_plc(text, PLC_TEXTS[name])
     return readers[name](text, folder)

@@ -1,24 +1,51 @@
 """Enough of IEC 61131-3 Structured Text to run a function block: a second route for the tests.
 
 It knows the language from the standard, and nothing of the generator: declarations with initial
-values, assignments, IF, FOR, arrays with any lower bound, and the operators in their precedence.
+values, instances of other blocks, assignments, IF, FOR, arrays with any lower bound, and the
+operators in their precedence. A REAL is a number of single precision.
 """
 
 import math
+import operator
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 Value = Any
 
 TOKEN = re.compile(
     r"\s+|\(\*.*?\*\)|(?P<token>\d+\.\d+(?:[eE][+-]?\d+)?|\d+|[A-Za-z_]\w*|:=|<=|>=|<>|\.\."
-    r"|[-+*/=<>()\[\],;:])",
+    r"|[-+*/=<>()\[\],;:.])",
     re.DOTALL,
 )
 
-FUNCTIONS: dict[str, Callable[[float], Value]] = {"TRUNC": math.trunc, "DINT_TO_LREAL": float}
+FUNCTIONS: dict[str, Callable[[Any], Value]] = {
+    "TRUNC": math.trunc,
+    "DINT_TO_LREAL": float,
+    "DINT_TO_REAL": np.float32,
+    "SQRT": lambda value: type(value)(np.sqrt(value)),
+}
+
+TYPES: dict[str, Value] = {
+    "BOOL": False,
+    "LREAL": 0.0,
+    "REAL": np.float32(0),
+    "DINT": 0,
+    "SINT": 0,
+}
+"""Initial values of the elementary types."""
+
+COMPARED: dict[str, Callable[[Value, Value], bool]] = {
+    "<": operator.lt,
+    ">": operator.gt,
+    "<=": operator.le,
+    ">=": operator.ge,
+    "=": operator.eq,
+    "<>": operator.ne,
+}
 
 
 def tokens_of(text: str) -> list[str]:
@@ -50,12 +77,17 @@ class Array:
 class Block:
     """An instance of a function block, by name out of a program."""
 
-    def __init__(self, program: str, name: str) -> None:
-        self.words = tokens_of(program)
-        self.at = self.words.index("FUNCTION_BLOCK")
-        while self.words[self.at + 1] != name:
-            self.at = self.words.index("FUNCTION_BLOCK", self.at + 1)
+    def __init__(self, program: "str | list[str]", name: str) -> None:
+        self.words = tokens_of(program) if isinstance(program, str) else program
+        self.at = next(
+            at
+            for at, word in enumerate(self.words)
+            if word in {"FUNCTION_BLOCK", "PROGRAM"} and self.words[at + 1] == name
+        )
+        self.end = f"END_{self.words[self.at]}"
         self.at += 2
+        # Literals are of the type that the program counts in.
+        self.real: Callable[[str], Value] = np.float32 if "REAL" in self.words else float
         self.values: dict[str, Value] = {}
         self.constants: set[str] = set()
         while self.words[self.at].startswith("VAR"):
@@ -67,11 +99,14 @@ class Block:
         for name, value in inputs.items():
             held = self.values[name]
             if isinstance(held, Array):
-                held.values[:] = list(value)
+                given = value.values if isinstance(value, Array) else list(value)
+                if len(given) != len(held.values):
+                    raise TypeError(f"{name} takes {len(held.values)} values")
+                held.values[:] = given
             else:
-                self.values[name] = value
+                self.values[name] = value if isinstance(held, int) else type(held)(value)
         self.at = self.body
-        self._statements("END_FUNCTION_BLOCK")
+        self._statements(self.end)
         return self.values
 
     def _next(self, *expected: str) -> str:
@@ -91,11 +126,16 @@ class Block:
             bounds = None
             if self.words[self.at] == "ARRAY":
                 self._next("ARRAY"), self._next("[")
-                lower = int(self._next())
+                lower = self._expression()
                 self._next("..")
-                bounds = lower, int(self._next())
+                bounds = lower, self._expression()
                 self._next("]"), self._next("OF")
-            zero = {"BOOL": False, "LREAL": 0.0, "DINT": 0, "SINT": 0}[self._next()]
+            of = self._next()
+            if of not in TYPES:
+                self._next(";")
+                self.values[name] = Block(self.words, of)
+                continue
+            zero = TYPES[of]
             value: Value = zero if bounds is None else [zero] * (bounds[1] - bounds[0] + 1)
             if self.words[self.at] == ":=":
                 self._next()
@@ -160,8 +200,24 @@ class Block:
             self._statements("END_FOR")
         self._next("END_FOR"), self._next(";")
 
+    def _call(self, name: str) -> None:
+        """Call an instance with inputs by name."""
+        self._next("(")
+        inputs = {}
+        while self.words[self.at] != ")":
+            given = self._next()
+            self._next(":=")
+            inputs[given] = self._expression()
+            if self.words[self.at] != ")":
+                self._next(",")
+        self._next(")"), self._next(";")
+        self.values[name](**inputs)
+
     def _assignment(self) -> None:
         name = self._next()
+        if self.words[self.at] == "(":
+            self._call(name)
+            return
         index = None
         if self.words[self.at] == "[":
             self._next("[")
@@ -196,15 +252,9 @@ class Block:
 
     def _comparison(self) -> Value:
         value = self._sum()
-        if self.words[self.at] in {"<", ">", "<=", ">=", "="}:
+        if self.words[self.at] in COMPARED:
             sign, other = self._next(), self._sum()
-            value = {
-                "<": value < other,
-                ">": value > other,
-                "<=": value <= other,
-                ">=": value >= other,
-                "=": value == other,
-            }[sign]
+            value = bool(COMPARED[sign](value, other))
         return value
 
     def _sum(self) -> Value:
@@ -220,7 +270,8 @@ class Block:
         while self.words[self.at] in {"*", "/"}:
             sign, other = self._next(), self._atom()
             self._alike(value, other)
-            value = value * other if sign == "*" else value / other
+            whole = isinstance(value, int)  # of whole numbers the division is whole
+            value = value * other if sign == "*" else value // other if whole else value / other
         return value
 
     @staticmethod
@@ -242,13 +293,16 @@ class Block:
         if word in {"TRUE", "FALSE"}:
             return word == "TRUE"
         if word[0].isdigit():
-            return float(word) if "." in word else int(word)
+            return self.real(word) if "." in word else int(word)
         if word in FUNCTIONS:
             self._next("(")
             value = FUNCTIONS[word](self._expression())
             self._next(")")
             return value
         value = self.values[word]
+        while self.words[self.at] == ".":
+            self._next(".")
+            value = value.values[self._next()]
         if self.words[self.at] == "[":
             self._next("[")
             index = self._expression()

@@ -13,6 +13,8 @@ import numpy as np
 
 from design.curve_fit.polynomials import Fit
 from design.export.kind import Export
+from design.export.lookup import constants, lookup_of, lookup_remarks, up
+from design.export.lookup_c import axes_in_c, lookup_in_c
 from design.export.program import (
     HASH_DIGITS,
     Listing,
@@ -20,14 +22,14 @@ from design.export.program import (
     comment,
     decimal,
     dividing,
+    gravity_of,
     listing,
     name_of,
     range_of,
 )
 from design.export.sampled_c import sampled_rows_in_c, sampled_shaper_in_c
 from design.export.sampled_program import SampledListing, sampled_listing
-from design.tables.columns import names_of
-from design.tables.rows import Rows, TableHead
+from design.tables.rows import Rows, TableHead, join_rows
 from design.types import FloatArray
 
 REAL = """\
@@ -36,9 +38,11 @@ REAL = """\
 #ifdef SHAPERSMITH_FLOAT
 typedef float shapersmith_real;
 #define SHAPERSMITH_C(value) value##f
+#define SHAPERSMITH_SQRT(value) sqrtf(value)
 #else
 typedef double shapersmith_real;
 #define SHAPERSMITH_C(value) value
+#define SHAPERSMITH_SQRT(value) sqrt(value)
 #endif
 #endif
 """
@@ -51,7 +55,7 @@ SHAPER = Template("""\
      static shapersmith_real memory[1024];
      static ${NAME}_shaper shaper;
      ${NAME}_start(&shaper, memory, 1024, SHAPERSMITH_C(0.0));
-     ${NAME}_set(&shaper, ${NAME}_times[row], ${NAME}_amplitudes[row], sample_time_s);
+     ${NAME}_set(&shaper, ${NAME}_times[row], ${NAME}_amplitudes$OFROW, sample_time_s);
      every sample: out = ${NAME}_step(&shaper, in); */
 typedef struct {
     shapersmith_real *line;
@@ -146,6 +150,19 @@ static inline int ${NAME}_evaluate(shapersmith_real x, shapersmith_real natural_
 }
 """)
 
+AT_LENGTH = Template("""\
+
+/* The same for a cable length [m], by the gravity of the specification. Compile with -lm. */
+static inline int ${NAME}_evaluate_at_length(shapersmith_real cable_length_m,
+                                          shapersmith_real *times_s)
+{
+    if (!(cable_length_m > SHAPERSMITH_C(0.0))) {
+        return -1;
+    }
+    return ${NAME}_evaluate_at(SHAPERSMITH_SQRT(SHAPERSMITH_C($GRAVITY) / cable_length_m), times_s);
+}
+""")
+
 AT_FREQUENCY = Template("""\
 
 /* The same for a natural frequency of the plant, with the actuator of the specification. */
@@ -178,29 +195,42 @@ def write_c(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     """
     name = name_of(head)
     upper = name.upper()
-    rows = listing(head, runs)
-    # A title or a reason must not end the comment.
-    top = comment(head, rows, {"*/": "* /"})
+    held = list(runs)
+    rows = listing(head, held)
     sampled = sampled_listing(head, rows) if head.on_samples else None
+    found = lookup_of(head, join_rows(held))
+    lookup = None if isinstance(found, str) else found
+    more = []
+    if sampled is None:
+        more = lookup_remarks(found, name, in_single=False)
+        if lookup is not None:
+            more.append(f"   in float at most {up(lookup.residual_in_single)}")
+        count = constants(rows, lookup)
+        more.append(f"memory: {8 * count} bytes of constants in double, {4 * count} in float")
+    # A title or a reason must not end the comment.
+    top = comment(head, rows, {"*/": "* /"}, more)
     yield f"/* {top}\n   float rounds each number by up to 6e-8 of itself. */\n".encode()
     # By the specification too: a second file of the same names is an error, it does not vanish.
     guard = f"{upper}_{head.specification_sha256[:HASH_DIGITS].upper()}_H"
     yield f"#ifndef {guard}\n#define {guard}\n\n".encode()
     yield b"#include <math.h>\n#include <stddef.h>\n\n"
-    yield f"{REAL}\n{_columns(head, upper)}\n".encode()
+    axes = "" if lookup is None else axes_in_c(name, lookup)
+    yield f"{REAL}\n{_columns(head, rows, upper)}{axes}\n".encode()
     yield from _table(name, rows, sampled)
+    if lookup is not None:
+        yield lookup_in_c(name, lookup).encode()
     if head.fit is not None:
-        yield _evaluator(head.fit, name).encode()
+        yield _evaluator(head, head.fit, name).encode()
     if sampled is not None:
         yield sampled_shaper_in_c(name, sampled).encode()
     else:
-        yield SHAPER.substitute(NAME=name, UPPER=upper).encode()
+        of_row = "[row]" if rows.shared_amplitudes is None else ""
+        yield SHAPER.substitute(NAME=name, UPPER=upper, OFROW=of_row).encode()
     yield b"\n#endif\n"
 
 
-def _columns(head: TableHead, upper: str) -> str:
-    named = names_of(head, "field") + names_of(head, "result")
-    names = [re.sub(r"[^A-Z0-9]", "_", name.upper()) for name in named]
+def _columns(head: TableHead, rows: Listing, upper: str) -> str:
+    names = [re.sub(r"[^A-Z0-9]", "_", name.upper()) for name in rows.names]
     lines = [f"#define {upper}_ROWS {head.rows}", f"#define {upper}_IMPULSES {head.impulses}"]
     if head.fit is not None:
         lines.append(f"#define {upper}_DEGREE {head.fit.degree}")
@@ -214,7 +244,8 @@ def _table(name: str, rows: Listing, sampled: SampledListing | None) -> Iterator
     upper = name.upper()
     fewer = "" if sampled is None else ", and so does what a row has fewer of"
     yield f"/* A row without a design, of status 1 or 2, holds NAN{fewer}. */\n".encode()
-    yield _matrix(f"{name}_table[{upper}_ROWS][{upper}_COLUMNS]", rows.numbers).encode()
+    if rows.names:
+        yield _matrix(f"{name}_table[{upper}_ROWS][{upper}_COLUMNS]", rows.numbers).encode()
     codes = ", ".join(map(str, rows.status))
     yield f"\nstatic const unsigned char {name}_status[{upper}_ROWS] = {{{codes}}};\n\n".encode()
     shape = f"[{upper}_ROWS][{upper}_IMPULSES]"
@@ -223,6 +254,12 @@ def _table(name: str, rows: Listing, sampled: SampledListing | None) -> Iterator
     else:
         yield _matrix(f"{name}_times{shape}", rows.times_s).encode()
         yield b"\n"
+    if sampled is None and rows.shared_amplitudes is not None:
+        numbers = ", ".join(map(_literal, rows.shared_amplitudes.tolist()))
+        declared = f"{name}_amplitudes[{upper}_IMPULSES]"
+        yield b"/* The same in all rows. */\n"
+        yield f"static const shapersmith_real {declared} = {{{numbers}}};\n\n".encode()
+        return
     amplitudes = rows.amplitudes if sampled is None else sampled.amplitudes
     yield _matrix(f"{name}_amplitudes{shape}", amplitudes).encode()
     yield b"\n"
@@ -237,7 +274,7 @@ def _literal(value: float) -> str:
     return "NAN" if np.isnan(value) else f"SHAPERSMITH_C({decimal(value)})"
 
 
-def _evaluator(fit: Fit, name: str) -> str:
+def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
     first, last = range_of(fit)
     text = EVALUATOR.substitute(
         NAME=name,
@@ -252,6 +289,9 @@ def _evaluator(fit: Fit, name: str) -> str:
     unit = fit.frequency_unit_rad_s
     if unit is not None:
         text += AT_FREQUENCY.substitute(NAME=name, UNIT=decimal(unit))
+        gravity = gravity_of(head)
+        if gravity is not None:
+            text += AT_LENGTH.substitute(NAME=name, GRAVITY=decimal(gravity))
     upper = name.upper()
     coefficients = _matrix(
         f"{name}_coefficients[{upper}_IMPULSES][{upper}_DEGREE + 1]", fit.coefficients

@@ -29,7 +29,12 @@ FORMATS: dict[str, Format] = {
     "mat": Format("mat_file"),
     "c": Format("c_header", is_program=True),
     "st": Format("structured_text", is_program=True),
+    "plcopen": Format("plcopen_xml", is_program=True),
+    "twincat": Format("twincat", is_program=True),
+    "scl": Format("scl", is_program=True),
     "klipper": Format("klipper", is_program=True),
     "rrf": Format("reprap", is_program=True),
+    "marlin": Format("marlin", is_program=True),
+    "arduino": Format("arduino", is_program=True),
 }
 """Formats by their name on the wire."""

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NoReturn
 
 from design.errors import InvalidInputError
@@ -105,6 +105,30 @@ def _refuse_head(what: str) -> NoReturn:
     raise InvalidInputError(
         "file", what, "a table as shapersmith writes it", code="unsound_head"
     ) from None
+
+
+def short_names(fields: Sequence[str]) -> list[str]:
+    """Return names of fields that programs take.
+
+    Parameters
+    ----------
+    fields
+        Their paths, as ``plant.cable_length_m``.
+
+    Returns
+    -------
+    list of str
+        The last part of each, or the whole path where two would have one name.
+
+    Examples
+    --------
+    >>> short_names(["plant.cable_length_m", "plant.damping_ratio"])
+    ['cable_length_m', 'damping_ratio']
+    """
+    last = [field.rpartition(".")[2] for field in fields]
+    if len(set(last)) == len(last):
+        return last
+    return [field.replace(".", "_") for field in fields]
 
 
 def comment_lines(head: TableHead) -> list[str]:

@@ -1,4 +1,7 @@
-"""Klipper: a SET_INPUT_SHAPER line for each row.
+"""Klipper: a SET_INPUT_SHAPER line for each row and axis.
+
+A line names one axis, so that the other keeps what it has: axes have other modes. Parameters that a
+line does not name stay [3]_.
 
 Klipper takes no impulses, it takes the name of a shaper, a frequency and a damping ratio, and
 computes the impulses itself [1]_ [2]_. So only its own six kinds can be handed over, designed for a
@@ -20,6 +23,8 @@ References
 .. [1] Klipper, docs/G-Codes.md, "SET_INPUT_SHAPER", and docs/Config_Reference.md,
    "[input_shaper]".
 .. [2] Klipper, klippy/extras/shaper_defs.py: INPUT_SHAPERS and init_shaper.
+.. [3] Klipper, klippy/extras/input_shaper.py, cmd_SET_INPUT_SHAPER: SHAPER_TYPE_X counts where no
+   SHAPER_TYPE is given.
 """
 
 import math
@@ -60,6 +65,9 @@ NAMES = {
     "three_hump_ei": "3hump_ei",
 }
 """Klipper's names of the kinds that it computes."""
+
+AXES = "XY"
+"""Those that are shaped."""
 
 SAME = 1e-9
 """Impulses that differ by less are the same, as a share of their duration and of 1 [-]."""
@@ -114,7 +122,7 @@ def check_klipper(head: TableHead) -> None:
 
 
 def write_klipper(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
-    """Write a table as lines for Klipper, both axes alike.
+    """Write a table as lines for Klipper, one for each axis.
 
     Parameters
     ----------
@@ -139,11 +147,12 @@ def write_klipper(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
         row = Subject(plant=plant, actuator=Ideal(), kind=subject.kind, options=options)
         shaped = require_positive_row(head, rows, index, "Klipper")
         line = klipper_line(row, shaped, f"row {rows.first + index}")
-        return [*(f"; {remark}" for remark in line.remarks), line.command]
+        return [*(f"; {remark}" for remark in line.remarks), *line.commands]
 
     remarks = [
-        "take the line of your row, frequencies in Hz; to keep it, write its parameters in lower",
-        "case into the section [input_shaper] of printer.cfg, as shaper_type: ...",
+        "take the line of your row and of your axis, X or Y: each axis has its own mode;",
+        "frequencies in Hz; to keep a line, write its parameters in lower case into the section",
+        "[input_shaper] of printer.cfg, as shaper_type_x: ...",
         "brackets behind a shaper's name need Klipper as of 31 March 2026, others refuse them",
     ]
     return firmware_lines(head, runs, remarks, commands)
@@ -160,12 +169,12 @@ class KlipperLine:
     played: Impulses  # What Klipper of 2026 plays
 
     @property
-    def command(self) -> str:
-        """The command that sets it, both axes alike."""
-        frequency, damping = repr(self.frequency_hz), repr(self.damping_ratio)
-        return (
-            f"SET_INPUT_SHAPER SHAPER_TYPE={self.shaper} SHAPER_FREQ_X={frequency} "
-            f"SHAPER_FREQ_Y={frequency} DAMPING_RATIO_X={damping} DAMPING_RATIO_Y={damping}"
+    def commands(self) -> tuple[str, ...]:
+        """The commands that set it, one for each axis."""
+        return tuple(
+            f"SET_INPUT_SHAPER SHAPER_TYPE_{axis}={self.shaper} "
+            f"SHAPER_FREQ_{axis}={self.frequency_hz!r} DAMPING_RATIO_{axis}={self.damping_ratio!r}"
+            for axis in AXES
         )
 
 

@@ -118,7 +118,8 @@ def _klipper(subject: Subject, shaper: Impulses) -> Played:
     if "(" in line.shaper:
         remarks.append("# brackets behind a shaper's name need Klipper as of 31 March 2026")
     section = ("# printer.cfg; an axis may have another mode", "[input_shaper]", *axes)
-    return Played(lines=(*remarks, *section, f"# at once: {line.command}"), impulses=line.played)
+    at_once = (f"# at once: {command}" for command in line.commands)
+    return Played(lines=(*remarks, *section, *at_once), impulses=line.played)
 
 
 def _marlin(subject: Subject, shaper: Impulses) -> Played:

@@ -3,7 +3,7 @@
 import math
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,9 +13,16 @@ from design.errors import InvalidInputError
 from design.export.header import comment_lines
 from design.export.live import live_remarks
 from design.model.impulses import Impulses
-from design.tables.columns import amplitudes_of, require_times, times_of, varied_paths
+from design.model.plants.pendulum import Pendulum
+from design.tables.columns import (
+    amplitudes_of,
+    names_of,
+    require_times,
+    times_of,
+    varied_paths,
+)
 from design.tables.rows import STATUSES, WITH_DESIGN, Rows, TableHead, subject_of
-from design.types import FloatArray
+from design.types import BoolArray, FloatArray
 
 MAX_NUMBERS = 200_000
 """Largest table in a program: 1.6 MB of doubles, what large controllers have in flash."""
@@ -35,6 +42,9 @@ ON_SAMPLES = (
     "amplitudes can be interpolated: take the nearest row",
 )
 """What the head of a program on samples says of them."""
+
+ENDS = (("t", "_s"), ("a", ""))
+"""What stands around the number of an impulse in the names of columns that arrays hold already."""
 
 RANGE_MARGIN = 1e-6
 """By how much of itself a range is widened in a program: what float makes of an end of it [-]."""
@@ -103,8 +113,8 @@ class Listing:
 
     Attributes
     ----------
-    numbers
-        Fields and results, shape (rows, columns).
+    names, numbers
+        Fields and results except times and amplitudes, and their values, shape (rows, columns).
     status
         Shape (rows,).
     times_s, amplitudes
@@ -115,11 +125,24 @@ class Listing:
         samples only.
     """
 
+    names: tuple[str, ...]
     numbers: FloatArray
     status: list[int]
     times_s: FloatArray
     amplitudes: FloatArray
     above_claims: int = 0
+
+    @property
+    def designed(self) -> BoolArray:
+        """Which rows have a design, shape (rows,)."""
+        held: BoolArray = np.isin(self.status, WITH_DESIGN)
+        return held
+
+    @property
+    def shared_amplitudes(self) -> FloatArray | None:
+        """Those of all rows with a design, shape (impulses,); None if they differ."""
+        held = self.amplitudes[self.designed]
+        return held[0] if len(held) and bool(np.all(held == held[0])) else None
 
 
 def listing(head: TableHead, runs: Iterable[Rows]) -> Listing:
@@ -136,11 +159,14 @@ def listing(head: TableHead, runs: Iterable[Rows]) -> Listing:
         The rows of all runs, held at once.
     """
     held = list(runs)
-    width = len(head.columns) - 2
+    named = names_of(head, "field") + names_of(head, "result")
+    of_impulses = {f"{start}{k}{end}" for k in range(1, head.impulses + 1) for start, end in ENDS}
+    others = [place for place, name in enumerate(named) if name not in of_impulses]
     return Listing(
+        names=tuple(named[place] for place in others),
         numbers=np.vstack([
-            np.empty((0, width)),
-            *(np.hstack((rows.fields, rows.results)) for rows in held),
+            np.empty((0, len(others))),
+            *(np.hstack((rows.fields, rows.results))[:, others] for rows in held),
         ]),
         status=[value for rows in held for value in rows.status.tolist()],
         times_s=np.vstack([np.empty((0, head.impulses)), *(times_of(head, run) for run in held)]),
@@ -152,23 +178,24 @@ def listing(head: TableHead, runs: Iterable[Rows]) -> Listing:
     )
 
 
-def remarks(head: TableHead, rows: Listing) -> list[str]:
+def remarks(head: TableHead, rows: Listing, more: Sequence[str] = ()) -> list[str]:
     """Return what the comment at the top of a program says.
 
     Parameters
     ----------
     head, rows
         The table.
+    more
+        Further lines.
 
     Returns
     -------
     list of str
         Lines without marks of a comment.
     """
-    names = [column.name for column in head.columns]
     lines = comment_lines(head)
-    if "residual" in names:
-        residuals = rows.numbers[:, names.index("residual")]
+    if "residual" in rows.names:
+        residuals = rows.numbers[:, rows.names.index("residual")]
         known = residuals[~np.isnan(residuals)]
         worst = f"{float(known.max()):.3g}" if known.size else "none"
         lines.append(
@@ -193,16 +220,18 @@ def remarks(head: TableHead, rows: Listing) -> list[str]:
             f"rows whose residual is above what their shaper claims: {rows.above_claims}",
         ]
     lines += _of_live_commands(head, rows)
-    return lines
+    return [*lines, *more]
 
 
-def comment(head: TableHead, rows: Listing, harmless: dict[str, str]) -> str:
+def comment(
+    head: TableHead, rows: Listing, harmless: dict[str, str], more: Sequence[str] = ()
+) -> str:
     """Return the comment at the top of a program, without its marks.
 
     Parameters
     ----------
-    head, rows
-        The table.
+    head, rows, more
+        The table, and further lines.
     harmless
         What stands in place of the marks that would end or open a comment of the language, by mark.
 
@@ -211,7 +240,7 @@ def comment(head: TableHead, rows: Listing, harmless: dict[str, str]) -> str:
     str
         Lines, indented by three blanks from the second on.
     """
-    text = "\n   ".join(remarks(head, rows))
+    text = "\n   ".join(remarks(head, rows, more))
     for mark, other in harmless.items():
         text = text.replace(mark, other)
     return text
@@ -225,9 +254,21 @@ def dividing(fit: Fit) -> str:
     return "value / natural_frequency_rad_s" if fit.in_phases else "value"
 
 
+def gravity_of(head: TableHead) -> float | None:
+    """Return the gravity that turns a cable length into a frequency [m/s^2].
+
+    Returns
+    -------
+    float or None
+        None of plants without a cable.
+    """
+    plant = subject_of(head).plant
+    return plant.gravity_m_s2 if isinstance(plant, Pendulum) else None
+
+
 def _of_live_commands(head: TableHead, rows: Listing) -> list[str]:
     """Return what the delay line of the program does to a command that changes at any time."""
-    designed = np.flatnonzero(np.isin(rows.status, WITH_DESIGN))
+    designed = np.flatnonzero(rows.designed)
     if not designed.size:
         return []
     subject, paths = subject_of(head), varied_paths(head)

@@ -4,7 +4,8 @@ from string import Template
 
 from design.export.program import Listing
 from design.export.sampled_program import SAME_SAMPLE_TIME, SampledListing
-from design.export.structured_numbers import lines, real, reals
+from design.export.structured_numbers import columns_in_text, lines, real, reals
+from design.tables.rows import Real
 
 TABLE = Template("""\
 (* Samples and amplitudes of one row: each impulse has the number of its sample, from the first on;
@@ -19,18 +20,15 @@ END_VAR
 VAR_OUTPUT
     status : SINT;
     samples : ARRAY[1..$IMPULSES] OF DINT;
-    amplitudes : ARRAY[1..$IMPULSES] OF LREAL;
-    sample_time_s : LREAL;
-    columns : ARRAY[1..$COLUMNS] OF LREAL;
-END_VAR
+    amplitudes : ARRAY[1..$IMPULSES] OF $REAL;
+    sample_time_s : $REAL;
+${COLUMNS}END_VAR
 VAR CONSTANT
-    all_columns : ARRAY[0..$LASTNUMBER] OF LREAL := [
-$ALLCOLUMNS];
-    all_samples : ARRAY[0..$LASTSAMPLE] OF DINT := [
+${ALLCOLUMNS}    all_samples : ARRAY[0..$LASTSAMPLE] OF DINT := [
 $ALLSAMPLES];
-    all_amplitudes : ARRAY[0..$LASTSAMPLE] OF LREAL := [
+    all_amplitudes : ARRAY[0..$LASTSAMPLE] OF $REAL := [
 $ALLAMPLITUDES];
-    all_sample_times_s : ARRAY[0..$LASTROW] OF LREAL := [
+    all_sample_times_s : ARRAY[0..$LASTROW] OF $REAL := [
 $ALLSAMPLETIMES];
     all_status : ARRAY[0..$LASTROW] OF SINT := [
 $ALLSTATUS];
@@ -47,10 +45,7 @@ ELSE
         samples[k] := all_samples[row * $IMPULSES + k - 1];
         amplitudes[k] := all_amplitudes[row * $IMPULSES + k - 1];
     END_FOR;
-    FOR k := 1 TO $COLUMNS DO
-        columns[k] := all_columns[row * $COLUMNS + k - 1];
-    END_FOR;
-END_IF;
+${COPIED}END_IF;
 END_FUNCTION_BLOCK
 
 """)
@@ -64,22 +59,22 @@ SHAPER = Template("""\
    row, or a sample is outside of the line. *)
 FUNCTION_BLOCK ${NAME}_shaper
 VAR_INPUT
-    command : LREAL;
+    command : $REAL;
     samples : ARRAY[1..$IMPULSES] OF DINT;
-    amplitudes : ARRAY[1..$IMPULSES] OF LREAL;
-    sample_time_s : LREAL;
-    task_time_s : LREAL;
+    amplitudes : ARRAY[1..$IMPULSES] OF $REAL;
+    sample_time_s : $REAL;
+    task_time_s : $REAL;
     reset : BOOL;
 END_VAR
 VAR_OUTPUT
-    shaped : LREAL;
+    shaped : $REAL;
     ready : BOOL;
 END_VAR
 VAR CONSTANT
     last_cell : DINT := $LASTCELL;
 END_VAR
 VAR
-    line : ARRAY[0..$LASTCELL] OF LREAL;
+    line : ARRAY[0..last_cell] OF $REAL;
     newest : DINT;
     filled : BOOL;
     k : DINT;
@@ -121,7 +116,7 @@ END_FUNCTION_BLOCK
 """)
 
 
-def sampled_table_in_text(name: str, rows: Listing, sampled: SampledListing) -> str:
+def sampled_table_in_text(name: str, rows: Listing, sampled: SampledListing, of: Real) -> str:
     """Return the block of the table.
 
     Parameters
@@ -130,6 +125,8 @@ def sampled_table_in_text(name: str, rows: Listing, sampled: SampledListing) -> 
         Start of the names.
     rows, sampled
         The rows, and their whole numbers.
+    of
+        Type of the numbers.
 
     Returns
     -------
@@ -140,19 +137,18 @@ def sampled_table_in_text(name: str, rows: Listing, sampled: SampledListing) -> 
     return TABLE.substitute(
         NAME=name,
         IMPULSES=impulses,
-        COLUMNS=rows.numbers.shape[1],
-        LASTNUMBER=rows.numbers.size - 1,
+        REAL=of,
         LASTSAMPLE=sampled.samples.size - 1,
         LASTROW=len(rows.status) - 1,
-        ALLCOLUMNS=reals(rows.numbers),
+        **columns_in_text(rows, of),
         ALLSAMPLES=lines(list(map(str, sampled.samples.ravel().tolist()))),
-        ALLAMPLITUDES=reals(sampled.amplitudes),
-        ALLSAMPLETIMES=reals(sampled.sample_times_s),
+        ALLAMPLITUDES=reals(sampled.amplitudes, of),
+        ALLSAMPLETIMES=reals(sampled.sample_times_s, of),
         ALLSTATUS=lines(list(map(str, rows.status))),
     )
 
 
-def sampled_shaper_in_text(name: str, sampled: SampledListing) -> str:
+def sampled_shaper_in_text(name: str, sampled: SampledListing, of: Real) -> str:
     """Return the block of the shaper.
 
     Parameters
@@ -161,6 +157,8 @@ def sampled_shaper_in_text(name: str, sampled: SampledListing) -> str:
         Start of the names.
     sampled
         The rows.
+    of
+        Type of the numbers.
 
     Returns
     -------
@@ -169,7 +167,8 @@ def sampled_shaper_in_text(name: str, sampled: SampledListing) -> str:
     """
     return SHAPER.substitute(
         NAME=name,
+        REAL=of,
         IMPULSES=sampled.samples.shape[1],
         LASTCELL=sampled.cells - 1,
-        SAME=real(SAME_SAMPLE_TIME),
+        SAME=real(SAME_SAMPLE_TIME, of),
     )

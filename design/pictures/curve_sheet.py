@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.figure import Figure
 
+from design.pictures.sheet import Sheet
 from design.pictures.style import GREY, INK, SMALL_PT, STROKES, house_style
 from design.types import FloatArray
 
@@ -70,7 +71,7 @@ def curve_sheet(
     """
     with house_style():
         height = HEIGHT_IN + LINE_IN * len(subtitle)
-        figure = Figure(figsize=(7.2, height))
+        figure = Sheet(figsize=(7.2, height))
         bottom, head = BOTTOM_IN / height, (height - HEIGHT_IN + HEAD_IN) / height
         axes = figure.add_axes((0.11, bottom, 0.85, 1 - bottom - head))
         for number, curve in enumerate(curves):

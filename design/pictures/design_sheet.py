@@ -11,6 +11,7 @@ from design.model.plants.registry import Plant
 from design.pictures import time_panels
 from design.pictures.head import HEAD_IN, TITLE_IN, Fact, certificate_fact, note_of, write_head
 from design.pictures.sensitivity_panel import draw_sensitivity
+from design.pictures.sheet import Sheet
 from design.pictures.style import AMBER, INK, house_style, percent
 from design.pictures.vector_panel import draw_vectors
 from design.pictures.words import actuator_in_words, plant_in_words, residual_in_words
@@ -60,7 +61,7 @@ def design_sheet(
     modes = plant.modes
     slowest = min(range(len(modes)), key=lambda one: modes[one].natural_frequency_rad_s)
     with house_style():
-        figure = Figure(figsize=SIZE_IN)
+        figure = Sheet(figsize=SIZE_IN)
         write_head(figure, name, version, _facts(plant, actuator, design), note_of(design.warnings))
         _draw_time_panels(figure, plant, actuator, design)
         low, high = _panels_of_height()

@@ -15,6 +15,7 @@ from design.fields import name_in_words, unit_of
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.pictures.head import HEAD_IN, TITLE_IN, Fact, note_of, write_head
+from design.pictures.sheet import Sheet
 from design.pictures.style import (
     BRIGHT,
     DEEP,
@@ -83,7 +84,7 @@ def fit_sheet(
     values = np.array([getattr(axis.plant_at(x), wanted.over) for x in found.checks.x.tolist()])
     unit = unit_of(wanted.over).replace("1", "-")
     with house_style():
-        figure = Figure(figsize=SIZE_IN)
+        figure = Sheet(figsize=SIZE_IN)
         facts = _facts(plant, actuator, wanted, found)
         write_head(figure, name, version, facts, note_of(warnings))
         rows = figure.add_gridspec(

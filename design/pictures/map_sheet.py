@@ -14,6 +14,7 @@ from design.fields import Axis, name_in_words, unit_of
 from design.maps.map_case import Map, MapCase, Quantity
 from design.pictures.curve_sheet import LINE_IN, Curve, curve_sheet, write_subtitle
 from design.pictures.map_words import design_point, subtitle_of, title_of
+from design.pictures.sheet import Sheet
 from design.pictures.style import INK, SMALL_PT, house_style
 from design.types import FloatArray
 
@@ -173,7 +174,7 @@ def panel_sheet(
     rows = -(-len(shown) // columns)
     with house_style():
         tall = 5.6 if rows == 1 else 4.4 * rows
-        figure = Figure(figsize=(7.2 if columns == 1 else 10.6, tall + LINE_IN * len(subtitle)))
+        figure = Sheet(figsize=(7.2 if columns == 1 else 10.6, tall + LINE_IN * len(subtitle)))
         inches = float(figure.get_figheight())
         head = (0.9 if any(shown) else 0.6) + LINE_IN * len(subtitle)
         grid = figure.add_gridspec(

@@ -14,6 +14,7 @@ from design.model.plants.registry import Plant
 from design.moves.maneuvers import Maneuver
 from design.pictures.head import HEAD_IN, TITLE_IN, Fact, certificate_fact, note_of, write_head
 from design.pictures.limit_marks import mark_limits
+from design.pictures.sheet import Sheet
 from design.pictures.style import DEEP, GREY, INK, house_style, legend_above, name_panel
 from design.pictures.time_panels import last_event, mark_end, mark_switches, time_grid
 from design.pictures.words import actuator_in_words, plant_in_words, residual_in_words
@@ -52,7 +53,7 @@ def move_sheet(name: str, plant: Plant, actuator: Actuator, move: Maneuver, vers
     mode = plant.mode
     times_s = time_grid(move.command, mode, actuator)
     with house_style():
-        figure = Figure(figsize=SIZE_IN)
+        figure = Sheet(figsize=SIZE_IN)
         write_head(figure, name, version, _facts(plant, actuator, move), note_of(move.warnings))
         rows = figure.add_gridspec(
             2, 1, left=0.09, right=RIGHT, bottom=0.08, top=1 - (HEAD_IN + TITLE_IN) / SIZE_IN[1],

@@ -14,6 +14,7 @@ from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
 from design.pictures.head import HEAD_IN, TITLE_IN, Fact, write_head
 from design.pictures.sensitivity_panel import add_hertz
+from design.pictures.sheet import Sheet
 from design.pictures.style import (
     GREY,
     INK,
@@ -96,7 +97,7 @@ def recommendation_sheet(
     height = max(MIN_HEIGHT_IN, HEAD_IN + TITLE_IN + BOTTOM_IN + BAR_IN * (len(shown) + 1))
     bottom, top = BOTTOM_IN / height, 1 - (HEAD_IN + TITLE_IN) / height
     with house_style():
-        figure = Figure(figsize=(WIDTH_IN, height))
+        figure = Sheet(figsize=(WIDTH_IN, height))
         name = found.recommended.name
         write_head(figure, name, version, _facts(plant, actuator, found), found.why[0])
         wide = WIDTH_IN - sum(CURVES) - sum(BARS)

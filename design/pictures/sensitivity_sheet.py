@@ -15,6 +15,7 @@ from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
 from design.pictures.head import HEAD_IN, TITLE_IN, Fact, note_of, write_head
 from design.pictures.sensitivity_panel import HEADROOM, add_hertz, draw_sensitivity
+from design.pictures.sheet import Sheet
 from design.pictures.style import (
     INK,
     LIMIT,
@@ -76,7 +77,7 @@ def sensitivity_sheet(
     bottom, top = BOTTOM_IN / HEIGHT_IN, 1 - (HEAD_IN + TITLE_IN) / HEIGHT_IN
     names = modes_in_words(plant.modes)
     with house_style():
-        figure = Figure(figsize=(width, HEIGHT_IN))
+        figure = Sheet(figsize=(width, HEIGHT_IN))
         facts = _facts(plant, actuator, impulses, worst, residuals)
         write_head(figure, "sensitivity", version, facts, note_of(warnings))
         panels = figure.add_gridspec(

@@ -18,6 +18,7 @@ from design.model.plants.registry import Plant
 from design.moves.playback import Motion
 from design.pictures.head import HEAD_IN, TITLE_IN, Fact, note_of, write_head
 from design.pictures.limit_marks import mark_limits
+from design.pictures.sheet import Sheet
 from design.pictures.style import BRIGHT, DEEP, INK, house_style, legend_above, name_panel
 from design.pictures.time_panels import last_event, mark_end, mark_switches
 from design.pictures.words import actuator_in_words, plant_in_words, residual_in_words
@@ -93,7 +94,7 @@ def simulation_sheet(
     end_s = end_of_reference(command, actuator) + actuator.dead_time_s
     times_s = motion.times_s
     with house_style():
-        figure = Figure(figsize=SIZE_IN)
+        figure = Sheet(figsize=SIZE_IN)
         facts = _facts(plant, actuator, command, motion, end_s)
         write_head(figure, "motion", version, facts, note_of(warnings))
         rows = figure.add_gridspec(

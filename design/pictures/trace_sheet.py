@@ -6,6 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from design.pictures.sheet import Sheet
 from design.pictures.style import BRIGHT, DEEP, GREY, INK, PALE, SMALL_PT, house_style, name_panel
 from design.trace import TraceStep
 
@@ -60,7 +61,7 @@ def trace_sheet(name: str, trace: Sequence[TraceStep]) -> Figure:
         rows = [*rows[: MAX_ROWS // 2], *rows[-(MAX_ROWS // 2) :]]
     height = max(HEAD_IN + ROW_IN * len(rows), MIN_HEIGHT_IN)
     with house_style():
-        figure = Figure(figsize=(WIDTH_IN, height))
+        figure = Sheet(figsize=(WIDTH_IN, height))
         figure.text(0.018, 1 - 0.45 / height, f"{name}: the search", fontsize=16.0, weight="bold")
         note = f"{len(trace)} steps" + (f", {left_out} in the middle not drawn" if left_out else "")
         figure.text(0.018, 1 - 0.72 / height, note, fontsize=SMALL_PT, color=GREY)

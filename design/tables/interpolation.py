@@ -10,6 +10,7 @@ over are those that may be the worst, those whose rows are far from each other, 
 across a kink: behind limits the times bend where ramps begin to turn.
 """
 
+import math
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -25,17 +26,11 @@ from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.model.plants.spring_mass import SpringMass
 from design.tables.columns import amplitudes_of, names_of, require_no_samples, times_of
+from design.tables.coordinates import coordinates, values_at
 from design.tables.rows import Rows, TableHead, subject_of
 from design.tables.stencil import IndexArray, first_of_stencil
 from design.tables.turned_rows import cells_across_kinks, cells_of_far_rows, turned_ramps
 from design.types import BoolArray, FloatArray
-
-INVERTED = (".natural_frequency_rad_s", "_limit_m_s2")
-"""Ends of the actuator's fields whose inverses the phases are smooth in."""
-
-SLOWING = ("plant.cable_length_m", "plant.mass_kg")
-QUICKENING = ("plant.gravity_m_s2", "plant.stiffness_n_m")
-"""Fields under the root of the plant's frequency, as its divisor and over it."""
 
 BOUND_MARGIN = 1.25
 """Over the worst residual at the middles. The error of a cubic at the middle of its cell is the
@@ -55,6 +50,10 @@ middles of two axes at once, the largest may be beside them [-]."""
 CLOSED_ABOVE = 0.05
 """Residual in its middles that closes a cell: more than shapers are commonly allowed. There the
 rows around are of two branches, or too far apart for an error to be of first order [-]."""
+
+
+POINTS_AT_ONCE = 10_000
+"""Points that are tried together, of a slab at least; their numbers fit into memory."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -110,12 +109,27 @@ class Interpolant:
         """
         return _times_s(self, points)
 
-    def residuals(self, points: FloatArray) -> FloatArray:
-        """Return what the interpolated times leave there, shape (m,) [-].
+    def residuals(self, points: FloatArray, times_s: FloatArray | None = None) -> FloatArray:
+        """Return residuals at points, of interpolated times or of others.
 
-        Its parameters and errors are those of `times_s`.
+        Parameters
+        ----------
+        points
+            As of `times_s`.
+        times_s
+            Times in place of those that are interpolated, shape (m, impulses) [s].
+
+        Returns
+        -------
+        FloatArray
+            Shape (m,) [-]; not a number where the times are not.
+
+        Raises
+        ------
+        InvalidInputError
+            As of `times_s`.
         """
-        return _residuals(self, points)
+        return _residuals(self, points, _times_s(self, points) if times_s is None else times_s)
 
 
 def interpolant(head: TableHead, rows: Rows) -> Interpolant:
@@ -174,7 +188,7 @@ def interpolant(head: TableHead, rows: Rows) -> Interpolant:
             code="amplitudes_vary",
         )
     axes, order = _grid(rows.fields)
-    frequencies, _ = _mode_of(subject.plant, list(names), rows.fields)
+    frequencies, _ = mode_of(subject.plant, list(names), rows.fields)
     phases = (times_of(head, rows) * frequencies[:, None])[order]
     made = Interpolant(
         names=names,
@@ -186,7 +200,7 @@ def interpolant(head: TableHead, rows: Rows) -> Interpolant:
         closed=np.zeros([max(axis.size - 1, 1) for axis in axes], dtype=bool),
         residual_bound=np.nan,
     )
-    drives = [_actuator_at(made, point) for point in rows.fields[order].tolist()]
+    drives = [actuator_at(made, point) for point in rows.fields[order].tolist()]
     turned = turned_ramps(times_of(head, rows)[order], made.amplitudes, drives)
     across = cells_across_kinks(turned.reshape(made.phases.shape)) | cells_of_far_rows(made.phases)
     worst = _worst_of_cells(made)
@@ -197,8 +211,8 @@ def interpolant(head: TableHead, rows: Rows) -> Interpolant:
     return replace(made, closed=closed, residual_bound=bound if bound >= 0 else np.nan)
 
 
-def _mode_of(plant: Plant, names: list[str], values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return natural frequency and damping ratio of the plant at many values of fields.
+def mode_of(plant: Plant, names: list[str], values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return natural frequency and damping ratio at many values of fields.
 
     Parameters
     ----------
@@ -242,22 +256,6 @@ def _grid(fields: FloatArray) -> tuple[tuple[FloatArray, ...], IndexArray]:
     return axes, order
 
 
-def _coordinate(name: str, values: FloatArray) -> FloatArray:
-    """Return in what the phases are smooth, up to a factor that a polynomial does not see.
-
-    The plant's frequency goes as the root of gravity over length, or of stiffness over mass. It is
-    measured against the actuator's, and a ramp lasts the inverse of its limit: hence the inverses
-    of those.
-    """
-    if name in SLOWING:
-        return values**-0.5
-    if name in QUICKENING:
-        return np.sqrt(values)
-    if name.startswith("actuator.") and name.endswith(INVERTED):
-        return 1 / values
-    return values
-
-
 def _times_s(made: Interpolant, points: FloatArray) -> FloatArray:
     starts, weights, cells = [], [], []
     on_row = np.ones(len(points), dtype=bool)
@@ -271,7 +269,7 @@ def _times_s(made: Interpolant, points: FloatArray) -> FloatArray:
                 code="out_of_range",
             )
         cell = np.clip(np.searchsorted(axis, values, side="right") - 1, 0, max(axis.size - 2, 0))
-        start, weight = _weights(_coordinate(name, axis), _coordinate(name, values), cell)
+        start, weight = _weights(coordinates(name, axis), coordinates(name, values), cell)
         starts.append(start)
         weights.append(weight)
         cells.append(cell)
@@ -285,7 +283,7 @@ def _times_s(made: Interpolant, points: FloatArray) -> FloatArray:
         # A point that lies on a row has no use for its neighbours, which may have no design.
         phases += np.where(share[:, None] == 0, 0.0, share[:, None] * made.phases[place])
     phases[made.closed[tuple(cells)] & ~on_row] = np.nan
-    frequencies, _ = _mode_of(made.plant, list(made.names), points)
+    frequencies, _ = mode_of(made.plant, list(made.names), points)
     return phases / frequencies[:, None]
 
 
@@ -300,22 +298,35 @@ def _weights(nodes: FloatArray, at: FloatArray, cell: IndexArray) -> tuple[Index
     return start, weights
 
 
-def _residuals(made: Interpolant, points: FloatArray) -> FloatArray:
-    times = _times_s(made, points)
-    frequencies, dampings = _mode_of(made.plant, list(made.names), points)
+def _residuals(made: Interpolant, points: FloatArray, times: FloatArray) -> FloatArray:
+    frequencies, dampings = mode_of(made.plant, list(made.names), points)
     poles = frequencies * (-dampings + 1j * np.sqrt(1 - dampings**2))
     drive = [index for index, name in enumerate(made.names) if name.startswith("actuator.")]
     _, first, of = np.unique(points[:, drive], axis=0, return_index=True, return_inverse=True)
     residuals = np.full(len(points), np.nan)
     known = ~np.isnan(times).any(axis=1)
     for number, point in enumerate(points[first].tolist()):
-        actuator = _actuator_at(made, point)
+        actuator = actuator_at(made, point)
         here = np.flatnonzero((of.ravel() == number) & known)
         residuals[here] = residuals_of_many(times[here], made.amplitudes, poles[here], actuator)
     return residuals
 
 
-def _actuator_at(made: Interpolant, point: list[float]) -> Actuator:
+def actuator_at(made: Interpolant, point: list[float]) -> Actuator:
+    """Return the actuator at a point.
+
+    Parameters
+    ----------
+    made
+        What is interpolated.
+    point
+        Values of its fields, in their order.
+
+    Returns
+    -------
+    Actuator
+        With the values of its fields.
+    """
     actuator = made.actuator
     for name, value in zip(made.names, point, strict=True):
         if name.startswith("actuator."):
@@ -331,7 +342,7 @@ def _worst_all_over(made: Interpolant, which: BoolArray) -> FloatArray:
     worst = np.full(which.shape, np.nan)
     for cell in np.argwhere(which).tolist():
         starts, ends = np.array([
-            _coordinate(name, axis[[number, min(number + 1, axis.size - 1)]])
+            coordinates(name, axis[[number, min(number + 1, axis.size - 1)]])
             for name, axis, number in zip(made.names, made.axes, cell, strict=True)
         ]).T
         largest, at = _largest_within(made, starts, ends)
@@ -351,10 +362,10 @@ def _largest_within(
     sides = starts[:, None] + (ends - starts)[:, None] * shares
     at = np.stack(np.meshgrid(*sides, indexing="ij"), axis=-1).reshape(-1, len(starts))
     points = np.column_stack([
-        np.clip(_field(name, column), axis[0], axis[-1])
+        np.clip(values_at(name, column), axis[0], axis[-1])
         for name, axis, column in zip(made.names, made.axes, at.T, strict=True)
     ])
-    residuals = _residuals(made, points)
+    residuals = made.residuals(points)
     largest = int(np.argmax(np.nan_to_num(residuals, nan=-1.0)))
     return float(residuals[largest]), at[largest]
 
@@ -369,29 +380,20 @@ def _worst_of_cells(made: Interpolant) -> FloatArray:
     """
     axes = []
     for name, axis in zip(made.names, made.axes, strict=True):
-        x = _coordinate(name, axis)
+        x = coordinates(name, axis)
         # In the coordinate, not in the field: there the error is even about the middle.
-        middles = _field(name, (x[1:] + x[:-1]) / 2)
+        middles = values_at(name, (x[1:] + x[:-1]) / 2)
         axes.append(np.sort(np.concatenate((axis, middles))))
+    inner = math.prod(axis.size for axis in axes[1:])
+    parts = min(axes[0].size, -(-axes[0].size * inner // POINTS_AT_ONCE))
     slabs = []
-    for first in axes[0].tolist():
-        slab = np.stack(np.meshgrid(np.array([first]), *axes[1:], indexing="ij"), axis=-1)
-        slabs.append(_residuals(made, slab.reshape(-1, len(axes))))
-    worst = np.array(slabs).reshape([axis.size for axis in axes])
+    for part in np.array_split(axes[0], parts):
+        slab = np.stack(np.meshgrid(part, *axes[1:], indexing="ij"), axis=-1)
+        slabs.append(made.residuals(slab.reshape(-1, len(axes))))
+    worst = np.concatenate(slabs).reshape([axis.size for axis in axes])
     for number, axis in enumerate(made.axes):
         if axis.size > 1:
             turned = np.moveaxis(worst, number, 0)
             inside = np.fmax(np.fmax(turned[:-1:2], turned[1::2]), turned[2::2])
             worst = np.moveaxis(inside, 0, number)
     return worst
-
-
-def _field(name: str, coordinates: FloatArray) -> FloatArray:
-    """Return the values of a field from its coordinates: the inverse of `_coordinate`."""
-    if name in SLOWING:
-        return coordinates**-2
-    if name in QUICKENING:
-        return coordinates**2
-    if name.startswith("actuator.") and name.endswith(INVERTED):
-        return 1 / coordinates
-    return coordinates

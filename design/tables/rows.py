@@ -32,6 +32,10 @@ GRID_FIELDS = ("sample_time_s", "sample_tolerance")
 """Fields of a request's shaper that are not of its kind but of the samples."""
 
 
+Real = Literal["LREAL", "REAL"]
+"""Types of numbers in Structured Text: double and single precision."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Column:
     """One column of a table.
@@ -222,6 +226,8 @@ class TableHead:
         What names in programs begin with; made from the title where empty.
     fit
         Polynomials for the times, where the specification asks for them.
+    real
+        Type of numbers in Structured Text.
     subject
         What the rows are designs of; None in a head that was read back from a file, of which
         `schemas.tables.with_subject` makes it anew.
@@ -237,6 +243,7 @@ class TableHead:
     amplitudes: tuple[float, ...]
     name: str = ""
     fit: Fit | None = None
+    real: Real = "LREAL"
     subject: Subject | None = field(default=None, compare=False)
 
     @property

@@ -4,7 +4,7 @@ import time
 
 from service.jobs.records import NewJob
 
-ASKED_AFTER_S = 2.0
+ASKED_AFTER_S = 0.8
 """Before, nobody wonders: to ask imports numba, whose time the workers need [s]."""
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from design.export.formats import FORMATS
+from service.cli import streams
 from service.operations.table import TABLE as OPERATIONS
 from service.operations.table import load
 
@@ -90,6 +91,7 @@ def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> i
     """
     # As in the workers of the service: on a busy machine threads of BLAS wait for each other.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    streams.prepare()
     options = command_parser().parse_args(arguments)
     try:
         _require_json_if_pretty(options)
@@ -217,8 +219,11 @@ def _table(options: argparse.Namespace) -> int:
     if options.check is None:
         _require_file(options.output, read, "the specification itself")
 
+    from service.compiled_code import keep_in  # noqa: PLC0415
     from service.jobs import executors  # noqa: PLC0415
 
+    if "SHAPERSMITH_DATA_DIR" in os.environ:
+        keep_in(os.environ["SHAPERSMITH_DATA_DIR"])
     if not options.scheduler:
         executors.prepare()
     from service.cli.table import CommandError, run_table  # noqa: PLC0415

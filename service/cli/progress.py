@@ -15,6 +15,8 @@ LINE_EVERY_S = 10.0
 class Progress:
     """A bar on stderr where that is a terminal, else a line now and then.
 
+    That rows wait for what is compiled is said at once.
+
     Parameters
     ----------
     compiling
@@ -23,6 +25,8 @@ class Progress:
 
     def __init__(self, compiling: Callable[[], bool]) -> None:
         self._compiling = compiling
+        self._width = 0
+        self._waits = False
         self._live = sys.stderr.isatty()
         self._every_s = REDRAWN_AFTER_S if self._live else LINE_EVERY_S
         self._shown = time.monotonic() if not self._live else 0.0
@@ -30,19 +34,27 @@ class Progress:
     def show(self, job: Job) -> None:
         """Tell how far a job is, if it is time to."""
         now = time.monotonic()
-        if now - self._shown < self._every_s and not (self._live and job.ended):
+        before, self._waits = self._waits, self._waits_for_code(job)
+        due = now - self._shown >= self._every_s or (self._live and job.ended)
+        if not due and (before or not self._waits):
             return
         self._shown = now
         text = line_of(job)
-        if not job.done and not job.ended and self._compiling():
+        if self._waits:
             text += ", compiling, first use only"
         if self._live:
             filled = BAR_CELLS * job.done // max(job.rows, 1)  # a damaged one has none
             bar = "#" * filled + "." * (BAR_CELLS - filled)
-            sys.stderr.write(f"\r[{bar}] {text}\x1b[K")
+            line = f"[{bar}] {text}"
+            # Not every screen of Windows knows the code that clears the rest of a line.
+            sys.stderr.write(f"\r{line:{self._width}}")
+            self._width = len(line)
         else:
             sys.stderr.write(f"{text}\n")
         sys.stderr.flush()
+
+    def _waits_for_code(self, job: Job) -> bool:
+        return not job.done and not job.ended and self._compiling()
 
     def end(self) -> None:
         """Leave the line of the bar."""

@@ -36,6 +36,14 @@ Response = (
 )
 
 
+HISTORIES = (SensitivityResponse, SimulationResponse, ManeuverResponse)
+"""Answers whose table is a curve or a motion, which nobody reads line by line."""
+
+MAX_TEXT_ROWS = 40
+"""Rows of such a table as text; of a longer one these are shown:"""
+
+FIRST_ROWS, LAST_ROWS = 10, 5
+
 MAX_HTML_ROWS = 20
 """Rows of a table in a notebook; a longer one is cut."""
 
@@ -63,6 +71,11 @@ def as_table(response: Response, request: bytes = b"") -> str:
         Lines, each with its end.
     """
     rows = list(_shown_rows(response))
+    left_out = 0
+    if isinstance(response, HISTORIES) and len(rows) > MAX_TEXT_ROWS:
+        left_out = len(rows) - 1 - FIRST_ROWS - LAST_ROWS
+        gap = ["…"] * len(rows[0])
+        rows = [*rows[: FIRST_ROWS + 1], gap, *rows[-LAST_ROWS:]]
     # Compared at a glance, a row of many numbers each.
     digits = 4 if isinstance(response, RecommendationResponse) else 9
     cells = [[_cell(value, digits) for value in row] for row in rows]
@@ -71,6 +84,8 @@ def as_table(response: Response, request: bytes = b"") -> str:
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
         for row in cells
     ]
+    if left_out:
+        lines.append(f"{left_out:,} rows are not shown; --format csv has all")
     return "\n".join([*lines, *_findings(response, request)]) + "\n"
 
 

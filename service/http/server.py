@@ -1,14 +1,17 @@
 """The running server: socket, log and signals around the app."""
 
+import ctypes
 import logging
 import math
 import os
 import signal
 import socket
+import sys
 from types import FrameType
 
 import uvicorn
 
+from service.compiled_code import keep_in
 from service.http.app import create_app
 from service.http.refusing import RefusingProtocol
 from service.jobs.service import JobService
@@ -18,13 +21,18 @@ from service.settings import Settings
 SHUTDOWN_MARGIN_S = 5
 """How much longer than the longest task a shutdown may take [s]."""
 
+STOPS = [
+    getattr(signal, name) for name in ("SIGTERM", "SIGINT", "SIGBREAK") if hasattr(signal, name)
+]
+"""Signals that end the service well; the last is Ctrl+Break, which Windows alone has."""
+
 
 class PortTakenError(Exception):
     """The address cannot be bound."""
 
 
 def serve(settings: Settings, *, host: str, port: int) -> None:
-    """Serve until SIGTERM or SIGINT.
+    """Serve until a signal ends it, one of `STOPS`.
 
     The work that runs then is finished, and new work is refused.
 
@@ -46,8 +54,9 @@ def serve(settings: Settings, *, host: str, port: int) -> None:
     """
     listener = _listen(host, port)
     log_to_stderr()
+    keep_in(settings.data_dir)
     # uvicorn raises the signal again once it has stopped: this makes that the end, with status 0.
-    for number in (signal.SIGTERM, signal.SIGINT):
+    for number in STOPS:
         signal.signal(number, _stop_quietly)
     app = create_app(settings, jobs=JobService(settings))
     config = uvicorn.Config(
@@ -77,6 +86,8 @@ def _stop_quietly(number: int, frame: FrameType | None) -> None:
 def _reason(error: OSError) -> str:
     if isinstance(error, socket.gaierror) or error.errno is None:
         return str(error.strerror)
+    if sys.platform == "win32":
+        return ctypes.FormatError(error.errno)
     return os.strerror(error.errno)
 
 

@@ -1,7 +1,7 @@
 """HTTP routes that ask no worker: the catalogue, and whether the service serves."""
 
 from fastapi import APIRouter, Request
-from starlette.responses import Response
+from starlette.responses import RedirectResponse, Response
 
 from schemas.catalogue import Catalogue
 from schemas.health import Live, Ready
@@ -11,6 +11,12 @@ from service.version import version
 from service.workers.protocol import Pool
 
 router = APIRouter()
+
+
+@router.get("/", include_in_schema=False)
+async def root() -> Response:
+    """Lead to the documentation."""
+    return RedirectResponse("/docs")
 
 
 @router.get(
@@ -49,6 +55,6 @@ async def ready(request: Request) -> Ready:
     """Answer 200 while the queue has room and a worker lives whose solvers are built."""
     pool: Pool = request.app.state.pool
     if not pool.ready:
-        problem = Problem(OVERLOADED, "no worker is ready, or too much work is waiting")
+        problem = Problem(OVERLOADED, "the service is starting, or too much work is waiting")
         raise ProblemError(problem)
     return Ready(status="ready", version=version())

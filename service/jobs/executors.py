@@ -7,8 +7,9 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import cast
+from typing import Any, cast
 
+from service.workers import system
 from service.workers.own_path import ensure_fork_server
 
 CONNECT_WAIT_S = 20.0
@@ -22,17 +23,6 @@ JOIN_WAIT_S = 10.0
 
 LOST_STATUS = 255
 """What multiprocessing makes of the status of a process whose fork server has died."""
-
-FAULTS = frozenset({
-    signal.SIGSEGV,
-    signal.SIGABRT,
-    signal.SIGBUS,
-    signal.SIGFPE,
-    signal.SIGILL,
-    signal.SIGSYS,
-    signal.SIGTRAP,
-})
-"""Signals that a process brings on itself."""
 
 ADDRESS = re.compile(r"((tcp|tls|ws|wss)://)?[\w.\-\[\]:]+:\d+\Z")
 
@@ -66,7 +56,7 @@ Start = Callable[[], Started]
 
 
 def prepare() -> None:
-    """Start the process that workers are forked from.
+    """Start the process that workers are forked from, if the system can.
 
     It imports what they need while this process goes on.
     """
@@ -78,9 +68,14 @@ def processes(workers: int) -> Started:
     from service.jobs.work import begin  # noqa: PLC0415 - a second that `prepare` must not wait
 
     prepare()
-    context = multiprocessing.get_context("forkserver")
+    lifeline: Any  # on Windows of another class than here
     lifeline, held = multiprocessing.Pipe(duplex=False)
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=begin, initargs=(lifeline,))
+    pool = ProcessPoolExecutor(
+        min(workers, system.MOST_OF_A_POOL),
+        mp_context=system.context(),
+        initializer=begin,
+        initargs=(lifeline,),
+    )
 
     def fault() -> str:
         manager = cast("threading.Thread | None", pool._executor_manager_thread)
@@ -126,7 +121,7 @@ def fault_of(code: int | None) -> str:
         return ""
     if code > 0:
         return f"exit status {code}"
-    return signal.Signals(-code).name if -code in FAULTS else ""
+    return signal.Signals(-code).name if -code in system.FAULTS else ""
 
 
 def dask(address: str) -> Started:

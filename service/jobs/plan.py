@@ -196,6 +196,7 @@ def head_of(
         amplitudes=specification.shared_amplitudes,
         name=name if request.title == DEFAULT_TITLE else "",
         fit=polynomials,
+        real=request.real or "LREAL",
         subject=specification.subject,
     )
 

@@ -20,6 +20,7 @@ from service.jobs.runner import Runner
 from service.jobs.store import Store
 from service.log import log_to_stderr
 from service.settings import Settings
+from service.workers import system
 
 LOG = logging.getLogger("shapersmith.jobs")
 
@@ -38,8 +39,15 @@ def store_url(settings: Settings) -> str:
     return settings.database_url or url_of(Path(settings.data_dir).absolute() / "jobs.sqlite")
 
 
-def run(settings: Settings) -> None:
+def run(settings: Settings, lifeline: int) -> None:
     """Run jobs until the lifeline is cut.
+
+    Parameters
+    ----------
+    settings
+        Those of the service.
+    lifeline
+        Descriptor of a pipe, which ends when the service wants no more.
 
     Raises
     ------
@@ -49,14 +57,27 @@ def run(settings: Settings) -> None:
     store = Store(store_url(settings), stalled_s=settings.stalled_s)
     start = starter(settings.job_workers, settings.scheduler)
     runner = Runner(store, start, database_wait_s=settings.database_wait_s)
-    threading.Thread(target=_stop_at_the_end, args=(runner,), daemon=True).start()
+    threading.Thread(target=_stop_at_the_end, args=(runner, lifeline), daemon=True).start()
     runner.run(until=runner.stopping.is_set)
     store.close()
 
 
-def _stop_at_the_end(runner: Runner) -> None:
+def _lifeline() -> int:
+    """Return standard input by another descriptor, and leave an empty one in its place.
+
+    A worker that Windows starts asks what its standard input is, which is this process's, and
+    would wait for as long as this process reads from it.
+    """
+    lifeline = os.dup(sys.stdin.fileno())
+    empty = os.open(os.devnull, os.O_RDONLY)
+    os.dup2(empty, sys.stdin.fileno())
+    os.close(empty)
+    return lifeline
+
+
+def _stop_at_the_end(runner: Runner, lifeline: int) -> None:
     """Stop when the lifeline is cut, whatever the store does."""
-    while os.read(sys.stdin.fileno(), 1):
+    while os.read(lifeline, 1):
         continue
     runner.stopping.set()
     time.sleep(STOP_WAIT_S)
@@ -68,10 +89,11 @@ def main() -> int:
     # The service alone hears signals.
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
-    os.setpriority(os.PRIO_PROCESS, 0, NICENESS)
+    system.make_way(NICENESS)
     log_to_stderr()
     try:
-        run(Settings.model_validate_json(sys.stdin.buffer.readline()))
+        settings = Settings.model_validate_json(sys.stdin.buffer.readline())
+        run(settings, _lifeline())
     except (StoreError, SchedulerError, DBAPIError, OSError) as error:
         LOG.error("table jobs pause: %s", error)
         return GAVE_UP

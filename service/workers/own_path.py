@@ -6,8 +6,9 @@ folder `service` there would take the place of ours.
 
 import os
 from collections.abc import Sequence
-from multiprocessing import forkserver
 from pathlib import Path
+
+from service.workers.system import HAS_FORK_SERVER
 
 HOME = Path(__file__).parents[2]
 """The folder that holds our packages."""
@@ -29,6 +30,8 @@ def variables() -> dict[str, str]:
 def ensure_fork_server(preloaded: Sequence[str]) -> None:
     """Start the process that workers are forked from, unless it runs already.
 
+    Where there can be none each worker is started by itself, and imports what it needs.
+
     Parameters
     ----------
     preloaded
@@ -36,6 +39,10 @@ def ensure_fork_server(preloaded: Sequence[str]) -> None:
     """
     # One thread of BLAS a worker: the workers are the parallelism.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    if not HAS_FORK_SERVER:
+        return
+    from multiprocessing import forkserver  # noqa: PLC0415 - Windows has none
+
     forkserver.set_forkserver_preload(list(preloaded))
     # It inherits the environment and takes no other; this process keeps its own.
     kept = {name: os.environ.get(name) for name in variables()}

@@ -6,23 +6,19 @@ design takes two.
 """
 
 import asyncio
-import multiprocessing
-import os
 import pickle
-import resource
 import signal
 import socket
 import struct
 import time
 import traceback
 from collections.abc import Callable
-from contextlib import suppress
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
-from pathlib import Path
 from typing import Literal
 
 from service.operations.table import TABLE
+from service.workers import system
 from service.workers.own_path import ensure_fork_server
 from service.workers.solvers import warm_solvers
 from service.workers.watchdog import end_with_parent
@@ -33,8 +29,6 @@ LENGTH = struct.Struct("!i")
 NICENESS, NICENESS_OF_LARGE = 5, 10
 """Of workers, which let the event loop go first on the processors too; of one that is busy with
 large work, which lets what is small go first."""
-
-TICKS_PER_SECOND = os.sysconf("SC_CLK_TCK")
 
 STATUS_WAIT_S = 0.5
 """How long the exit status of a process that has ended may take to arrive [s]."""
@@ -52,7 +46,7 @@ Outcome = Literal["ready", "done", "failed", "memory"]
 
 
 def prepare() -> None:
-    """Start the fork server if none is running."""
+    """Start the fork server if none is running and the system has one."""
     ensure_fork_server(PRELOADED)
 
 
@@ -87,19 +81,20 @@ class Worker(asyncio.Protocol):
         self._forget = forget
         self._received = bytearray()
         self._used_s = 0.0
+        self._begun_s = time.monotonic()
         self.cost_s = 0.0
         self._transport: asyncio.WriteTransport | None = None
-        context = multiprocessing.get_context("forkserver")
-        ours, theirs = context.Pipe()
-        self._process: BaseProcess = context.Process(
+        self._socket, theirs = _socket_pair()
+        self._process: BaseProcess = system.context().Process(
             target=_work, args=(theirs, memory_bytes), daemon=True, name="shapersmith-worker"
         )
         try:
             self._process.start()
-            self._socket = socket.socket(fileno=os.dup(ours.fileno()))
+        except BaseException:
+            self._socket.close()
+            raise
         finally:
             theirs.close()
-            ours.close()
 
     @property
     def pid(self) -> int | None:
@@ -148,27 +143,25 @@ class Worker(asyncio.Protocol):
             What it takes.
         """
         message = pickle.dumps((task, arguments))
+        self._begun_s = time.monotonic()
         if self._transport is not None:
             self._transport.writelines([LENGTH.pack(len(message)), message])
 
     def spent_s(self) -> float:
         """Return the processor time of its present task [s].
 
-        The time is as exact as the system's ticks; 0 where the process has just ended.
+        It is 0 where the process has just ended. Where the system does not say it is the time since
+        the task began, which is no less.
         """
-        try:
-            told = Path(f"/proc/{self.pid}/stat").read_text()
-        except (FileNotFoundError, ProcessLookupError):
-            return 0.0  # it has just ended, which is reported
-        # The name, in brackets, may hold anything.
-        fields = told.rpartition(")")[2].split()
-        return (int(fields[11]) + int(fields[12])) / TICKS_PER_SECOND - self._used_s
+        if not system.TICKS_PER_SECOND:
+            return time.monotonic() - self._begun_s
+        told_s = None if self.pid is None else system.processor_time_s(self.pid)
+        return 0.0 if told_s is None else told_s - self._used_s
 
     def make_way(self) -> None:
         """Let other processes go first."""
         if self.pid is not None:
-            with suppress(ProcessLookupError):  # it has just ended, which is reported
-                os.setpriority(os.PRIO_PROCESS, self.pid, NICENESS_OF_LARGE)
+            system.make_way(NICENESS_OF_LARGE, self.pid)
 
     async def ending(self) -> str:
         """Return how the process has ended, in words."""
@@ -185,16 +178,15 @@ class Worker(asyncio.Protocol):
         One that was killed from outside, or ended with its fork server, did not.
         """
         code = self._process.exitcode
-        return code is not None and code not in {0, -signal.SIGKILL, -signal.SIGTERM, UNKNOWN}
+        return code is not None and code not in {0, UNKNOWN, *system.KILLED}
 
     def kill(self) -> None:
         """End the process at once; that it is lost is no longer reported."""
         self._forget = _nobody
         self._take_outcome = _nobody
-        # Without its fork server nobody knows how a process has ended, nor that it has not.
-        if self.pid is not None and (self._transport is not None or self._process.exitcode is None):
-            with suppress(ProcessLookupError):
-                os.kill(self.pid, signal.SIGKILL)
+        # Its exit status alone may be that of a fork server that has died.
+        if self._transport is not None or self._process.exitcode is None:
+            system.kill(self._process)
         self.close()
 
     def close(self) -> None:
@@ -233,13 +225,23 @@ def _in_words(code: int | None) -> str:
     return f"ended with status {code}"
 
 
-def _work(pipe: Connection, memory_bytes: int) -> None:
-    """Do tasks as they come, until the pipe closes; the parent alone hears signals."""
+def _socket_pair() -> tuple[socket.socket, socket.socket]:
+    """Return two sockets that are joined; what is sent is not held back for more to come."""
+    pair = socket.socketpair()
+    for one in pair:
+        if one.family == socket.AF_INET:  # Windows has no others that are joined
+            one.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    return pair
+
+
+def _work(ours: socket.socket, memory_bytes: int) -> None:
+    """Do tasks as they come, until the socket closes; the parent alone hears signals."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent()
+    pipe = Connection(ours.detach())
     warm_solvers()
-    os.setpriority(os.PRIO_PROCESS, 0, NICENESS)
-    resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
+    system.make_way(NICENESS)
+    system.bound_memory(memory_bytes)
     try:
         pipe.send(("ready", None, time.process_time()))
         while True:

@@ -30,6 +30,7 @@ from design.export.klipper import NAMES, READ_AS_ZERO
 from design.export.registry import EXPORTS
 from design.export.single import single_table
 from design.model.actuators.ideal import Ideal
+from design.model.impulses import Impulses
 from design.pipeline import Design, design
 from design.shapers.ei import ToleranceOptions
 from design.shapers.registry import SHAPERS
@@ -38,9 +39,30 @@ from tests.firmware import RefusedError, lines_of, m593_numbers
 from tests.random_cases import Case, case, random_options
 from tests.readers import Held, UnreadableError, read_back
 
-FORMATS = ("c", "st", "klipper", "rrf", "csv", "json", "parquet", "mat")
-KLIPPER_SHARE = 0.8
-"""Of Klipper's cases, those whose kind and drive it knows: among all kinds they are few [-]."""
+FORMATS = (
+    "c",
+    "st",
+    "klipper",
+    "rrf",
+    "csv",
+    "json",
+    "parquet",
+    "mat",
+    "marlin",
+    "plcopen",
+    "twincat",
+    "scl",
+    "arduino",
+)
+PROGRAMS = ("c", "st", "plcopen", "twincat", "scl", "arduino")
+KNOWN_SHARE = 0.8
+"""Of Klipper's and Marlin's cases, those whose kind and drive they know: else they are few [-]."""
+
+MARLIN_CLOSE = 1e-6
+"""Of numbers of seven digits, as a share [-]."""
+
+HEIGHT_OF_MARLIN = 2 / 128
+"""Of heights: its cubic is off by less than a 128th, and is rounded down to one [-]."""
 
 LINES_CLOSE = 5.1e-10
 """Half of the ninth decimal, in lines for RepRapFirmware."""
@@ -51,7 +73,22 @@ KLIPPER_CLOSE = 1e-8
 """Of impulses that Klipper computes: a tenth of what any digit does that is changed here [-]."""
 
 MUTATIONS = 50
-MUTABLE = ("c", "st", "klipper", "rrf", "csv", "json", "mat", "parquet")
+BINARY = ("mat", "parquet", "twincat", "arduino")
+MUTABLE = (
+    "c",
+    "st",
+    "klipper",
+    "rrf",
+    "csv",
+    "json",
+    "mat",
+    "parquet",
+    "marlin",
+    "plcopen",
+    "twincat",
+    "scl",
+    "arduino",
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -76,11 +113,12 @@ class Verdict:
 
 
 def exported_case(number: int) -> tuple[Case, str]:
-    """Return a case and the format it is written in; Klipper's are mostly of its own kinds."""
+    """Return a case and the format it is written in; Klipper's and Marlin's are mostly known."""
     subject, name = case(number), FORMATS[number % len(FORMATS)]
     rng = np.random.default_rng([7, number])
-    if name == "klipper" and rng.random() < KLIPPER_SHARE:
-        kind = SHAPERS[str(rng.choice(list(NAMES)))]
+    known = {"klipper": list(NAMES), "marlin": ["zv"]}.get(name)
+    if known is not None and rng.random() < KNOWN_SHARE:
+        kind = SHAPERS[str(rng.choice(known))]
         options, _ = random_options(rng, kind.options)
         plant = case(number).plant
         if len(plant.modes) == 1:
@@ -117,7 +155,9 @@ def difference(written: Written, text: bytes, folder: Path) -> str:
     if len(held) != 1:
         return f"{len(held)} rows"
     if written.name == "klipper":
-        return _difference_in_klipper(written, held[0])
+        return "".join(_difference_in_klipper(written, played) for played in held[0].impulses)
+    if written.name == "marlin":
+        return _difference_in_marlin(written, held[0])
     if written.name == "rrf":
         return _difference_in_lines(written, text.decode(), held[0])
     return _difference_in_numbers(written, held[0])
@@ -132,6 +172,8 @@ def _difference_in_numbers(written: Written, held: Held) -> str:
     numbers = [*made.impulses.times_s, *made.impulses.amplitudes]
     if [*found.times_s, *found.amplitudes] != numbers:
         return f"impulses {found.times_s.tolist()}, {found.amplitudes.tolist()}, not {numbers}"
+    if written.name in PROGRAMS:
+        numbers = []  # they stand once
     numbers.append(made.residual)
     return "" if list(held.numbers) == numbers else f"columns {held.numbers}, not {numbers}"
 
@@ -155,8 +197,7 @@ def _difference_in_lines(written: Written, text: str, held: Held) -> str:
     return ""
 
 
-def _difference_in_klipper(written: Written, held: Held) -> str:
-    (played,) = held.impulses
+def _difference_in_klipper(written: Written, played: Impulses) -> str:
     made, subject = written.made, written.subject
     if not isinstance(subject.options, ToleranceOptions):
         wanted = made.impulses
@@ -174,6 +215,21 @@ def _difference_in_klipper(written: Written, held: Held) -> str:
     return "".join(f"{claim.quantity} {claim.value:.4g} > {claim.limit:.4g}" for claim in broken)
 
 
+def _difference_in_marlin(written: Written, held: Held) -> str:
+    """Compare numbers with those of the mode, and impulses with those of the design."""
+    shaper, (mode,) = written.made.impulses, written.subject.plant.modes
+    damped_hz = mode.natural_frequency_rad_s * np.sqrt(1 - mode.damping_ratio**2) / (2 * np.pi)
+    wanted = [damped_hz, mode.damping_ratio] * 2
+    if not np.allclose(held.numbers, wanted, rtol=MARLIN_CLOSE, atol=0):
+        return f"{held.numbers}, not {wanted}"
+    for found in held.impulses:
+        late = np.abs(found.times_s - shaper.times_s).max() / shaper.duration_s
+        high = np.abs(found.amplitudes - shaper.amplitudes).max()
+        if late > MARLIN_CLOSE or high > HEIGHT_OF_MARLIN:
+            return f"apart by {late:.3g}, {high:.3g}"
+    return ""
+
+
 def _promise(claim: Claim) -> Promise:
     limit = READ_AS_ZERO if claim.is_zero else claim.limit
     return Promise(quantity=claim.quantity, limit=limit, mode=claim.mode, band=claim.band)
@@ -186,9 +242,12 @@ PLACES = {
         r"(?s)/\* A row without a design.*?/\* A shaper for a live",
         rf"SHAPERSMITH_C\(({PLAIN})\)",
     ),
+    "plcopen": (r"(?s)<arrayValue>.*?</arrayValue>", rf'value="({PLAIN})"'),
+    "scl": (r"(?s):= \[.*?\];", rf"(?<![\w.])({PLAIN})(?=[,\]\s])"),
     "st": (r"(?s):= \[.*?\];", rf"(?<![\w.])({PLAIN})(?=[,\]\s])"),
     "klipper": (r"(?m)^SET_INPUT_SHAPER.*$", rf"=({PLAIN})(?=[ ,)]|$)"),
     "rrf": (r"(?m)^(?:M593|; 3.4 to 3.5: M593).*$", rf"[HT:]({PLAIN})(?=[: ]|$)"),
+    "marlin": (r"(?m)^M593.*$", rf"[FD]({PLAIN})(?= |$)"),
     "csv": (r"(?m)^-?\d.*$", rf"(?:^|,)({PLAIN})(?=,|$)"),
     "json": (r"(?m)^\[.*$", rf"[\[ ]({PLAIN})(?=,)"),
 }
@@ -207,7 +266,7 @@ def _spans(written: Written) -> list[tuple[int, int]]:
 
 def mutate(written: Written, rng: np.random.Generator) -> bytes:
     """Return the file with one digit or one sign of one number changed to another value."""
-    if written.name in {"mat", "parquet"}:
+    if written.name in BINARY:
         return _mutate_binary(written, rng)
     text = written.text.decode()
     spans = _spans(written)
@@ -230,6 +289,9 @@ def _mutate_binary(written: Written, rng: np.random.Generator) -> bytes:
     """Change a number of a file that is no text: in its bytes, or packed anew."""
     numbers = [*written.made.impulses.times_s[1:], *written.made.impulses.amplitudes]
     value = float(numbers[int(rng.integers(len(numbers)))])
+    if written.name in {"twincat", "arduino"}:
+        at = written.text.index(b"_times") + int(rng.integers(40))  # its sum is wrong then
+        return written.text[:at] + bytes([written.text[at] ^ 1]) + written.text[at + 1 :]
     if written.name == "mat":
         packed = np.array(value, dtype="<f8").tobytes()
         at = written.text.index(packed) + int(rng.integers(len(packed)))

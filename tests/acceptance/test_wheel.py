@@ -1,6 +1,7 @@
 """The wheel, installed outside the repository by the recipe of the documentation, and served."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -49,6 +50,14 @@ def environment(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def tools() -> Path:
     """Return the environment of these tests."""
     return Path(sys.executable).parents[1]
+
+
+def test_an_environment_takes_little_more_than_the_page_says(environment: Path) -> None:
+    sizes = [path.lstat().st_size for path in environment.rglob("*") if not path.is_dir()]
+    (said_gb,) = re.findall(
+        r"The environment takes ([\d.]+) GB", (ROOT / "docs/install.md").read_text()
+    )
+    assert sum(sizes) / 1e9 < 1.1 * float(said_gb)  # with both extras, which few need
 
 
 def test_the_recipes_have_the_same_steps() -> None:

@@ -45,7 +45,9 @@ IMPORTED_IN = {
     "design.shapers.partial_sums": {"design/shapers/registry.py"},
     "design.shapers.numsi": {"design/shapers/registry.py"},
     "design.export.mat_file": set(),
-    "design.export.structured_text": set(),
+    "design.export.structured_text": {
+        "design/export/text_blocks.py",  # files for PLC editors are made of its text
+    },
     "service.operations.simulation": set(),
 }
 """Files that import the module of an entry."""

@@ -1,6 +1,8 @@
 """The files that other tools read are sound, and say what the project says."""
 
 import os
+import shutil
+import subprocess
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -65,3 +67,28 @@ def test_the_citation_names_this_version_and_licence() -> None:
         PROJECT["version"],
         PROJECT["license"],
     )
+
+
+@pytest.mark.parametrize("has_uv", [True, False])
+def test_the_set_up_is_by_uv_where_it_is_there_and_shows_how_far_it_is(
+    tmp_path: Path, has_uv: bool
+) -> None:
+    tools = tmp_path / "tools"
+    tools.mkdir()
+    (tools / "make").symlink_to(shutil.which("make") or "")
+    if has_uv:
+        (tools / "uv").write_text("#!/bin/sh\n")
+        (tools / "uv").chmod(0o755)
+    planned = subprocess.run(
+        ["make", "--dry-run", "setup", f"VENV={tmp_path / 'env'}"],
+        cwd=ROOT,
+        env={"PATH": str(tools)},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    installs = [line for line in planned.splitlines() if " install " in line]
+    assert len(installs) == 2
+    assert all(("uv pip install" in line) == has_uv for line in installs)
+    assert not any("--quiet" in line for line in installs)
+    assert "--require-hashes -r requirements-dev.lock" in installs[0]

@@ -35,6 +35,22 @@ def test_a_notebook_shows_a_small_table(operation: str) -> None:
     assert shown.count("<td>") > 1
 
 
+def test_a_motion_is_printed_by_its_beginning_and_end() -> None:
+    played = shapersmith.simulate(
+        CRANE["plant"], {"kind": "ideal"}, shapersmith.StepCommand(), points=500
+    )
+    times_s = [f"{time_s:.9g}" for time_s in played.times_s]
+    printed = str(played).splitlines()
+    shown = [line.split()[0] for line in printed[1:17]]
+    assert shown == [*times_s[:10], "…", *times_s[-5:]]
+    assert printed[17].startswith("485 rows are not shown")
+
+
+def test_a_notebook_shows_a_picture_without_more() -> None:
+    figure = shapersmith.design(**CRANE).plot()
+    assert getattr(figure, "_repr_png_")().startswith(b"\x89PNG")  # noqa: B009
+
+
 def test_a_long_table_is_cut_and_its_findings_are_kept() -> None:
     played = shapersmith.simulate(
         CRANE["plant"], {"kind": "ideal"}, shapersmith.StepCommand(), points=500

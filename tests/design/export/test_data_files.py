@@ -3,8 +3,10 @@
 import csv
 import io
 import json
+import re
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +18,7 @@ from design.export.mat_file import MAX_MATRIX_BYTES, check_mat
 from design.export.reading import READERS, rows_of
 from design.export.registry import EXPORTS
 from design.tables.rows import STATUSES
-from tests.designed_tables import CRANE, head_of, join, made_up_table, same
+from tests.designed_tables import CRANE, designed_table, head_of, join, made_up_table, same
 from tests.refusals import refused
 
 ROWS, RUN_ROWS = 2_500, 1_000
@@ -149,19 +151,54 @@ def test_mat_holds_matrices_and_names_for_matlab() -> None:
 
     data = write("mat")
     assert data.startswith(b"MATLAB 5.0 MAT-file, shapersmith 0.1.0 ")
-    held = loadmat(io.BytesIO(data), simplify_cells=True)
+    table = loadmat(io.BytesIO(data), simplify_cells=True)["table"]
     expected = join(made_up_table(ROWS, RUN_ROWS)[1])
-    assert np.array_equal(held["results"], expected.results, equal_nan=True)
-    assert held["result_names"].tolist() == ["t1_s", "t2_s", "t3_s", "t4_s", "t5_s", "residual"]
-    assert held["field_units"].tolist() == ["m", "1"]
-    assert np.array_equal(held["reason_rows"] - 1, list(expected.reasons))
+    assert np.array_equal(table["times_s"], expected.results[:, :5], equal_nan=True)
+    assert np.array_equal(table["residual"], expected.results[:, 5], equal_nan=True)
+    assert table["amplitudes"].tolist() == [1.0, -1.0, 1.0, -1.0, 1.0]
+    assert np.array_equal(table["fields"]["cable_length_m"], expected.fields[:, 0])
+    assert table["units"] == {
+        "cable_length_m": "m",
+        "damping_ratio": "1",
+        "times_s": "s",
+        "residual": "1",
+    }
+    assert (table["row_count"], table["impulses"]) == (ROWS, 5)
+    assert np.array_equal(table["reason_rows"] - 1, list(expected.reasons))
+
+
+def test_the_axes_of_a_grid_stand_in_a_mat_file() -> None:
+    from scipy.io import loadmat
+
+    axes = {"plant.cable_length_m": [1.4, 0.3, 0.8], "plant.damping_ratio": [0.0, 0.05]}
+    head, rows = designed_table(CRANE, axes)
+    data = b"".join(EXPORTS["mat"].write(head, [rows]))
+    table = loadmat(io.BytesIO(data), simplify_cells=True)["table"]
+    assert table["axes"]["cable_length_m"].tolist() == [1.4, 0.3, 0.8]
+    assert table["axes"]["damping_ratio"].tolist() == [0.0, 0.05]
+
+
+def test_the_example_for_matlab_uses_what_is_in_the_file() -> None:
+    from scipy.io import loadmat
+
+    page = (Path(__file__).parents[3] / "docs/tables.md").read_text()
+    (program,) = re.findall(r"(?s)```matlab\n(.*?)```", page)
+    head, rows = designed_table(CRANE, {"plant.cable_length_m": [0.3, 0.8, 1.4]})
+    data = b"".join(EXPORTS["mat"].write(head, [rows]))
+    table = loadmat(io.BytesIO(data), simplify_cells=True)["table"]
+    used = re.findall(r"\bshapers((?:\.[a-z_]+)+)", program)
+    assert used
+    for path in used:
+        held = table
+        for name in path.split(".")[1:]:
+            held = held[name]
 
 
 def test_mat_refuses_what_its_sizes_cannot_count() -> None:
-    most = MAX_MATRIX_BYTES // (8 * 6)
+    most = MAX_MATRIX_BYTES // (8 * (2 + 6 + 2))
     amplitudes = (1.0, -1.0, 1.0, -1.0, 1.0)
     check_mat(head_of(CRANE, ("plant.cable_length_m",), most, amplitudes))
-    with refused("too_many_rows_for_mat", "rows", says="at most 44739242 for a"):
+    with refused("too_many_rows_for_mat", "rows", says="at most 26843545 for a"):
         check_mat(head_of(CRANE, ("plant.cable_length_m",), most + 1, amplitudes))
 
 
@@ -237,10 +274,25 @@ def test_a_mat_file_that_is_none_of_ours_has_a_code_for_what_is_wrong() -> None:
     from scipy.io import loadmat, savemat
 
     data = write("mat", 20)
-    held = loadmat(io.BytesIO(data))
-    part = io.BytesIO()
-    savemat(part, {name: held[name] for name in held if name[0] != "_" and name != "reasons"})
+    table = loadmat(io.BytesIO(data))["table"]
+
+    def changed(**others: Any) -> bytes:
+        names = table.dtype.names
+        kept = {name: table[0, 0][name] for name in names if others.get(name, 1) is not None}
+        part = io.BytesIO()
+        numbers = {name: value for name, value in others.items() if value is not None}
+        savemat(part, {"table": {**kept, **numbers}}, long_field_names=True)
+        return data[:116] + part.getvalue()[116:]  # under our text in front
+
     with refused("not_mat_file", "file"):
         read("mat", b"nothing of the kind")
     with refused("table_incomplete", "file", says="without reasons"):
-        read("mat", data[:116] + part.getvalue()[116:])  # under our text in front
+        read("mat", changed(reasons=None))
+    with refused("counts_unlike_head", "file"):
+        read("mat", changed(impulses=6.0))
+    with refused("unsound_head", "file"):
+        read("mat", changed(head=None))
+    part = io.BytesIO()
+    savemat(part, {"other": 1.0})
+    with refused("table_incomplete", "file", says="without table"):
+        read("mat", data[:116] + part.getvalue()[116:])

@@ -1,4 +1,4 @@
-"""Klipper and RepRapFirmware: what they can take, and what is refused by name."""
+"""Klipper, Marlin and RepRapFirmware: what they can take, and what is refused by name."""
 
 import math
 import re
@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from design.analysis.residual import residual_vibration
 from design.export.klipper import EXPORT as KLIPPER
+from design.export.marlin import EXPORT as MARLIN
 from design.export.reprap import EXPORT as REPRAP
 from design.model.actuators.ideal import Ideal
 from design.model.plants.mode import Mode
@@ -16,7 +18,7 @@ from design.pipeline import design
 from design.shapers.registry import SHAPERS
 from design.tables.rows import Rows, TableHead
 from tests.designed_tables import CRANE, designed_table, head_of
-from tests.firmware import lines_of, reprap_35_reads, reprap_36_reads
+from tests.firmware import lines_of, marlin_reads, reprap_35_reads, reprap_36_reads
 from tests.refusals import refused
 
 PLANT = {"kind": "mode", "natural_frequency_rad_s": 250.0, "damping_ratio": 0.0}
@@ -51,15 +53,16 @@ def test_klipper_gets_its_own_name_frequency_and_damping() -> None:
     KLIPPER.checks(head)
     lines = b"".join(KLIPPER.write(head, [rows])).decode().splitlines()
     commands = [line for line in lines if not line.startswith(";")]
-    assert len(commands) == 2
-    for command, frequency in zip(commands, (200.0, 250.0), strict=True):
+    assert len(commands) == 4
+    told = [(frequency, axis) for frequency in (200.0, 250.0) for axis in "XY"]
+    for command, (frequency, axis) in zip(commands, told, strict=True):
         name, *pairs = command.split()
         given = dict(pair.split("=") for pair in pairs)
         assert name == "SET_INPUT_SHAPER"
-        assert given["SHAPER_TYPE"] == "zvd"
-        assert float(given["SHAPER_FREQ_X"]) == frequency / (2 * math.pi)
-        assert given["SHAPER_FREQ_Y"] == given["SHAPER_FREQ_X"]
-        assert float(given["DAMPING_RATIO_X"]) == float(given["DAMPING_RATIO_Y"]) == 0.0
+        assert given.pop(f"SHAPER_TYPE_{axis}") == "zvd"
+        assert float(given.pop(f"SHAPER_FREQ_{axis}")) == frequency / (2 * math.pi)
+        assert float(given.pop(f"DAMPING_RATIO_{axis}")) == 0.0
+        assert not given  # the other axis keeps what it has
     assert "; failed: the solver gave up" in lines
     assert any(head.specification_sha256 in line for line in lines)
 
@@ -175,3 +178,37 @@ def test_the_readers_of_either_age_hold_the_shapers_that_the_firmware_computes_i
 def line_of(heights: list[float], times_s: list[float]) -> str:
     numbers = (":".join(f"{one:.17f}" for one in listed) for listed in (heights, times_s))
     return 'M593 P"custom" H{} T{}'.format(*numbers)
+
+
+ZV: dict[str, Any] = {
+    "plant": {"kind": "mode", "natural_frequency_rad_s": 280.0, "damping_ratio": 0.0},
+    "actuator": {"kind": "ideal"},
+    "shaper": {"kind": "zv"},
+}
+
+
+def test_marlin_gets_a_line_for_each_axis_and_the_residual_that_it_keeps() -> None:
+    head, rows = designed_table(ZV, {"plant.damping_ratio": [0.0, 0.06, 0.4]})
+    MARLIN.checks(head)
+    text = b"".join(MARLIN.write(head, [rows])).decode()
+    read = [marlin_reads(line) for line in lines_of(text)]
+    assert [line[:6] for line in lines_of(text)] == ["M593 X", "M593 Y"] * 3
+    stated = re.findall(r"^; residual (\S+) % as Marlin rounds it$", text, re.MULTILINE)
+    for row, damping in enumerate((0.0, 0.06, 0.4)):
+        mode = Mode(natural_frequency_rad_s=280.0, damping_ratio=damping)
+        for played in read[2 * row : 2 * row + 2]:
+            left = 100 * residual_vibration(played, mode, Ideal())
+            assert left == pytest.approx(float(stated[row]), rel=5e-3, abs=1e-4)
+            assert left < 1.0
+    assert float(stated[0]) < 1e-4  # the heights of an undamped mode are whole 128ths
+
+
+def test_marlin_refuses_shapers_and_drives_that_it_does_not_know() -> None:
+    lagging = {"kind": "first_order", "accel_time_constant_s": 0.1, "decel_time_constant_s": 0.1}
+    on_samples = {"kind": "zv", "sample_time_s": 0.001}
+    with refused("not_marlin_shaper", "shaper.kind"):
+        MARLIN.checks(zvd_table()[0])
+    with refused("marlin_knows_no_actuator", "actuator.kind"):
+        MARLIN.checks(head_of({**ZV, "actuator": lagging}, (), 1, (0.5, 0.5)))
+    with refused("marlin_not_on_samples", "shaper.sample_time_s"):
+        MARLIN.checks(head_of({**ZV, "shaper": on_samples}, (), 1, (0.5, 0.5)))

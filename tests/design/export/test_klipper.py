@@ -25,7 +25,7 @@ from design.shapers.registry import SHAPERS
 from design.tables.rows import TableHead, subject_of
 from schemas.tables import TableDesign
 from tests.designed_tables import designed_table, head_of
-from tests.firmware import RefusedError, klipper_reads, lines_of
+from tests.firmware import RefusedError, klipper_reads, line_of_x
 from tests.refusals import refused
 
 HERTZ = 40.0
@@ -68,7 +68,7 @@ def test_the_line_makes_klipper_play_the_impulses_of_the_design(
     shaper: dict[str, Any], damping: float
 ) -> None:
     _, made, text = written(shaper, damping)
-    (line,) = lines_of(text)
+    line = line_of_x(text)
     played = klipper_reads(line)
     np.testing.assert_allclose(played.times_s, made.impulses.times_s, rtol=1e-9, atol=1e-15)
     np.testing.assert_allclose(played.amplitudes, made.impulses.amplitudes, rtol=1e-9)
@@ -111,7 +111,7 @@ def test_fitted_shapers_keep_their_claims_in_every_klipper_that_reads_the_line_o
         assert "% " in str(error.value)
         assert kind != "ei" or tolerance < 0.02
         return
-    (line,) = lines_of(text)
+    line = line_of_x(text)
     keeps(made, line, damping, older=False)
     try:
         keeps(made, line, damping, older=True)
@@ -123,8 +123,8 @@ def test_fitted_shapers_keep_their_claims_in_every_klipper_that_reads_the_line_o
 def test_the_tolerance_asked_for_is_handed_over_not_that_of_klipper() -> None:
     """At 2 % and a damping ratio of 0.1 Klipper's usual ei would leave 5.06 %."""
     _, made, text = written({"kind": "ei", "tolerance": 0.02}, 0.1)
-    (line,) = lines_of(text)
-    assert "SHAPER_TYPE=ei(v_tol=0.020000)" in line
+    line = line_of_x(text)
+    assert "SHAPER_TYPE_X=ei(v_tol=0.020000)" in line
     keeps(made, line, 0.1, older=False)
 
 
@@ -132,7 +132,7 @@ def test_the_tolerance_asked_for_is_handed_over_not_that_of_klipper() -> None:
 def test_a_tolerance_of_many_digits_is_kept_by_the_one_that_is_written(tolerance: float) -> None:
     for damping in (0.0, 0.07):
         _, made, text = written({"kind": "ei", "tolerance": tolerance}, damping)
-        (line,) = lines_of(text)
+        line = line_of_x(text)
         keeps(made, line, damping, older=False)
 
 
@@ -145,7 +145,7 @@ def test_a_tolerance_of_many_digits_is_kept_by_the_one_that_is_written(tolerance
 )
 def test_humps_go_by_klippers_names(kind: str, tolerance: float, damping: float, name: str) -> None:
     _, _, text = written({"kind": kind, "tolerance": tolerance}, damping)
-    assert f"SHAPER_TYPE={name} " in text
+    assert f"SHAPER_TYPE_X={name} " in text
 
 
 def test_a_row_whose_impulses_are_not_those_of_the_name_is_refused() -> None:

@@ -101,7 +101,7 @@ def test_any_title_gives_names_that_are_legal(
             static shapersmith_real memory[1000];
             static {name}_shaper shaper;
             {name}_start(&shaper, memory, 1000, SHAPERSMITH_C(0.0));
-            return {name}_set(&shaper, {name}_times[0], {name}_amplitudes[0], SHAPERSMITH_C(0.004))
+            return {name}_set(&shaper, {name}_times[0], {name}_amplitudes, SHAPERSMITH_C(0.004))
                 + (int){name}_step(&shaper, SHAPERSMITH_C(0.0)) + {name}_status[0]
                 + ({name}_table[0][0] < SHAPERSMITH_C(0.0));
         }}""",
@@ -121,8 +121,8 @@ int main(void) {{
     static {two}_shaper second;
     {one}_start(&first, memory, 500, SHAPERSMITH_C(0.0));
     {two}_start(&second, memory + 500, 500, SHAPERSMITH_C(0.0));
-    return {one}_set(&first, {one}_times[0], {one}_amplitudes[0], SHAPERSMITH_C(0.004))
-        + {two}_set(&second, {two}_times[0], {two}_amplitudes[0], SHAPERSMITH_C(0.004))
+    return {one}_set(&first, {one}_times[0], {one}_amplitudes, SHAPERSMITH_C(0.004))
+        + {two}_set(&second, {two}_times[0], {two}_amplitudes, SHAPERSMITH_C(0.004))
         + (int)({one}_step(&first, SHAPERSMITH_C(0.0)) + {two}_step(&second, SHAPERSMITH_C(0.0)))
         + {one}_status[0] + {two}_status[0]
         + !({one}_table[0][0] < {two}_table[0][0]);

@@ -1,5 +1,8 @@
 """The Structured Text, parsed by blark and run by an interpreter of the tests' own."""
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,6 +13,9 @@ from design.export.structured_text import EXPORT as STRUCTURED_TEXT
 from design.shapers.registry import SHAPERS
 from design.tables.columns import times_of
 from design.tables.rows import Rows, TableHead, subject_of
+from schemas.tables import TableRequest
+from service.jobs.plan import plan_of
+from service.jobs.results import head_for
 from tests.designed_tables import CRANE, designed_table, made_up_table
 from tests.refusals import refused
 from tests.structured_text import Block
@@ -44,12 +50,14 @@ def program(table: tuple[TableHead, Rows]) -> str:
     return b"".join(STRUCTURED_TEXT.write(head, [rows])).decode()
 
 
-def test_blark_parses_three_function_blocks(program: str) -> None:
+def test_blark_parses_its_function_blocks(program: str) -> None:
     from blark.parse import parse_source_code
 
     parsed = parse_source_code(program)
     blocks = [item.name for item in parsed.transform().items]
-    assert blocks == ["crane_numzvd_table", "crane_numzvd_evaluator", "crane_numzvd_shaper"]
+    # Of three rows, one without a design: nothing to interpolate.
+    names = ("table", "evaluator", "shaper")
+    assert blocks == [f"crane_numzvd_{name}" for name in names]
 
 
 def test_the_table_gives_its_rows_to_the_last_digit(
@@ -62,7 +70,7 @@ def test_the_table_gives_its_rows_to_the_last_digit(
         assert held["status"] == 0
         assert held["times_s"].values == times_of(head, rows)[row].tolist()
         assert held["amplitudes"].values == list(head.amplitudes)
-        assert held["columns"].values == [*rows.fields[row], *rows.results[row]]
+        assert held["columns"].values == [*rows.fields[row], rows.results[row, -1]]
 
 
 def test_a_row_without_a_design_lets_the_command_pass_and_tells(program: str) -> None:
@@ -78,15 +86,16 @@ def test_the_evaluator_gives_the_polynomials(program: str, polynomials: Fit) -> 
     block = Block(program, "crane_numzvd_evaluator")
     for length in np.linspace(0.31, 1.39, 12).tolist():
         frequency = (9.81 / length) ** 0.5
-        held = block(natural_frequency_rad_s=frequency)
+        held = block(cable_length_m=length)
         x = frequency / 20.0
         phases = polynomials.coefficients @ x ** np.arange(polynomials.degree + 1)
         assert held["valid"] is True
+        assert held["amplitudes"].values == polynomials.checks.amplitudes.tolist()
         np.testing.assert_allclose(
             held["times_s"].values, phases / frequency, rtol=1e-13, atol=1e-15
         )
     before = list(held["times_s"].values)
-    held = block(natural_frequency_rad_s=9.0)
+    held = block(cable_length_m=9.81 / 9.0**2)
     assert held["valid"] is False
     assert held["times_s"].values == before
 
@@ -147,3 +156,31 @@ def test_the_comment_tells_tool_specification_units_and_worst_residual(
 def test_a_table_too_long_for_a_controller_is_refused() -> None:
     with refused("program_too_large", "rows", says="of at most 200000 numbers"):
         STRUCTURED_TEXT.checks(made_up_table(50_000, 1)[0])
+
+
+def test_real_is_single_precision_everywhere(table: tuple[TableHead, Rows]) -> None:
+    head, rows = table
+    program = b"".join(STRUCTURED_TEXT.write(replace(head, real="REAL"), [rows])).decode()
+    assert "LREAL" not in program.replace("numbers: REAL", "")
+    held = Block(program, "crane_numzvd_table")(row=1)
+    assert held["times_s"].values == times_of(head, rows)[1].astype(np.float32).tolist()
+    evaluated = Block(program, "crane_numzvd_evaluator")(cable_length_m=0.8)
+    np.testing.assert_allclose(
+        np.array(evaluated["times_s"].values), times_of(head, rows)[1], atol=1e-4
+    )
+
+
+def test_the_call_of_the_evaluator_runs(program: str) -> None:
+    call = re.findall(r"(?s)PROGRAM .*?END_PROGRAM", program)[0]
+    main = Block(f"{program}\n{call}".replace("DINT := 4095", "DINT := 400"), "crane_numzvd_main")
+    assert main(command=1.0)["velocity"] == 1.0
+    assert main.values["times"].values["valid"] is True
+
+
+def test_the_specification_says_in_which_type_numbers_are() -> None:
+    axes = [{"field": "/plant/cable_length_m", "values": LENGTHS_M}]
+    usual = plan_of(TableRequest.model_validate({"design": CRANE, "axes": axes})).job
+    single = TableRequest.model_validate({"design": CRANE, "axes": axes, "real": "REAL"})
+    assert '"real"' not in usual.specification  # whose hash stays as it was
+    assert head_for(usual, "st").real == "LREAL"
+    assert head_for(plan_of(single).job, "st").real == "REAL"

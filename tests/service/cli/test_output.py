@@ -16,6 +16,7 @@ from service.jobs.plan import Plan, plan_table
 from service.jobs.records import Job
 from service.operations.table import TABLE
 from tests.conftest import CRANE
+from tests.patience import PATIENT_S
 from tests.service.cli.commands import shapersmith
 from tests.service.cli.table_runs import SMALL
 from tests.shapersmith.requests import REQUESTS
@@ -122,6 +123,17 @@ def test_the_line_of_a_table_says_that_it_compiles(
     line = capsys.readouterr().err
     assert line.startswith(f"{done} of 40 rows")
     assert ("compiling, first use only" in line) == told
+
+
+def test_that_a_table_compiles_is_said_at_once_and_once(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("service.cli.progress.LINE_EVERY_S", PATIENT_S)
+    compiles = iter([False, True, True, True])
+    progress = Progress(lambda: next(compiles))
+    for done in (0, 0, 0, 0, 4):
+        progress.show(job_of(done))
+    assert capsys.readouterr().err == "0 of 40 rows, compiling, first use only\n"
 
 
 def test_a_table_compiles_until_its_last_function_is_on_disk(

@@ -117,7 +117,7 @@ def test_health_tells_whether_there_is_room() -> None:
     assert there.json() == {"status": "ready", "version": version()}
     service.pool.full = FULL
     assert service.ask("GET", "/health/live").status_code == 200
-    require_problem(service.ask("GET", "/health/ready"), 503, "overloaded", "no worker is ready")
+    require_problem(service.ask("GET", "/health/ready"), 503, "overloaded", "is starting")
 
 
 def test_what_there_is_not_is_a_problem_too() -> None:
@@ -128,6 +128,11 @@ def test_what_there_is_not_is_a_problem_too() -> None:
     assert wrong.headers["allow"] == "POST"
     file = service.ask("POST", "/assets/swagger-ui/swagger-ui.css")
     require_problem(file, 405, "method-not-allowed", "does not take POST")
+
+
+def test_the_root_leads_to_the_documentation() -> None:
+    answer = InProcess().ask("GET", "/")
+    assert (answer.status_code, answer.headers["location"]) == (307, "/docs")
 
 
 @pytest.mark.parametrize("path", ["/docs", "/openapi.json", "/assets/swagger-ui/swagger-ui.css"])

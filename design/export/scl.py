@@ -1,0 +1,97 @@
+"""SCL of S7-1200 and S7-1500: the blocks of Structured Text as an external source of TIA Portal.
+
+The statements are those of the Structured Text. What differs is listed in docs/plc.md:
+
+- names of blocks stand in quotes, those of their variables have a # [1]_;
+- BEGIN stands between declarations and statements, VERSION above them;
+- a constant is a single value [1]_, so that arrays of numbers are variables with values at first;
+- limits of arrays are numbers.
+
+References
+----------
+.. [1] Siemens, STEP 7 and WinCC Engineering, "Programming PLC: SCL", tags and constants of a block.
+"""
+
+import re
+from collections.abc import Iterable, Iterator
+
+from design.export.kind import Export
+from design.export.program import check_program
+from design.export.structured_numbers import lines
+from design.export.text_blocks import TextBlock, TextVariable, text_program
+from design.tables.rows import Rows, TableHead
+
+ELEMENTARY = ("BOOL", "SINT", "DINT", "REAL", "LREAL")
+"""Types that are not blocks, whose names stand in quotes."""
+
+
+def write_scl(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
+    """Write a table as a source of SCL.
+
+    Parameters
+    ----------
+    head, runs
+        The table, its runs in order.
+
+    Yields
+    ------
+    bytes
+        Pieces of the file.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number of the table is infinite.
+    """
+    program = text_program(head, runs)
+    top = re.sub(r"\n\nHow to call it.*", "", program.remark, flags=re.DOTALL)
+    yield f"(* {top} *)\n\n".encode()
+    for block in program.blocks:
+        yield _block(block).encode()
+
+
+def _block(block: TextBlock) -> str:
+    constants = {
+        variable.name: variable.values[0]
+        for section in block.sections
+        for variable in section.variables
+        if section.constant and variable.bounds is None
+    }
+    declared: dict[str, list[str]] = {"VAR_INPUT": [], "VAR_OUTPUT": [], "VAR": []}
+    single: list[str] = []
+    names: list[str] = []
+    for section in block.sections:
+        for variable in section.variables:
+            names.append(variable.name)
+            text = _variable(variable, constants)
+            is_single = section.constant and variable.bounds is None
+            (single if is_single else declared[section.kind]).append(text)
+    sections = {**declared, "VAR CONSTANT": single}
+    own = re.compile(rf"(?<![.\w])(?:{'|'.join(names)})\b")
+    return (
+        f"(* {block.remark} *)\n"
+        f'FUNCTION_BLOCK "{block.name}"\n'
+        "{ S7_Optimized_Access := 'TRUE' }\n"
+        "VERSION : 0.1\n"
+        + "".join(f"{kind}\n{''.join(texts)}END_VAR\n" for kind, texts in sections.items() if texts)
+        + f"BEGIN\n{own.sub(lambda found: f'#{found[0]}', block.body)}END_FUNCTION_BLOCK\n\n"
+    )
+
+
+def _variable(variable: TextVariable, constants: dict[str, str]) -> str:
+    of = variable.of if variable.of in ELEMENTARY else f'"{variable.of}"'
+    if variable.bounds is None:
+        initial = f" := {variable.values[0]}" if variable.values else ""
+        return f"    {variable.name} : {of}{initial};\n"
+    first, last = (constants.get(bound, bound) for bound in variable.bounds)
+    initial = f" := [\n{lines(list(variable.values))}]" if variable.values else ""
+    return f"    {variable.name} : ARRAY[{first}..{last}] OF {of}{initial};\n"
+
+
+EXPORT = Export(
+    name="scl",
+    media_type="text/plain; charset=utf-8",
+    suffix=".scl",
+    checks=check_program,
+    write=write_scl,
+)

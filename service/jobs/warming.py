@@ -1,0 +1,58 @@
+"""`python -m service.jobs.warming COMMAND…`: compile what tables need, then become the command.
+
+Where a new machine begins with an empty volume, as a container does, the first table need not wait
+for what is compiled. Where it is on disk already this takes a second.
+"""
+
+import json
+import os
+import signal
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+from design.shapers.registry import SHAPERS
+from service.compiled_code import keep_in
+from service.jobs.plan import Plan, plan_table
+from service.jobs.work import compute_chunk, pack
+from service.settings import Settings
+
+
+def tables() -> Iterator[dict[str, Any]]:
+    """Yield a table of one row for each kind and model that is compiled."""
+    lags = {"accel_time_constant_s": 0.1, "decel_time_constant_s": 0.05}
+    for kind in SHAPERS.values():
+        for model in ("superposed", "switched"):
+            if kind.compiled_rows is not None:
+                actuator = {"kind": "first_order", "model": model, **lags}
+                plant = {"kind": "mode", "natural_frequency_rad_s": 3.5, "damping_ratio": 0.01}
+                design = {"plant": plant, "actuator": actuator, "shaper": {"kind": kind.name}}
+                yield {"design": design, "designs": [{}], "columns": ["times_s", "residual"]}
+
+
+def warm() -> None:
+    """Compute all of them."""
+    for table in tables():
+        plan = plan_table(json.dumps(table).encode())
+        if isinstance(plan, Plan):
+            compute_chunk(pack(plan.job.specification), plan.job.impulses, 0)
+
+
+def main(command: list[str]) -> None:
+    """Compile, and become a command.
+
+    Parameters
+    ----------
+    command
+        A program and its arguments; it is found as a shell finds it.
+    """
+    # The first process of a container ends at no signal that it does not await.
+    signal.signal(signal.SIGTERM, lambda *_: os._exit(0))
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    keep_in(Settings.from_environment(os.environ).data_dir)
+    warm()
+    os.execvp(command[0], command)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
