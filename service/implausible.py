@@ -18,7 +18,7 @@ def implausible_values(request: Any) -> list[tuple[str, Range, float, float]]:  
         for pointer, name, value in _numbers(getattr(request, part, None), part, f"/{part}"):
             if usual := USUAL_RANGES.get((part, name)):
                 quantity = tau / value if usual.of_frequency and value else value
-                compared = quantity / period_s if usual.in_periods else quantity
+                compared = abs(quantity) / (period_s if usual.in_periods else 1.0)
                 if not usual.low <= compared < usual.high:
                     beyond.append((pointer, usual, quantity, compared))
                     period_s = inf if part == "plant" else period_s  # no drive is slow beside it

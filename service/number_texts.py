@@ -8,6 +8,9 @@ from service.suggestions import FOREIGN_UNITS
 NUMBER = re.compile(r"\s*([-+]?\d+(?:[.,]\d+)?(?:[eE][-+]?\d+)?)\s*(\D.*?)?\s*", re.DOTALL)
 """A number, and what stands after it."""
 
+MAX_CHARACTERS = 80
+"""Characters of a text that may be a number with its unit."""
+
 END_OF_SYMBOL = {
     "m": "_m",
     "mm": "_mm",
@@ -84,7 +87,7 @@ def number_meant(text: str, given: str, field: str) -> str:
     >>> number_meant("750 cm", "cable_length_mm", "cable_length_m")
     '; give 7500'
     """
-    found = NUMBER.fullmatch(text)
+    found = NUMBER.fullmatch(text) if len(text) <= MAX_CHARACTERS else None
     if found is None:
         return ""
     number = found[1].replace(",", ".")

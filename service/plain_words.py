@@ -155,8 +155,10 @@ def _swapped(tag: str, kinds: list[str], where: Where, model: Any, request: Any)
 def _object_at(here: Any, where: Where) -> Any:  # noqa: ANN401
     """Return what stands at a place of a request; tags of unions are no steps."""
     for step in where:
-        if step in (here if isinstance(here, dict) else range(len(here or ()))):
+        if isinstance(here, list) and isinstance(step, int):
             here = here[step]
+        elif isinstance(here, dict):
+            here = here.get(step, here)
     return here
 
 

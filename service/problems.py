@@ -281,8 +281,8 @@ def problem_of_validation(
     named = tuple(
         _fault(fault, pointer(fault["loc"], parsed), model, parsed) for fault in faults[:MAX_FAULTS]
     )
-    if owner := owner_of_request(model, parsed):
-        strangers = [one.pointer for one in named if one.code == "extra_forbidden"]
+    strangers = [one.pointer for one in named if one.code == "extra_forbidden"]
+    if strangers and (owner := owner_of_request(model, parsed)):
         are = "is" if len(strangers) == 1 else "are"
         told = f"this is a request of {owner}; {listed(strangers, 'and')}: {are} no field here"
         return invalid_fields(told, named)

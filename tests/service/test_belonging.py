@@ -13,9 +13,10 @@ from schemas.base import wire_names
 from schemas.fields_at import also_called, expected_at
 from schemas.requests import requests
 from schemas.tables import TableRequest
-from service.belonging import owner_of_request
+from service.belonging import models_at, owner_of_request, places_of
 from service.catalogue import EXAMPLE_ACTUATORS
 from service.dispatch import respond
+from service.number_texts import number_meant
 from service.operations.table import TABLE, load
 from service.problems import Problem
 from service.suggestions import kinds_meant
@@ -184,3 +185,27 @@ def test_a_name_in_place_of_a_pointer_is_answered_with_the_pointer(name: str) ->
     (fault,) = refused("design", {**BARE, "plant": plant}).errors
     if name != "damping_ratio":  # which is not scheduled
         assert fault.detail.endswith(f"got '/plant/{name}'; did you mean {name}?")
+
+
+def test_a_long_list_or_text_costs_a_refusal_no_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked_at: list[Any] = []
+
+    def models_of(model: Any, where: Any) -> Any:
+        looked_at.append(where)
+        return models_at(model, where)
+
+    monkeypatch.setattr("service.belonging.models_at", models_of)
+    modes = [{"period_s": 1.0}] * 20_000
+    places_of(
+        "colour", load("design").request, {**BARE, "plant": {"kind": "modes", "modes": modes}}
+    )
+    assert 0 < len(looked_at) < 100
+    assert number_meant("1" + " " * 1_000_000 + "x", "period_s", "natural_frequency_rad_s") == ""
+
+
+def test_more_strangers_than_are_listed_are_refused_as_they_are() -> None:
+    strangers = {f"x{number}": 1 for number in range(40)}
+    problem = refused("design", {**strangers, **BARE, "speed_m_s": 1, "distance_m": 3})
+    assert problem.detail.endswith("; and 22 more")
+    twice = {"plant": {"kind": "pendulum", "cable_length_m": 1, "cable_length_mm": 1}}
+    assert refused("design", {**BARE, **twice, "half_width": 0.1}).errors

@@ -121,6 +121,12 @@ def test_speeds_are_looked_at_beside_plant_and_drive(name: str, value: float, to
     assert warnings("simulation", request) == [f"/{name}: {told}"]
 
 
+def test_a_move_backwards_is_as_usual_as_one_forwards() -> None:
+    for speed_m_s, found in ((-0.2, []), (0.2, []), (-48, ["/speed_m_s -48"])):
+        request = {**CRANE, "speed_m_s": speed_m_s, "pulse_s": 3.0}
+        assert implausible(request, "maneuver") == found
+
+
 LENGTH = {"field": "/plant/cable_length_m"}
 PERIOD = {"field": "/plant/period_s"}
 
