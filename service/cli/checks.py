@@ -16,8 +16,8 @@ from design.types import FloatArray
 from schemas.pointers import json_pointer
 from schemas.tables import Tolerances
 
-NAMED = re.compile(rb"#define (\w+)_ROWS |FUNCTION_BLOCK (\w+)_table\b")
-"""Lines of a C header and of Structured Text that hold the start of their names."""
+NAMED = re.compile(rb'#define (\w+)_ROWS |(?:FUNCTION_BLOCK "?|<pou name=")(\w+)_table\b')
+"""Lines of C, Structured Text, SCL and PLCopen XML that hold the start of their names."""
 
 MAX_LISTED_DRIFTS = 20
 """Drifts that are listed; all are counted."""

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from design.export.scl import EXPORT as SCL
 from design.export.structured_text import EXPORT as STRUCTURED_TEXT
 from design.export.text_blocks import TextBlock, text_program
 from design.export.twincat import EXPORT as TWINCAT
+from service.cli.checks import file_named_in
 from tests.design.export.test_lookup import TABLES, by_text, random_values, table, written
 from tests.designed_tables import CRANE, designed_table
 from tests.played_tables import computed, random_request
@@ -138,3 +140,11 @@ def whole(block: TextBlock) -> str:
         f"(* {block.remark} *)\nFUNCTION_BLOCK {block.name}\n{block.declared}{block.body}"
         "END_FUNCTION_BLOCK"
     )
+
+
+@pytest.mark.parametrize("name", ["plcopen", "scl"])
+def test_a_file_says_by_which_name_it_was_written(name: str, tmp_path: Path) -> None:
+    head, rows = table("length")
+    path = tmp_path / "renamed"
+    path.write_bytes(b"".join(READ[name][0].write(replace(head, title="hoist"), [rows])))
+    assert file_named_in(path).name == "hoist"
