@@ -7,6 +7,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 
 HIDING = '''
+import asyncio.selector_events  # of Unix: it looks once what the system can
 import multiprocessing.popen_fork, multiprocessing.reduction
 import os, signal, socket, subprocess, sys, warnings
 
@@ -21,7 +22,7 @@ multiprocessing.popen_fork.Popen.kill = lambda self: self._send_signal(9)
 for name in ("SIGKILL", "SIGBUS", "SIGSYS", "SIGTRAP", "SIGHUP", "SIGUSR1", "SIGALRM"):
     delattr(signal, name)
 for name in ("fork", "forkpty", "nice", "setpriority", "getpriority", "PRIO_PROCESS", "sysconf",
-             "killpg", "getpgid", "setsid", "sched_getaffinity", "getloadavg", "fchmod"):
+             "killpg", "getpgid", "setsid", "getloadavg", "fchmod"):
     delattr(os, name)
 
 def socketpair():

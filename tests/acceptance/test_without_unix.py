@@ -122,7 +122,8 @@ def test_of_two_that_write_one_file_the_second_is_refused(
     hidden: dict[str, str], tmp_path: Path
 ) -> None:
     spec, path = tmp_path / "spec.json", tmp_path / "t.csv"
-    spec.write_text(json.dumps(LONG))
+    endless = {**LONG, "axes": [{**SMALL["axes"][0], "points": 100_000}]}
+    spec.write_text(json.dumps(endless))
     with begun(spec, path, env=hidden):
         second = run(hidden, tmp_path, *COMMAND, "table", spec, "-o", path)
     assert second.returncode == 1

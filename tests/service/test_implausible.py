@@ -272,7 +272,6 @@ def test_a_thousandth_of_a_value_beyond_is_usual_or_the_unit_is_asked_for() -> N
     assert answer.warnings[0].detail.endswith("is it in m?")  # type: ignore[union-attr]
 
 
-@pytest.mark.xfail(reason="two lines of the page are still to follow", strict=False)
 def test_the_page_says_what_is_usual_and_shows_warnings_as_they_are() -> None:
     text = (ROOT / "docs" / "requests.md").read_text().partition("## Values that are hardly")[2]
     text = text.partition("## Refusals")[0]
