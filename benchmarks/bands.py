@@ -70,7 +70,7 @@ def figures() -> Iterator[Figure]:
         gaps.append(design(plant, Ideal(), kind, wanted).solver.gap or 0.0)
     middle, late = np.percentile(times, [50, 95])
     yield Figure(
-        what="SI over 60 random bands, half width .05-.5, z 0-.2: median, 95 %",
+        what="SI over 60 random bands, half width 0.05-0.5, z 0-0.2: median, 95 %",
         value=f"{middle:.1f}, {late:.1f} ms, largest gap {max(gaps):.1e}",
         limit="<= 30, 80 ms, 1e-4",
         met=bool(middle <= 30 and late <= 80 and max(gaps) <= 1e-4),

@@ -107,7 +107,7 @@ def closed_forms() -> Iterator[Figure]:
         run = functools.partial(um_ei.formulate, case)
         cold.append(processor_ms(run))
     yield Figure(
-        what="`um_ei` of a damping ratio not solved before, z to .2, median",
+        what="`um_ei` of a damping ratio not solved before, z to 0.2, median",
         value=f"{median(cold):.2f} ms",
         limit="",
         met=None,
@@ -160,7 +160,7 @@ def over_a_band() -> Iterator[Figure]:
             times.append(processor_ms(run))
         middle, late = np.percentile(times, [50, 95])
         yield Figure(
-            what=f"`num_si`, {model}, 21 half widths .05-.2: median, 95 %",
+            what=f"`num_si`, {model}, 21 half widths 0.05-0.2: median, 95 %",
             value=f"{middle:.0f}, {late:.0f} ms",
             limit="<= 150 ms median",
             met=bool(middle <= 150),

@@ -194,7 +194,7 @@ def figures() -> Iterator[Figure]:
     )
     gain = median(b / a for a, b in zip(whole, peer, strict=True))
     yield Figure(
-        what="the same / SciPy SLSQP, analytic Jacobian",
+        what="kernel with certificate / SciPy SLSQP, analytic Jacobian",
         value=f"{1 / gain:.4f} ({1e6 * median(peer):.0f} us)",
         limit="<= 0.005",
         met=gain >= 200,
