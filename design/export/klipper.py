@@ -15,8 +15,9 @@ from the numbers of each line, by `design.export.klipper_shapers`:
   ``ei(v_tol=...)``; what does not is refused, with the figure.
 
 A name without brackets is read by every Klipper and by Kalico, which compute humps in other ways:
-it is written where all keep the claims. Brackets, even empty ones, are read by Klipper as of 31
-March 2026 alone; others refuse the line.
+it is written where all keep the claims. Brackets, even empty ones, are read by Klipper from
+v0.13.0-631 of 27 April 2026 on; others refuse the line. Up to v0.13.0-641 SET_INPUT_SHAPER did not
+take over a frequency then [4]_.
 
 References
 ----------
@@ -25,6 +26,7 @@ References
 .. [2] Klipper, klippy/extras/shaper_defs.py: INPUT_SHAPERS and init_shaper.
 .. [3] Klipper, klippy/extras/input_shaper.py, cmd_SET_INPUT_SHAPER: SHAPER_TYPE_X counts where no
    SHAPER_TYPE is given.
+.. [4] Klipper, commit 77d5d942e of 4 May 2026, "Fix shaper_freq not updated by SET_INPUT_SHAPER".
 """
 
 import math
@@ -68,6 +70,9 @@ NAMES = {
 
 AXES = "XY"
 """Those that are shaped."""
+
+BRACKETS = "brackets behind a shaper's name need Klipper v0.13.0-642, of 4 May 2026, or later"
+"""A remark beside them."""
 
 SAME = 1e-9
 """Impulses that differ by less are the same, as a share of their duration and of 1 [-]."""
@@ -153,7 +158,7 @@ def write_klipper(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
         "take the line of your row and of your axis, X or Y: each axis has its own mode;",
         "frequencies in Hz; to keep a line, write its parameters in lower case into the section",
         "[input_shaper] of printer.cfg, as shaper_type_x: ...",
-        "brackets behind a shaper's name need Klipper as of 31 March 2026, others refuse them",
+        f"{BRACKETS}: others refuse them",
     ]
     return firmware_lines(head, runs, remarks, commands)
 

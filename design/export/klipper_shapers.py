@@ -7,7 +7,7 @@ Names and parameters are those of [2]_: ``zv``, ``zvd``, ``mzv`` with n impulses
 default 3 and 0.75), ``ei`` with its vibration tolerance (by default 0.05), ``2hump_ei``,
 ``3hump_ei``. The last three are polynomials in z that were fitted to damped shapers. Before
 2025-09-16 they were the undamped shapers with K to the power of each impulse's number [3]_; Kalico
-still computes them so [4]_. Parameters in brackets came on 22 March 2026 [5]_; what does not know
+still computes them so [4]_. Parameters in brackets came on 27 April 2026 [5]_; what does not know
 them refuses the line. From 2025-09-16 to 2026-03-31 a missing comma spoilt ``3hump_ei`` of damped
 modes [6]_.
 
@@ -19,7 +19,8 @@ References
 .. [3] Klipper, docs/Config_Changes.md, 20250916.
 .. [4] Kalico, klippy/extras/shaper_defs.py.
 .. [5] Klipper, klippy/extras/shaper_defs.py, "Support parameterized shaper initialization"
-   and "Support more parameters for customizable input shapers", March 2026.
+   and "Support more parameters for customizable input shapers", on master from
+   27 April 2026 on.
 .. [6] Klipper, pull request 7235.
 """
 

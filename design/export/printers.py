@@ -6,7 +6,7 @@ from typing import Any
 
 from design.errors import InvalidInputError
 from design.export.firmware import require_shares
-from design.export.klipper import NAMES, klipper_line
+from design.export.klipper import BRACKETS, NAMES, klipper_line
 from design.export.klipper_shapers import USUAL_TOLERANCE
 from design.export.marlin import marlin_impulses, marlin_lines, marlin_numbers
 from design.export.reprap import reprap_lines
@@ -105,19 +105,23 @@ class Printer:
 
 def _klipper(subject: Subject, shaper: Impulses) -> Played:
     line = klipper_line(subject, shaper, SHAPER, keeps_claims=False)
-    axes = [
-        f"{name}_{axis}: {value}"
-        for name, value in (
-            ("shaper_type", line.shaper),
-            ("shaper_freq", line.frequency_hz),
-            ("damping_ratio", line.damping_ratio),
-        )
+    names = ("shaper_type", "shaper_freq", "damping_ratio")
+    values = (line.shaper, line.frequency_hz, line.damping_ratio)
+    of_x, of_y = (
+        [f"{name}_{axis}: {value}" for name, value in zip(names, values, strict=True)]
         for axis in "xy"
-    ]
+    )
     remarks = [f"# {remark.replace(' of the row', '')}" for remark in line.remarks]
     if "(" in line.shaper:
-        remarks.append("# brackets behind a shaper's name need Klipper as of 31 March 2026")
-    section = ("# printer.cfg; an axis may have another mode", "[input_shaper]", *axes)
+        remarks.append(f"# {BRACKETS}")
+    # Y is no part of it until somebody says so: it has another mode, most often.
+    section = (
+        "# printer.cfg, if this is the mode of X:",
+        "[input_shaper]",
+        *of_x,
+        "# if it is that of Y, in that section:",
+        *(f"# {one}" for one in of_y),
+    )
     at_once = (f"# at once: {command}" for command in line.commands)
     return Played(lines=(*remarks, *section, *at_once), impulses=line.played)
 
