@@ -12,6 +12,7 @@ from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.moves.speed import require_speed
 from design.rig.axis import (
+    BLOCKED,
     HIGH,
     HIGH_SWITCH,
     LOW,
@@ -131,6 +132,11 @@ class Machine:
     def now_s(self) -> float:
         """The time [s]."""
         return float(self._clock[NOW])
+
+    @property
+    def pressed(self) -> tuple[int, int]:
+        """Side of the limit switch that is pressed in x and y: -1, 0 or 1."""
+        return int(self._axes[0, BLOCKED]), int(self._axes[1, BLOCKED])
 
     def command(self, axis: AxisName, level: float, at_s: float | None = None) -> None:
         """Command the velocity of an axis.

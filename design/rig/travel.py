@@ -22,8 +22,8 @@ HALVINGS = 60
 def time_outside(axis: FloatArray, start_s: float, end_s: float) -> float:
     """Return when an axis first passes its next bound.
 
-    The time is infinite if it does not. The bound is a limit switch, or the end of the stroke where its switch is pressed already. A
-    velocity that changes its sign does so once within the time asked for.
+    The time is infinite if it does not. The bound is a limit switch, or the end of the stroke where
+    its switch is pressed already. A velocity that changes its sign does so once within the time.
 
     Parameters
     ----------
