@@ -94,7 +94,7 @@ class Camera:
 
     @property
     def focal_pixels(self) -> float:
-        """Focal length: what a pixel in the middle of the image is over the line's slope."""
+        """Focal length, of the slope of the line [pixels]."""
         return 1 / math.tan(math.radians(self.line.degrees_per_pixel))
 
     def frame(self, hook_m: FloatArray, noise: np.random.Generator) -> Frame:

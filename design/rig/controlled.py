@@ -20,7 +20,7 @@ MAX_SAMPLES = 10_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reading:
-    """What a controller is told at a sample.
+    """What a controller reads at a sample.
 
     Attributes
     ----------

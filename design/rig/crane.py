@@ -13,11 +13,13 @@ from design.model.plants.pendulum import STANDARD_GRAVITY_M_S2
 from design.rig.swing import (
     DAMPING,
     GRAVITY,
+    LEAST_HEIGHT,
     LINEAR,
     LOWER_LENGTH,
     MASS_RATIO,
     MAX_HOIST,
     PLANT_SIZE,
+    drag,
     slowest_frequency,
 )
 from design.types import FloatArray
@@ -30,6 +32,9 @@ HOOK_MASS_KG = 0.385
 
 MAX_SPEED_M_S = 1.5
 """Largest speed of the mini-crane (Kim 2011, table 2-1) [m/s]."""
+
+MAX_SWING_RAD = math.pi / 3
+"""Largest angle of a cable from the vertical: beyond it a crane is out of control [rad]."""
 
 STROKES_M = 1.3, 0.755, 1.4
 """Largest travel of the mini-crane in x, y and z (Kim 2011, table 2-1) [m]."""
@@ -103,10 +108,39 @@ class Crane:
         row[GRAVITY], row[DAMPING] = self.gravity_m_s2, self.damping_ratio
         row[LINEAR] = self.model == "linear"
         row[MAX_HOIST] = self.max_speed_m_s
+        row[LEAST_HEIGHT] = math.cos(MAX_SWING_RAD)
         if self.load is not None:
             row[MASS_RATIO] = self.load.mass_kg / self.hook_mass_kg
             row[LOWER_LENGTH] = self.load.length_m
         return row
+
+    def decays_s(self, cable_length_m: FloatArray) -> FloatArray:
+        """Return the rate at which swings die away at lengths, shape (n,) [1/s]."""
+        if self.damping_ratio == 0.0:
+            return np.zeros(cable_length_m.size)
+        row = self.plant_row
+        return np.array([drag(row, length) / 2 for length in cable_length_m.tolist()])
+
+    def frequencies_rad_s(self, cable_length_m: float) -> tuple[float, ...]:
+        """Return the natural frequencies of small swings at a length of the cable.
+
+        Parameters
+        ----------
+        cable_length_m
+            From the trolley to the hook [m].
+
+        Returns
+        -------
+        tuple of float
+            One, or two with a load, ascending [rad/s].
+        """
+        slowest = float(slowest_frequency(self.plant_row, cable_length_m))
+        if self.load is None:
+            return (slowest,)
+        # The product of both squares is (1 + u) g^2 / (l k).
+        ratio = 1 + self.load.mass_kg / self.hook_mass_kg
+        product = math.sqrt(ratio / (cable_length_m * self.load.length_m)) * self.gravity_m_s2
+        return slowest, product / slowest
 
     @property
     def slowest_rad_s(self) -> float:

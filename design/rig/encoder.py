@@ -41,7 +41,7 @@ class Encoder:
         return counted
 
     def position_m(self, position_m: float) -> float:
-        """Return the position that is told at one: the middle of its pulse [m].
+        """Return the position that it reports: the middle of the pulse [m].
 
         It is off by half a pulse at most.
         """

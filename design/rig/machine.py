@@ -34,7 +34,7 @@ from design.rig.march import (
     SWITCH,
     march,
 )
-from design.rig.swing import LOWER_Z, STATE_SIZE, UPPER_Z
+from design.rig.swing import LEAST_HEIGHT, LOWER_Z, STATE_SIZE, UPPER_Z
 from design.rig.track import Track
 from design.types import FloatArray
 
@@ -48,9 +48,6 @@ FIRST_STEP_S = 0.01
 
 FASTEST_DRIVE_RAD_S = 1e6
 """Fastest lag that steps through time resolve; an ideal one is exact [rad/s]."""
-
-MAX_LEVEL = 1.0
-"""Full speed, as a share of it [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,18 +143,19 @@ class Machine:
         axis
             Which.
         level
-            Share of full speed, -1 to 1 [-].
+            Share of full speed, signed; more than 1 where the axis can go faster [-].
         at_s
             When, not before now; now if not given [s].
 
         Raises
         ------
         InvalidInputError
-            If the axis is none, the level is more than full speed, or the time is past.
+            If the axis is none, the level is more than it can, or the time is past.
         """
         if axis not in AXES:
             raise InvalidInputError("axis", axis, "x or y", code="unknown_axis")
-        require_between("level", level, -MAX_LEVEL, MAX_LEVEL)
+        most = self.crane.max_speed_m_s / self.speed_m_s
+        require_between("level", level, -most, most)
         which = AXES.index(axis)
         insort(self._events, (self._time(at_s) + self._delays_s[which], which, level, 0.0), key=_at)
 
@@ -258,6 +256,12 @@ class Machine:
                 code="hoist_too_fast",
             )
         return Track(crane=self.crane, times_s=times, rows=rows)
+
+    def open_bounds(self) -> None:
+        """Let axes go past strokes and switches, and cables swing, from now on."""
+        self._plant[LEAST_HEIGHT] = -math.inf
+        for row in self._axes:
+            row[[LOW, LOW_SWITCH]], row[[HIGH, HIGH_SWITCH]] = -math.inf, math.inf
 
     def _raise_stroke(self, name: AxisName, axis: int) -> None:
         row = self._axes[axis]

@@ -10,6 +10,7 @@ import numpy as np
 
 from design.rig.axis import CORNER, REFERENCE, SPEED, TIME, axis_motion, command_level, turn_corner
 from design.rig.swing import (
+    LEAST_HEIGHT,
     LINEAR,
     LOWER,
     LOWER_Z,
@@ -56,12 +57,6 @@ ROW_SIZE = ROPE + 3
 
 TOLERANCE = 1e-12
 """Error of a step, relative and absolute: what several thousand steps add up to is below 1e-9."""
-
-MAX_SWING_RAD = math.pi / 3
-"""Largest angle of a cable from the vertical: beyond it a crane is out of control [rad]."""
-
-SMALLEST_HEIGHT = 0.5
-"""Cosine of `MAX_SWING_RAD` [-]."""
 
 LEAST_STEP = 1e-15
 """Share of the time below which a step is none [-]."""
@@ -171,14 +166,15 @@ def _turn_rope(rope: FloatArray, time_s: float, goal_m: float, over_s: float) ->
 
 @compiled
 def _swings_too_far(plant: FloatArray, state: FloatArray) -> bool:
+    least = plant[LEAST_HEIGHT]
     if plant[LINEAR]:
-        most = MAX_SWING_RAD**2
+        most = math.acos(least) ** 2 if least > -1.0 else math.inf
         if state[UPPER] ** 2 + state[UPPER + 1] ** 2 > most:
             return True
         return bool(state[LOWER] ** 2 + state[LOWER + 1] ** 2 > most)
-    if -state[UPPER_Z] < SMALLEST_HEIGHT:
+    if -state[UPPER_Z] < least:
         return True
-    return bool(plant[MASS_RATIO] > 0.0 and -state[LOWER_Z] < SMALLEST_HEIGHT)
+    return bool(plant[MASS_RATIO] > 0.0 and -state[LOWER_Z] < least)
 
 
 @compiled

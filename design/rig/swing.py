@@ -47,8 +47,9 @@ STATE_SIZE = 13
     LOWER_LENGTH,  # [m]; 0 if there is one body
     LINEAR,  # 1 for the linear model
     MAX_HOIST,  # Largest rate of the upper cable's length [m/s]
-) = range(6)
-PLANT_SIZE = 6
+    LEAST_HEIGHT,  # Cosine of the largest angle of a cable from the vertical [-]
+) = range(7)
+PLANT_SIZE = 7
 
 
 @compiled

@@ -85,6 +85,8 @@ class Track:
         Positive where the hook is ahead of the trolley.
         """
         upper = self.rows[:, UPPER : UPPER + 3]
+        if self.crane.model == "linear":
+            return upper[:, :2]
         angles: FloatArray = np.arctan2(upper[:, :2], -upper[:, 2:])
         return angles
 
@@ -107,19 +109,38 @@ class Track:
         """Energy seen from the trolley, above that at rest, (n,) [J].
 
         An undamped swing under a trolley that goes evenly keeps it; the amplitude of a small swing
-        goes with its root.
+        goes with its root. Damped, the velocity counts as that of ``exp(z w t)`` times the swing,
+        and the stiffness less accordingly: so of the linear model it falls by ``exp(-2 z w t)``,
+        without a wave.
         """
         crane, gravity = self.crane, self.crane.gravity_m_s2
-        lift = self.hook_m[:, 2] + self.cable_length_m
-        energy: FloatArray = crane.hook_mass_kg * (
-            gravity * lift + (self.hook_rate_m_s**2).sum(axis=1) / 2
-        )
+        decay = crane.decays_s(self.cable_length_m)[:, None]
+        lift = self._lift_m(UPPER, self.cable_length_m)
+        parts = [(crane.hook_mass_kg, lift, self.hook_m)]
+        rates = [self.hook_rate_m_s]
         if crane.load is not None:
-            lower = lift + crane.load.length_m * (1 + self.rows[:, LOWER + 2])
-            energy = energy + crane.load.mass_kg * (
-                gravity * lower + (self.load_rate_m_s**2).sum(axis=1) / 2
-            )
-        return energy
+            lift = lift + self._lift_m(LOWER, crane.load.length_m)
+            parts.append((crane.load.mass_kg, lift, self.load_m))
+            rates.append(self.load_rate_m_s)
+        total: FloatArray = np.zeros(self.times_s.size)
+        for (mass, height, place), rate in zip(parts, rates, strict=True):
+            moved, beside = rate.copy(), place.copy()
+            beside[:, 2] = 0.0
+            if crane.model == "linear":
+                moved[:, 2] = 0.0
+            squares = ((moved + decay * beside) ** 2 - (decay * beside) ** 2).sum(axis=1)
+            total = total + mass * (gravity * height + squares / 2)
+        return total
+
+    def _lift_m(self, vector: int, length_m: FloatArray | float) -> FloatArray:
+        """Return how far the lower end of a cable is above hanging, shape (n,) [m]."""
+        x, y, z = self.rows[:, vector : vector + 3].T
+        if self.crane.model == "linear":
+            raised: FloatArray = length_m * (x**2 + y**2) / 2
+        else:
+            # 1 + z of a unit vector, without the digits that it would lose.
+            raised = length_m * (x**2 + y**2) / (1 - z)
+        return raised
 
     @property
     def energy_j(self) -> FloatArray:

@@ -126,7 +126,7 @@ def test_a_stop_too_slow_for_what_is_behind_the_switch_exceeds_the_stroke() -> N
 def test_commands_and_hoists_out_of_bounds_are_refused() -> None:
     machine = Machine(replace(CRANE, max_cable_length_m=1.4), (THESIS, THESIS), 0.2)
     with refused("out_of_range", "level"):
-        machine.command("x", 1.01)
+        machine.command("x", 7.51)
     with refused("out_of_range", "level"):
         machine.command("x", math.nan)
     with refused("unknown_axis", "axis"):
