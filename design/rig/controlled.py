@@ -8,8 +8,9 @@ import numpy as np
 from design.checks import require_scale
 from design.errors import InvalidInputError
 from design.rig.camera import Camera, Frame
+from design.rig.crane import AXES
 from design.rig.encoder import Encoder
-from design.rig.machine import AXES, Machine
+from design.rig.machine import Machine
 from design.rig.march import MOTION, ROPE
 from design.rig.track import Track
 from design.types import FloatArray, IntArray

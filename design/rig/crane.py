@@ -10,7 +10,7 @@ from design.checks import require_between, require_scale
 from design.errors import InvalidInputError
 from design.model.plants.mode import MAX_DAMPING_RATIO
 from design.model.plants.pendulum import STANDARD_GRAVITY_M_S2
-from design.rig.swing import (
+from design.rig.plant import (
     DAMPING,
     GRAVITY,
     LEAST_HEIGHT,
@@ -19,10 +19,14 @@ from design.rig.swing import (
     MASS_RATIO,
     MAX_HOIST,
     PLANT_SIZE,
-    drag,
-    slowest_frequency,
+    lowest_frequency,
 )
 from design.types import FloatArray
+
+AxisName = Literal["x", "y"]
+
+AXES: tuple[AxisName, AxisName] = ("x", "y")
+"""The axes in the order of columns."""
 
 CraneModel = Literal["nonlinear", "linear"]
 """Newton's law for swings of any size; or what is of first order in small ones."""
@@ -118,8 +122,8 @@ class Crane:
         """Return the rate at which swings die away at lengths, shape (n,) [1/s]."""
         if self.damping_ratio == 0.0:
             return np.zeros(cable_length_m.size)
-        row = self.plant_row
-        return np.array([drag(row, length) / 2 for length in cable_length_m.tolist()])
+        lowest = [self.frequencies_rad_s(length)[0] for length in cable_length_m.tolist()]
+        return self.damping_ratio * np.array(lowest)
 
     def frequencies_rad_s(self, cable_length_m: float) -> tuple[float, ...]:
         """Return the natural frequencies of small swings at a length of the cable.
@@ -134,15 +138,57 @@ class Crane:
         tuple of float
             One, or two with a load, ascending [rad/s].
         """
-        slowest = float(slowest_frequency(self.plant_row, cable_length_m))
         if self.load is None:
-            return (slowest,)
+            return (lowest_frequency(self.gravity_m_s2, 0.0, cable_length_m, 0.0),)
+        mass_ratio, lower_m = self.load.mass_kg / self.hook_mass_kg, self.load.length_m
+        slowest = lowest_frequency(self.gravity_m_s2, mass_ratio, cable_length_m, lower_m)
         # The product of both squares is (1 + u) g^2 / (l k).
-        ratio = 1 + self.load.mass_kg / self.hook_mass_kg
-        product = math.sqrt(ratio / (cable_length_m * self.load.length_m)) * self.gravity_m_s2
+        product = math.sqrt((1 + mass_ratio) / (cable_length_m * lower_m)) * self.gravity_m_s2
         return slowest, product / slowest
 
     @property
     def slowest_rad_s(self) -> float:
         """Lowest natural frequency of small swings at the first length [rad/s]."""
-        return float(slowest_frequency(self.plant_row, self.cable_length_m))
+        return self.frequencies_rad_s(self.cable_length_m)[0]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LimitSwitch:
+    """An axis has come to a limit switch, and its drive was commanded to stop.
+
+    Attributes
+    ----------
+    axis
+        Which.
+    at_s, position_m
+        When and where [s], [m].
+    """
+
+    axis: AxisName
+    at_s: float
+    position_m: float
+
+
+def require_cable(cable_length_m: float, most_m: float) -> None:
+    """Check that a cable can be hoisted to a length.
+
+    Parameters
+    ----------
+    cable_length_m
+        The length [m].
+    most_m
+        Most that the hoist can let down [m].
+
+    Raises
+    ------
+    InvalidInputError
+        If the cable would be hoisted through zero, or be too long.
+    """
+    if not cable_length_m >= MIN_CABLE_M:
+        raise InvalidInputError(
+            "cable_length_m",
+            cable_length_m,
+            f"at least {MIN_CABLE_M:g}: a cable is not hoisted through zero",
+            code="cable_through_zero",
+        )
+    require_between("cable_length_m", cable_length_m, MIN_CABLE_M, most_m)

@@ -2,8 +2,6 @@
 
 import math
 from bisect import insort
-from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -22,7 +20,7 @@ from design.rig.axis import (
     axis_motion,
     drive_row,
 )
-from design.rig.crane import MIN_CABLE_M, Crane, Stroke
+from design.rig.crane import AXES, AxisName, Crane, LimitSwitch, Stroke, require_cable
 from design.rig.march import (
     HOIST,
     HOIST_SPEED,
@@ -34,37 +32,16 @@ from design.rig.march import (
     SWITCH,
     march,
 )
-from design.rig.swing import LEAST_HEIGHT, LOWER_Z, STATE_SIZE, UPPER_Z
+from design.rig.plant import LEAST_HEIGHT
+from design.rig.swing import LOWER_Z, STATE_SIZE, UPPER_Z
 from design.rig.track import Track
 from design.types import FloatArray
-
-AxisName = Literal["x", "y"]
-
-AXES: tuple[AxisName, AxisName] = ("x", "y")
-"""The axes in the order of columns."""
 
 FIRST_STEP_S = 0.01
 """What the first step is tried with; the error chooses those after it [s]."""
 
 FASTEST_DRIVE_RAD_S = 1e6
 """Fastest lag that steps through time resolve; an ideal one is exact [rad/s]."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LimitSwitch:
-    """An axis has come to a limit switch, and its drive was commanded to stop.
-
-    Attributes
-    ----------
-    axis
-        Which.
-    at_s, position_m
-        When and where [s], [m].
-    """
-
-    axis: AxisName
-    at_s: float
-    position_m: float
 
 
 class Machine:
@@ -177,16 +154,7 @@ class Machine:
             If the cable would be hoisted through zero or be too long, or the time is past.
         """
         require_scale("over_s", over_s)
-        if not cable_length_m >= MIN_CABLE_M:
-            raise InvalidInputError(
-                "cable_length_m",
-                cable_length_m,
-                f"at least {MIN_CABLE_M:g}: a cable is not hoisted through zero",
-                code="cable_through_zero",
-            )
-        require_between(
-            "cable_length_m", cable_length_m, MIN_CABLE_M, self.crane.max_cable_length_m
-        )
+        require_cable(cable_length_m, self.crane.max_cable_length_m)
         event = (self._time(at_s), float(HOIST), cable_length_m, over_s)
         insort(self._events, event, key=_at)
 

@@ -9,13 +9,10 @@ import math
 import numpy as np
 
 from design.rig.axis import CORNER, REFERENCE, SPEED, TIME, axis_motion, command_level, turn_corner
+from design.rig.plant import LEAST_HEIGHT, LINEAR, MASS_RATIO, MAX_HOIST
 from design.rig.swing import (
-    LEAST_HEIGHT,
-    LINEAR,
     LOWER,
     LOWER_Z,
-    MASS_RATIO,
-    MAX_HOIST,
     STATE_SIZE,
     UPPER,
     UPPER_Z,

@@ -12,8 +12,8 @@ from design.model.actuators.registry import Actuator
 from design.model.commands import convolve
 from design.model.impulses import Impulses
 from design.model.reference_ramps import reference
-from design.rig.crane import Crane
-from design.rig.machine import AXES, AxisName, LimitSwitch, Machine
+from design.rig.crane import AXES, AxisName, Crane, LimitSwitch
+from design.rig.machine import Machine
 from design.rig.scenario import Drive, HoistTo, Played, command_of
 from design.rig.track import Track
 from design.types import FloatArray

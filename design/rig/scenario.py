@@ -10,7 +10,7 @@ from design.model.actuators.registry import Actuator
 from design.model.commands import command_of_velocities, convolve, pulse
 from design.model.impulses import Impulses
 from design.response.closed_form import travel
-from design.rig.machine import AxisName
+from design.rig.crane import MAX_CABLE_M, AxisName, require_cable
 from design.types import FloatArray
 
 MAX_GAP = 3.0
@@ -74,6 +74,9 @@ class HoistTo:
     at_s: float
     over_s: float
     cable_length_m: float
+
+    def __post_init__(self) -> None:
+        require_cable(self.cable_length_m, MAX_CABLE_M)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -20,6 +20,7 @@ column of B there should be -1/L, since theta counts toward +y).
 
 import math
 
+from design.rig.plant import DAMPING, GRAVITY, LINEAR, LOWER_LENGTH, MASS_RATIO, lowest_frequency
 from design.tables.compiled import compiled, inlined
 from design.types import FloatArray
 
@@ -40,16 +41,7 @@ from design.types import FloatArray
 ) = range(13)
 STATE_SIZE = 13
 
-(
-    GRAVITY,  # [m/s^2]
-    DAMPING,  # Damping ratio of the slowest mode [-]
-    MASS_RATIO,  # Of load to hook; 0 if there is one body [-]
-    LOWER_LENGTH,  # [m]; 0 if there is one body
-    LINEAR,  # 1 for the linear model
-    MAX_HOIST,  # Largest rate of the upper cable's length [m/s]
-    LEAST_HEIGHT,  # Cosine of the largest angle of a cable from the vertical [-]
-) = range(7)
-PLANT_SIZE = 7
+_lowest_frequency = compiled(lowest_frequency)
 
 
 @compiled
@@ -70,31 +62,8 @@ def drag(plant: FloatArray, length_m: float) -> float:
     """
     if plant[DAMPING] == 0.0:
         return 0.0
-    return float(2 * plant[DAMPING] * slowest_frequency(plant, length_m))
-
-
-@compiled
-def slowest_frequency(plant: FloatArray, length_m: float) -> float:
-    """Return the lowest natural frequency of small swings [rad/s].
-
-    Parameters
-    ----------
-    plant
-        Shape (PLANT_SIZE,).
-    length_m
-        Length of the upper cable [m].
-
-    Returns
-    -------
-    float
-        The smaller root of ``w^4 - (1+u) g (1/l + 1/k) w^2 + (1+u) g^2/(l k) = 0``.
-    """
-    gravity, ratio, lower = plant[GRAVITY], plant[MASS_RATIO], plant[LOWER_LENGTH]
-    if ratio == 0.0:
-        return math.sqrt(gravity / length_m)
-    half = (1 + ratio) * gravity * (1 / length_m + 1 / lower) / 2
-    product = (1 + ratio) * gravity * gravity / (length_m * lower)
-    return math.sqrt(product / (half + math.sqrt(half * half - product)))
+    lowest = _lowest_frequency(plant[GRAVITY], plant[MASS_RATIO], length_m, plant[LOWER_LENGTH])
+    return float(2 * plant[DAMPING] * lowest)
 
 
 @inlined

@@ -15,8 +15,7 @@ from design.model.plants.mode import Mode
 from design.model.plants.modes import Modes
 from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
-from design.rig.crane import Crane, Load, Stroke
-from design.rig.machine import AxisName
+from design.rig.crane import AxisName, Crane, Load, Stroke
 from design.rig.runs import Run, Scenario, run
 from design.rig.scenario import (
     Drive,
