@@ -250,15 +250,16 @@ class RunRequest(Wire):
     actuator: ActuatorIn
     speed_m_s: Annotated[Positive, Field(description="Full speed [m/s].")]
     shaping: Annotated[
-        NoShaping | DelayLine,
-        Field(discriminator="mode", description="What becomes of commands before the drive."),
-    ] = NoShaping(mode="none")
+        Annotated[NoShaping | DelayLine, Field(discriminator="mode")] | None,
+        Field(description="What becomes of commands before the drive; nothing if null."),
+    ] = None
     model: Annotated[
         CraneModel, Field(description="Whether swings count as small, or as large as they are.")
     ] = "linear"
     events: Annotated[
-        list[EventIn], Field(max_length=MAX_EVENTS, description="What happens, in any order.")
-    ] = []  # noqa: RUF012 - frozen, and pydantic copies it
+        list[EventIn] | None,
+        Field(max_length=MAX_EVENTS, description="What happens, in any order; nothing if null."),
+    ] = None
     played: Annotated[
         PlayedAxes | None, Field(description="Courses that a controller has computed or recorded.")
     ] = None
@@ -373,10 +374,11 @@ class RunResponse(Wire):
     events: Annotated[list[EventOut], Field(description="The events, in the order given.")]
     history: Annotated[RunHistory, Field(description="The motion over time.")]
     residual: Annotated[
-        float,
+        float | None,
         Field(
             description="Residual vibration after the last switch, ramp and hoist, by the root of "
-            "its energy: a share of one unshaped step at full speed, at the length at the end [-]."
+            "its energy: a share of one unshaped step at full speed, at the length at the end; "
+            "null where it has died away before the drive has settled [-]."
         ),
     ]
     limit_switches: Annotated[

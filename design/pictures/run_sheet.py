@@ -78,13 +78,16 @@ def run_sheet(plant: Plant, scenario: Scenario, run: Run, version: str) -> Figur
 def _facts(plant: Plant, scenario: Scenario, run: Run) -> list[Fact]:
     swing = np.hypot(*run.track.load_m[:, :2].T).max()
     model = f"{scenario.crane.model} model"
+    remains = ("not defined", "it has died away")
+    if run.residual is not None:
+        remains = residual_in_words(run.residual), "of an unshaped step"
     kind = "a delay line" if scenario.shaper is not None else "no shaping"
     return [
         Fact("plant", *plant_in_words(plant)),
         Fact("actuator", *actuator_in_words(scenario.drive)),
         Fact("last switch", f"{run.last_switch_s:.4g} s", f"{kind}\n{scenario.speed_m_s:.3g} m/s"),
         Fact("largest deflection", f"{swing:.3g} m", model),
-        Fact("remains", residual_in_words(run.residual), "of an unshaped step"),
+        Fact("remains", *remains),
     ]
 
 
@@ -94,16 +97,16 @@ def _draw_velocity(axes: Axes, driven: list[_Stroke], run: Run) -> None:
     for one in driven:
         axes.plot(
             times, run.command_m_s[:, one.column], color=INK, linewidth=1.0,
-            linestyle=(0, (4, 2)) if one.column == 0 else (0, (1, 1.4)), drawstyle="steps-post",
-            label=f"command {one.axis}", gid=f"command_{one.axis}",
+            linestyle=(0, (4, 2)), drawstyle="steps-post",
+            label="command" if one is driven[0] else None, gid=f"command_{one.axis}",
         )  # fmt: skip
         axes.plot(
             times, run.track.velocity_m_s[:, one.column], color=one.colour,
-            label=f"velocity {one.axis}", gid=f"velocity_{one.axis}",
+            label=one.axis, gid=f"velocity_{one.axis}",
         )  # fmt: skip
     axes.margins(y=0.14)
     axes.set_ylabel("velocity [m/s]")
-    legend_above(axes, columns=4)
+    legend_above(axes)
 
 
 def _draw_swing(axes: Axes, driven: list[_Stroke], scenario: Scenario, run: Run) -> None:
@@ -112,7 +115,7 @@ def _draw_swing(axes: Axes, driven: list[_Stroke], scenario: Scenario, run: Run)
     for one in driven:
         axes.plot(
             times, run.track.load_m[:, one.column], color=one.colour,
-            label=f"deflection {one.axis}", gid=f"deflection_{one.axis}",
+            label=one.axis, gid=f"deflection_{one.axis}",
         )  # fmt: skip
     axes.margins(y=0.14)
     axes.set_ylabel("deflection [m]")

@@ -21,6 +21,9 @@ from design.types import FloatArray
 SETTLED = 40.0
 """Time constants of a lag after which e^-40 of its transient is left [-]."""
 
+MAX_DECAY = 12.0
+"""Decay over which a swing is followed back: an error of 1e-12 becomes one of 2e-7 [-]."""
+
 FULL_SPEED = 1.0 + 1e-9
 """Level above which a command is beyond full speed, rounding aside [-]."""
 
@@ -69,7 +72,8 @@ class Run:
         When the last command changes, or the last hoist ends [s].
     residual
         Amplitude of what swings after the last switch, ramp and hoist over that of an unshaped step
-        at full speed and the cable length at the end: the root of their energies [-].
+        at full speed and the cable length at the end: the root of their energies; None where it has
+        died away before the drive has settled [-].
     switches
         Limit switches that were met.
     warnings
@@ -80,7 +84,7 @@ class Run:
     track: Track
     command_m_s: FloatArray
     last_switch_s: float
-    residual: float
+    residual: float | None
     switches: tuple[LimitSwitch, ...]
     warnings: tuple[DesignWarning, ...]
 
@@ -167,7 +171,7 @@ def _steady_s(command: Impulses, drive: Actuator) -> float:
     return float((changes.times_s + changes.ramps_s).max()) + drive.dead_time_s
 
 
-def _residual(machine: Machine, drive: Actuator, steady_s: float) -> float:
+def _residual(machine: Machine, drive: Actuator, steady_s: float) -> float | None:
     """Return the amplitude that remains after a time, as a share of an unshaped step's [-]."""
     machine.open_bounds()
     lags = (drive.accel_lag, drive.decel_lag)
@@ -181,6 +185,8 @@ def _residual(machine: Machine, drive: Actuator, steady_s: float) -> float:
     step.command("x", 1.0)
     unshaped = step.advance(settled + plain.dead_time_s)
     decay = float(crane.decays_s(np.array([length]))[0])
+    if decay * max(settled, float(remains.times_s[0]) - steady_s) > MAX_DECAY:
+        return None
     amplitudes = [
         math.sqrt(max(float(track.swing_energy_j[0]), 0.0)) * math.exp(decay * since)
         for track, since in (

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 MAX_TURN_RAD = 1e5
 """Most that the fastest mode of a run may turn: a few seconds of work [rad]."""
 
-MAX_STEPS = 1_000_000
+MAX_STEPS = 200_000
 """Most steps of a shaped command."""
 
 
@@ -116,7 +116,7 @@ def _case_of(request: RunRequest) -> _Case:
     hoists: list[HoistTo] = []
     lasts = []
     late = 0.0 if shaper is None else shaper.duration_s
-    for number, event in enumerate(request.events):
+    for number, event in enumerate(request.events or ()):
         with name_field(f"events.{number}"):
             event.require_one()
             ours = _drives_of(number, event, request.speed_m_s, actuator, shaper)
@@ -273,7 +273,7 @@ def _require_short(
     played: dict[AxisName, Played],
 ) -> None:
     """Check that the work of a run has an end."""
-    lengths = [event.cable_length_m for event in request.events if event.cable_length_m]
+    lengths = [event.cable_length_m for event in request.events or () if event.cable_length_m]
     shortest = max(min([crane.cable_length_m, *lengths]), 1e-3)
     fastest = crane.frequencies_rad_s(shortest)[-1]
     lags = (actuator.accel_lag, actuator.decel_lag)
@@ -320,7 +320,7 @@ def _answer(request: RunRequest, case: _Case, done: Run) -> RunResponse:
         done,
         [
             (event.at_s, last)
-            for event, last in zip(request.events, case.last_switches_s, strict=True)
+            for event, last in zip(request.events or (), case.last_switches_s, strict=True)
         ],
         reports,
         has_cable=isinstance(case.plant, Pendulum),
