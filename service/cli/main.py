@@ -31,6 +31,15 @@ TABLE_HELP = "a table of designs over axes or a list, into a file (POST /v1/tabl
 PROGRAMS = tuple(name for name, row in FORMATS.items() if row.is_program)
 """Formats of a table that a single design has too."""
 
+LOG = "mat"
+"""Format of a run's log for MATLAB."""
+
+MORE_FORMATS = {
+    "design": (PROGRAMS, f"; {', '.join(PROGRAMS)}: the shaper as a program or a line of firmware"),
+    "run": ((LOG,), f"; {LOG}: the log for MATLAB, into the file of -o"),
+}
+"""Formats that an operation has besides, and what is said of them."""
+
 MAX_WORKERS = 1024
 
 PICTURES: dict[str, Literal["png", "svg", "html"]] = {
@@ -147,7 +156,14 @@ def command_parser() -> argparse.ArgumentParser:
             metavar="REQUEST",
             help="the request, .json or .toml; - reads JSON from stdin",
         )
-        _add_format(command, PROGRAMS if operation == "design" else ())
+        _add_format(command, *MORE_FORMATS.get(operation, ((), "")))
+        if operation == "run":
+            command.add_argument(
+                "--play",
+                metavar="FILE",
+                type=Path,
+                help="play this CSV: times_s and x_velocity_m_s or x_position_m, the same for y",
+            )
         if operation == "design":
             command.add_argument(
                 "--trace",
@@ -163,17 +179,17 @@ def command_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _add_format(command: argparse.ArgumentParser, more: tuple[str, ...] = ()) -> None:
+def _add_format(
+    command: argparse.ArgumentParser, more: tuple[str, ...] = (), told: str = ""
+) -> None:
     command.add_argument(
         "-o", "--output", metavar="FILE", type=Path, help="write the answer to this file, whole"
     )
     command.add_argument("--pretty", action="store_true", help="indent the JSON of the answer")
-    programs = f"; {', '.join(PROGRAMS)}: the shaper as a program or a line of firmware"
     command.add_argument(
         "--format",
         choices=("json", "table", "csv", *more),
-        help="format of the answer, json if not given; if given, json also holds for errors"
-        + (programs if more else ""),
+        help="format of the answer, json if not given; if given, json also holds for errors" + told,
     )
 
 
@@ -239,6 +255,8 @@ def _table(options: argparse.Namespace) -> int:
 
 def _answer(options: argparse.Namespace) -> int:
     plot: Path | None = options.plot
+    if options.format == LOG and options.output is None:
+        raise UsageError(f"--format {LOG} needs -o FILE to write")
     content, read = _read(options.request)
     if plot is not None:
         _require_picture(plot, read)
@@ -254,6 +272,10 @@ def _answer(options: argparse.Namespace) -> int:
 
     try:
         body = read_request(content, toml=options.request.lower().endswith(".toml"))
+        if getattr(options, "play", None) is not None:
+            from service.cli.played_file import with_played  # noqa: PLC0415
+
+            body = with_played(body, options.play.name, _read(str(options.play))[0])
     except ReadingError as error:
         return _tell(error.problem, options, as_json=options.format == "json")
     operation = COMMANDS[options.command]
@@ -278,6 +300,12 @@ def _answer(options: argparse.Namespace) -> int:
         case = load(operation)
         request = case.request.model_validate_json(body).model_copy(update=asked)
         write_whole(plot, figure_bytes(case.draw(request), PICTURES[plot.suffix]))
+    if options.format == LOG:
+        from service.cli.run_log import as_mat  # noqa: PLC0415
+        from service.files import write_whole  # noqa: PLC0415
+
+        write_whole(options.output, as_mat(response))  # type: ignore[arg-type]
+        return OK
     _print(response, options, body)  # type: ignore[arg-type]
     return OK
 

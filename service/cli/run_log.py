@@ -2,7 +2,9 @@
 
 from collections.abc import Iterable, Sequence
 
+from design.export.log_mat import log_mat
 from schemas.runs import AxisHistory, RunResponse
+from service.version import version
 
 
 def run_rows(response: RunResponse) -> Iterable[Sequence[object]]:
@@ -33,6 +35,11 @@ def log_columns(response: RunResponse) -> dict[str, Sequence[float]]:
 def _axis_columns(history: AxisHistory, ahead: str) -> dict[str, Sequence[float]]:
     told = {name: getattr(history, name) for name in AxisHistory.model_fields}
     return {f"{ahead}{name}": values for name, values in told.items() if values is not None}
+
+
+def as_mat(response: RunResponse) -> bytes:
+    """Return the log of a run as a file for MATLAB, the same for the same run."""
+    return log_mat(log_columns(response), f"shapersmith {version()}")
 
 
 def run_lines(response: RunResponse) -> list[str]:
