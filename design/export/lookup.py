@@ -172,6 +172,7 @@ def lookup_of(head: TableHead, rows: Rows) -> Lookup | str:
     residuals = made.residuals(points)
     in_single = times_by_lookup(axes, times_s, points, np.float32)
     rounded = np.abs(made.residuals(points, in_single) - residuals).max()
+    largest = max(float(residuals.max()), _by_certificate(made, points, residuals))
     proven = residual_bound(
         [GridAxis(field=axis.field, values=axis.values) for axis in axes],
         times_s,
@@ -179,8 +180,8 @@ def lookup_of(head: TableHead, rows: Rows) -> Lookup | str:
         made.plant,
         made.actuator,
         made.amplitudes,
+        found=largest,
     )
-    largest = max(float(residuals.max()), _by_certificate(made, points, residuals))
     bound = max(proven.largest, largest)
     if proven.unproven.any():
         bound = max(proven.largest, made.residual_bound, MARGIN * largest)

@@ -11,11 +11,11 @@ phases that are off as `design.tables.proven_bound.stencils` derives it.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from design.model.actuators.rate_limited import RateLimited, Unlimited
+from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import SAME_TIME, Impulses
 from design.model.plants.pendulum import Pendulum
@@ -25,12 +25,16 @@ from design.tables.interpolation import OneMode
 from design.tables.proven_bound.balls import Ball, Number
 from design.tables.proven_bound.cells import Cells
 from design.tables.proven_bound.chebyshev import between_zeros, truncation, zeros
+from design.tables.proven_bound.ramps import Answers, Course, course, courses, ramps_by
 from design.tables.proven_bound.stencils import GridAxis, cells_of, in_bernstein
-from design.tables.proven_bound.vectors import lags_of, plant_of, vector_of
+from design.tables.proven_bound.vectors import Coordinates, lags_of, plant_of, steps_of, vector_of
 from design.types import BoolArray, FloatArray, IntArray
 
 REACHES = tuple(float(reach) for reach in np.geomspace(1.5, 1500.0, 16))
 """Disks that are tried, over half a cell: the best one is taken, cell by cell [-]."""
+
+AT_REST = 1e-12
+"""Share of all steps within which a level is 0, as of `design.model.ramps` [-]."""
 
 NEAREST_SINGULARITY = 0.8
 """Share of the way to where a coordinate vanishes, and with it the plant or a lag, or where the
@@ -48,14 +52,22 @@ TIGHT = 1.03
 ZEROS_PER_DEGREE = (2, 4, 8)
 """Values along an axis, tried in turn: each time of cells that may still have the largest."""
 
-MOST_HALVINGS = 5
-"""Of a cell along each axis."""
+MOST_HALVINGS = {1: 9, 2: 7}
+"""Of a cell along each axis, by how many there are: so far a cell is halved at a kink, where two
+courses are possible and one of them reaches beyond where it is true."""
+
+FAR_REACHED = 1.2
+"""Largest residual known over that of a course in a part, from which on it is not halved: it may be
+a course beyond where it is true, but what it says there is no bound of all [-]."""
 
 MOST_PARTS = 50_000
 """Cells and parts of them, together: beyond, no cell is halved."""
 
 FIRST_VALUES = 3
 """Along each axis of a cell: their residual says how much a polynomial may lack."""
+
+DISKS_AT_ONCE = 8_000
+"""Disks that are looked at together."""
 
 VALUES_AT_ONCE = 200_000
 """Values that are found together: their numbers fit into memory."""
@@ -90,8 +102,9 @@ class _Command:
 
     fields: tuple[str, ...]
     plant: OneMode
-    actuator: Unlimited
+    actuator: Actuator
     amplitudes: FloatArray
+    answers: Answers = ()  # Which ramps are turned; without limits there is nothing to ask
 
     @property
     def plant_fields(self) -> tuple[str, ...]:
@@ -115,7 +128,20 @@ class _Command:
 
     def vector(self, phases: Sequence[Number], at: Sequence[Number]) -> Number:
         """Return the residual's vector from phases and the coordinates of the axes."""
-        on_balls = isinstance(phases[0], Ball)
+        coordinate = self.coordinates(at, on_balls=isinstance(phases[0], Ball))
+        frequency, pole = plant_of(coordinate, self.plant_fields)
+        if isinstance(self.actuator, RateLimited):
+            ramps = ramps_by(self.answers, self.course(phases, frequency, coordinate))
+            lags = lags_of(self.actuator.then, "actuator.then", frequency, coordinate)
+        else:
+            each = np.arange(self.amplitudes.size, dtype=np.float64)
+            accelerates = Impulses(times_s=each, amplitudes=self.amplitudes).accelerates
+            ramps = steps_of(phases, self.amplitudes, accelerates)
+            lags = lags_of(self.actuator, "actuator", frequency, coordinate)
+        return vector_of(ramps, pole, lags, switched=self.actuator.model == "switched")
+
+    def coordinates(self, at: Sequence[Number], *, on_balls: bool) -> Coordinates:
+        """Return the coordinate of every field, from those of the axes."""
 
         def coordinate(field: str) -> Number:
             if field in self.fields:
@@ -124,19 +150,39 @@ class _Command:
             exact = not on_balls or coordinate_of(field) == "itself"
             return value if exact else Ball.near(np.array(value))
 
-        frequency, pole = plant_of(coordinate, self.plant_fields)
-        lags = lags_of(self.actuator, frequency, coordinate)
-        each = np.arange(self.amplitudes.size, dtype=np.float64)
-        accelerates = Impulses(times_s=each, amplitudes=self.amplitudes).accelerates
-        switched = self.actuator.model == "switched"
-        return vector_of(phases, self.amplitudes, accelerates, pole, lags, switched=switched)
+        return coordinate
+
+    def course(
+        self, phases: Sequence[Number], frequency: Number, coordinate: Coordinates
+    ) -> Course:
+        """Return the course of the reference behind limits."""
+        levels = np.cumsum(self.amplitudes)
+        levels[np.abs(levels) <= AT_REST * np.abs(self.amplitudes).sum()] = 0.0
+        speed = frequency * coordinate("actuator.speed_m_s")
+        rise, fall = (
+            speed * coordinate(f"actuator.{one}_limit_m_s2") for one in ("accel", "decel")
+        )
+        return course(phases, levels.tolist(), rise, fall)
+
+    def courses(self, cells: Cells) -> list[tuple[Answers, IntArray]] | None:
+        """Return what ramps may be turned in which cells; None if that may be anything."""
+        if not isinstance(self.actuator, RateLimited):
+            return [((), np.arange(len(cells.number)))]
+
+        def following(places: IntArray) -> Course:
+            some = cells.take(places)
+            ones = np.ones_like(some.halves)
+            coordinate = self.coordinates(some.coordinates(ones), on_balls=True)
+            frequency, _ = plant_of(coordinate, self.plant_fields)
+            return self.course(some.balls(ones, some.off), frequency, coordinate)
+
+        return courses(len(cells.number), following)
 
     def on(self, cells: Cells, reach: FloatArray, off: FloatArray) -> Ball:
         """Return the vector on disks about the cells."""
-        at = [cells.coordinate(axis, reach) for axis in range(len(self.fields))]
         # What overflows is without bound.
         with np.errstate(over="ignore", invalid="ignore"):
-            found: Ball = self.vector(cells.balls(reach, off), at)
+            found: Ball = self.vector(cells.balls(reach, off), cells.coordinates(reach))
         return found
 
     def largest_at(self, cells: Cells, count: int) -> FloatArray:
@@ -161,13 +207,24 @@ class _Command:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class _Proven:
-    """Parts of cells that are proven, and what is known of each, shape (m,)."""
+class _Known:
+    """What is known of parts of cells that have one course, shape (m,)."""
 
+    command: _Command
     cells: Cells
     tails: FloatArray  # What polynomials lack, of `DEGREES`, shape (m, degrees)
-    errors: FloatArray  # What rounding adds, in double precision
+    errors: FloatArray  # What rounding adds, in double precision; infinite without a proof
     in_single: FloatArray  # And in single precision
+
+    def where(self, which: BoolArray) -> "_Known":
+        """Return what is known of some of the parts."""
+        return _Known(
+            command=self.command,
+            cells=self.cells.take(np.flatnonzero(which)),
+            tails=self.tails[which],
+            errors=self.errors[which],
+            in_single=self.in_single[which],
+        )
 
 
 def residual_bound(
@@ -177,6 +234,7 @@ def residual_bound(
     plant: OneMode,
     actuator: Actuator,
     amplitudes: FloatArray,
+    found: float = 0.0,
 ) -> ResidualBound:
     """Return what times between the rows of a table leave at most.
 
@@ -189,17 +247,18 @@ def residual_bound(
     usable
         Cells that are interpolated, one less along each axis than it has values.
     plant, actuator
-        What the axes are varied in.
+        What the axes are varied in; limits to the rate without one to the jerk.
     amplitudes
         Of all rows, shape (n,) [-].
+    found
+        Largest residual that is known of [-]. It says where a finer look is worth while, and
+        nothing that is proven rests on it.
 
     Returns
     -------
     ResidualBound
         For every point of the cells that are proven.
     """
-    if isinstance(actuator, RateLimited):
-        return ResidualBound(largest=0.0, in_single=0.0, found=0.0, unproven=usable)
     command = _Command(
         fields=tuple(axis.field for axis in axes),
         plant=plant,
@@ -208,68 +267,73 @@ def residual_bound(
     )
     cells = cells_of(axes, times_s, command.scale(axes), usable)
     unproven = np.zeros(usable.shape, dtype=np.bool_)
-    proven, open_cells = _prove(command, cells)
+    proven, open_cells = _prove(command, cells, found)
     unproven.ravel()[open_cells] = True
     # A part says nothing of a cell that has another without a proof.
-    proven = _of(proven, ~unproven.ravel()[proven.cells.number])
-    if not proven.cells.number.size:
-        return ResidualBound(largest=0.0, in_single=0.0, found=0.0, unproven=unproven)
-    found, largest = _largest(command, proven)
-    return ResidualBound(
-        largest=float((largest + proven.errors).max()),
-        in_single=float((largest + proven.in_single).max()),
-        found=found,
-        unproven=unproven,
+    proven = [one.where(~unproven.ravel()[one.cells.number]) for one in proven]
+    proven = [one for one in proven if one.cells.number.size]
+    found = max(
+        (float(one.command.largest_at(one.cells, FIRST_VALUES).max()) for one in proven),
+        default=0.0,
     )
+    largest = in_single = 0.0
+    for one in proven:
+        found, bounds = _largest(one, found)
+        largest = max(largest, float((bounds + one.errors).max()))
+        in_single = max(in_single, float((bounds + one.in_single).max()))
+    return ResidualBound(largest=largest, in_single=in_single, found=found, unproven=unproven)
 
 
-def _of(proven: _Proven, which: BoolArray) -> _Proven:
-    return _Proven(
-        cells=proven.cells.take(np.flatnonzero(which)),
-        tails=proven.tails[which],
-        errors=proven.errors[which],
-        in_single=proven.in_single[which],
-    )
-
-
-def _prove(command: _Command, cells: Cells) -> tuple[_Proven, IntArray]:
+def _prove(command: _Command, cells: Cells, found: float) -> tuple[list[_Known], IntArray]:
     """Return parts of cells that are proven, and the numbers of cells that have others."""
-    largest = float(command.largest_at(cells, FIRST_VALUES).max())
-    done: list[_Proven] = []
-    for halving in range(MOST_HALVINGS + 1):
-        found = _parts(command, cells)
-        last = halving == MOST_HALVINGS or 2 ** len(command.fields) * len(cells.number) > MOST_PARTS
-        enough = found.tails[:, -1] <= largest * (1 if last else NEGLIGIBLE) + found.errors
-        known = np.isfinite(found.errors) & enough
-        done.append(_of(found, known))
+    done: list[_Known] = []
+    most = MOST_HALVINGS[len(command.fields)]
+    for halving in range(most + 1):
+        followed = command.courses(cells)
+        if followed is None:
+            return done, np.unique(cells.number)
+        last = halving == most or 2 ** len(command.fields) * len(cells.number) > MOST_PARTS
+        each = [
+            _known_of(replace(command, answers=answers), cells.take(places))
+            for answers, places in followed
+        ]
+        first = [one.command.largest_at(one.cells, FIRST_VALUES) for one in each]
+        largest = max(found, *(float(one.max()) for one in first))
+        several = np.bincount(np.concatenate([places for _, places in followed])) > 1
+        known = np.ones(len(cells.number), dtype=np.bool_)
+        for (_, places), one, residuals in zip(followed, each, first, strict=True):
+            enough = one.tails[:, -1] <= largest * (1 if last else NEGLIGIBLE) + one.errors
+            small = FAR_REACHED * residuals <= found
+            known[places] &= np.isfinite(one.errors) & enough & (~several[places] | small | last)
+        done += [one.where(known[places]) for (_, places), one in zip(followed, each, strict=True)]
         cells = cells.take(np.flatnonzero(~known))
         if last or not len(cells.number):
             break
         cells = cells.halved()
-    together = _Proven(
-        cells=Cells.joined([one.cells for one in done]),
-        tails=np.concatenate([one.tails for one in done]),
-        errors=np.concatenate([one.errors for one in done]),
-        in_single=np.concatenate([one.in_single for one in done]),
-    )
-    return together, np.unique(cells.number)
+    return done, np.unique(cells.number)
 
 
-def _parts(command: _Command, cells: Cells) -> _Proven:
-    """Return what is known of cells; errors are infinite of those that are not proven."""
+def _known_of(command: _Command, cells: Cells) -> _Known:
+    """Return what is known of cells of one course."""
     ones = np.ones_like(cells.halves)
     errors, in_single = (
         np.where(_ordered(cells, off), command.on(cells, ones, off).error, np.inf)
         for off in (cells.off, cells.off_in_single)
     )
-    tails = np.full((len(cells.number), len(DEGREES)), np.inf)
+    count, axes = cells.halves.shape
+    tails = np.full((count, len(DEGREES)), np.inf)
     furthest = command.furthest(cells)
-    for reach in REACHES:
-        disks = np.minimum(reach, furthest)
-        largest = command.on(cells, disks, cells.off).size
+    # Of few cells many disks at once: each operation takes a while of its own.
+    at_once = max(DISKS_AT_ONCE // max(count, 1), 1)
+    for start in range(0, len(REACHES), at_once):
+        reaches = np.array(REACHES[start : start + at_once])
+        disks = np.minimum(reaches[:, None, None], furthest).reshape(-1, axes)
+        several = cells.take(np.tile(np.arange(count), reaches.size))
+        largest = command.on(several, disks, several.off).size
         for place, degree in enumerate(DEGREES):
-            tails[:, place] = np.minimum(tails[:, place], truncation(largest, disks, degree))
-    return _Proven(cells=cells, tails=tails, errors=errors, in_single=in_single)
+            lacking = truncation(largest, disks, degree).reshape(reaches.size, count)
+            tails[:, place] = np.minimum(tails[:, place], lacking.min(axis=0))
+    return _Known(command=command, cells=cells, tails=tails, errors=errors, in_single=in_single)
 
 
 def _ordered(cells: Cells, off: FloatArray) -> BoolArray:
@@ -281,22 +345,22 @@ def _ordered(cells: Cells, off: FloatArray) -> BoolArray:
     return ordered
 
 
-def _largest(command: _Command, proven: _Proven) -> tuple[float, FloatArray]:
+def _largest(known: _Known, found: float) -> tuple[float, FloatArray]:
     """Return the largest residual found, and what it is at most in each part, shape (m,) [-]."""
-    found = float(command.largest_at(proven.cells, FIRST_VALUES).max())
-    enough = proven.tails <= NEGLIGIBLE * found + proven.errors[:, None]
+    command, cells = known.command, known.cells
+    enough = known.tails <= NEGLIGIBLE * found + known.errors[:, None]
     # The first degree that lacks little; where there is none, the one that lacks least.
-    degree = np.where(enough.any(axis=1), enough.argmax(axis=1), proven.tails.argmin(axis=1))
-    tail = np.take_along_axis(proven.tails, degree[:, None], axis=1)[:, 0]
+    degree = np.where(enough.any(axis=1), enough.argmax(axis=1), known.tails.argmin(axis=1))
+    tail = np.take_along_axis(known.tails, degree[:, None], axis=1)[:, 0]
     bounds = np.full(degree.size, np.inf)
     for per_degree in ZEROS_PER_DEGREE:
         loose = bounds > TIGHT * found
         for place in np.unique(degree[loose]).tolist():
             those = np.flatnonzero(loose & (degree == place))
             count = per_degree * DEGREES[place]
-            largest = command.largest_at(proven.cells.take(those), count)
+            largest = command.largest_at(cells.take(those), count)
             found = max(found, float(largest.max()))
             factor = between_zeros(DEGREES[place], count, len(command.fields))
-            at_zeros = largest + proven.errors[those] + tail[those]
+            at_zeros = largest + known.errors[those] + tail[those]
             bounds[those] = np.minimum(bounds[those], factor * at_zeros + tail[those])
     return found, bounds

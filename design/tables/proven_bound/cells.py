@@ -92,25 +92,15 @@ class Cells:
             off_in_single=self.off_in_single + lost,
         )
 
-    def coordinate(self, axis: int, reach: FloatArray) -> Ball:
-        """Return the coordinates at ``|u_a| <= reach_a``, as balls.
-
-        Parameters
-        ----------
-        axis
-            Which of them.
-        reach
-            Shape (m, axes) [-].
-
-        Returns
-        -------
-        Ball
-            Shape (m,).
-        """
-        middles = self.middles[:, axis]
-        rounding = 4 * UNIT * np.abs(middles)
-        radius = self.halves[:, axis] * reach[:, axis] * GROWN + rounding
-        return Ball(middles.astype(np.complex128), radius, rounding)
+    def coordinates(self, reach: FloatArray) -> list[Ball]:
+        """Return the coordinates at ``|u_a| <= reach_a``, a ball an axis."""
+        found = []
+        for axis in range(self.halves.shape[1]):
+            middles = self.middles[:, axis]
+            rounding = 4 * UNIT * np.abs(middles)
+            radius = self.halves[:, axis] * reach[:, axis] * GROWN + rounding
+            found.append(Ball(middles.astype(np.complex128), radius, rounding))
+        return found
 
     def balls(self, reach: FloatArray, off: FloatArray) -> list[Ball]:
         """Return the phases at ``|u_a| <= reach_a`` of each axis, as balls.

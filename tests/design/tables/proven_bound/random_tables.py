@@ -7,6 +7,7 @@ import numpy as np
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.model import Model
+from design.model.actuators.rate_limited import RateLimited, Unlimited
 from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
 from design.model.plants.mode import Mode
@@ -16,6 +17,8 @@ from design.tables.coordinates import coordinates
 from design.tables.interpolation import Interpolant, OneMode, mode_of
 from design.tables.proven_bound.stencils import GridAxis
 from design.types import FloatArray
+
+Drive = tuple[Actuator, dict[str, tuple[float, float]]]
 
 PLANTS: tuple[tuple[OneMode, dict[str, tuple[float, float]]], ...] = (
     (Pendulum(cable_length_m=0.8), {"cable_length_m": (0.3, 1.4), "gravity_m_s2": (9.0, 10.0)}),
@@ -28,8 +31,8 @@ PLANTS: tuple[tuple[OneMode, dict[str, tuple[float, float]]], ...] = (
 """Plants, and ranges of their fields."""
 
 
-def actuators(model: Model) -> tuple[tuple[Actuator, dict[str, tuple[float, float]]], ...]:
-    """Return actuators, and ranges of their fields."""
+def unlimited(model: Model) -> tuple[tuple[Unlimited, dict[str, tuple[float, float]]], ...]:
+    """Return actuators without limits, and ranges of their fields."""
     return (
         (Ideal(), {}),
         (
@@ -52,6 +55,14 @@ def actuators(model: Model) -> tuple[tuple[Actuator, dict[str, tuple[float, floa
     )
 
 
+def limited(then: Unlimited, ranges: dict[str, tuple[float, float]]) -> Drive:
+    """Return limits before an actuator, under which some ramps are over and others are turned."""
+    behind = {f"then.{name}": ends for name, ends in ranges.items()}
+    own = {"accel_limit_m_s2": (0.6, 2.0), "decel_limit_m_s2": (0.7, 3.0), "speed_m_s": (0.1, 0.4)}
+    limits = RateLimited(accel_limit_m_s2=1.0, decel_limit_m_s2=1.6, speed_m_s=0.3, then=then)
+    return limits, own | behind
+
+
 AMPLITUDES = ((1.0, -1.0, 1.0), (1.0, -1.0, 1.0, -1.0, 1.0), (0.3, 0.4, 0.3), (1.0, -2.0, 2.0))
 
 
@@ -71,11 +82,14 @@ class RandomTable:
         return np.column_stack(columns)
 
 
-def random_table(random: np.random.Generator, model: Model) -> RandomTable:
+def random_table(random: np.random.Generator, model: Model, *, limits: bool = False) -> RandomTable:
     """Return a table over one or two fields of a random plant and actuator."""
     plant, plant_ranges = PLANTS[random.integers(len(PLANTS))]
-    choices = actuators(model)
-    actuator, own_ranges = choices[random.integers(len(choices))]
+    choices = unlimited(model)
+    drive: Drive = choices[random.integers(len(choices))]
+    if limits:
+        drive = limited(*choices[random.integers(len(choices))])
+    actuator, own_ranges = drive
     ranges: dict[str, tuple[float, float]] = {
         f"plant.{name}": ends for name, ends in plant_ranges.items()
     }
