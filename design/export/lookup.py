@@ -53,7 +53,8 @@ POINTS_BY_CERTIFICATE = 50
 """Those of the largest residual, at which the certificate's route finds it once more."""
 
 MARGIN = 1.25
-"""Over the largest residual at these points: `design.tables.interpolation` has the reasons [-]."""
+"""Over the largest residual at these points, where a cell has no proof:
+`design.tables.interpolation` has the reasons [-]."""
 
 ROUNDING_MARGIN = 2.0
 """Over the largest change by single precision at these points: rounding has no pattern [-]."""

@@ -78,7 +78,8 @@ class Interpolant:
         Cells that are not interpolated, one less along each axis than it has points.
     residual_bound
         What the interpolated times leave at most in all other cells, from their middles, with a
-        margin; sampled, not proved. Not a number if there is no such cell [-].
+        margin; sampled. Of one or two fields `design.tables.proven_bound` proves one. Not a number
+        if there is no such cell [-].
     """
 
     names: tuple[str, ...]

@@ -82,8 +82,6 @@ class ResidualBound:
     largest
         In all cells that are proven, for times of a program that counts in double precision; 0 if
         there is no such cell [-].
-    in_single
-        The same in single precision; infinite if rows are too close for it [-].
     found
         Largest residual found there [-].
     unproven
@@ -91,7 +89,6 @@ class ResidualBound:
     """
 
     largest: float
-    in_single: float
     found: float
     unproven: BoolArray
 
@@ -174,15 +171,15 @@ class _Command:
             ones = np.ones_like(some.halves)
             coordinate = self.coordinates(some.coordinates(ones), on_balls=True)
             frequency, _ = plant_of(coordinate, self.plant_fields)
-            return self.course(some.balls(ones, some.off), frequency, coordinate)
+            return self.course(some.balls(ones), frequency, coordinate)
 
         return courses(len(cells.number), following)
 
-    def on(self, cells: Cells, reach: FloatArray, off: FloatArray) -> Ball:
+    def on(self, cells: Cells, reach: FloatArray) -> Ball:
         """Return the vector on disks about the cells."""
         # What overflows is without bound.
         with np.errstate(over="ignore", invalid="ignore"):
-            found: Ball = self.vector(cells.balls(reach, off), cells.coordinates(reach))
+            found: Ball = self.vector(cells.balls(reach), cells.coordinates(reach))
         return found
 
     def largest_at(self, cells: Cells, count: int) -> FloatArray:
@@ -214,7 +211,6 @@ class _Known:
     cells: Cells
     tails: FloatArray  # What polynomials lack, of `DEGREES`, shape (m, degrees)
     errors: FloatArray  # What rounding adds, in double precision; infinite without a proof
-    in_single: FloatArray  # And in single precision
 
     def where(self, which: BoolArray) -> "_Known":
         """Return what is known of some of the parts."""
@@ -223,7 +219,6 @@ class _Known:
             cells=self.cells.take(np.flatnonzero(which)),
             tails=self.tails[which],
             errors=self.errors[which],
-            in_single=self.in_single[which],
         )
 
 
@@ -276,12 +271,11 @@ def residual_bound(
         (float(one.command.largest_at(one.cells, FIRST_VALUES).max()) for one in proven),
         default=0.0,
     )
-    largest = in_single = 0.0
+    largest = 0.0
     for one in proven:
         found, bounds = _largest(one, found)
         largest = max(largest, float((bounds + one.errors).max()))
-        in_single = max(in_single, float((bounds + one.in_single).max()))
-    return ResidualBound(largest=largest, in_single=in_single, found=found, unproven=unproven)
+    return ResidualBound(largest=largest, found=found, unproven=unproven)
 
 
 def _prove(command: _Command, cells: Cells, found: float) -> tuple[list[_Known], IntArray]:
@@ -316,10 +310,7 @@ def _prove(command: _Command, cells: Cells, found: float) -> tuple[list[_Known],
 def _known_of(command: _Command, cells: Cells) -> _Known:
     """Return what is known of cells of one course."""
     ones = np.ones_like(cells.halves)
-    errors, in_single = (
-        np.where(_ordered(cells, off), command.on(cells, ones, off).error, np.inf)
-        for off in (cells.off, cells.off_in_single)
-    )
+    errors = np.where(_ordered(cells), command.on(cells, ones).error, np.inf)
     count, axes = cells.halves.shape
     tails = np.full((count, len(DEGREES)), np.inf)
     furthest = command.furthest(cells)
@@ -329,19 +320,21 @@ def _known_of(command: _Command, cells: Cells) -> _Known:
         reaches = np.array(REACHES[start : start + at_once])
         disks = np.minimum(reaches[:, None, None], furthest).reshape(-1, axes)
         several = cells.take(np.tile(np.arange(count), reaches.size))
-        largest = command.on(several, disks, several.off).size
+        largest = command.on(several, disks).size
         for place, degree in enumerate(DEGREES):
             lacking = truncation(largest, disks, degree).reshape(reaches.size, count)
             tails[:, place] = np.minimum(tails[:, place], lacking.min(axis=0))
-    return _Known(command=command, cells=cells, tails=tails, errors=errors, in_single=in_single)
+    return _Known(command=command, cells=cells, tails=tails, errors=errors)
 
 
-def _ordered(cells: Cells, off: FloatArray) -> BoolArray:
+def _ordered(cells: Cells) -> BoolArray:
     """Return in which cells the steps stay in order and apart, at all points, shape (m,)."""
     one_way = in_bernstein(cells.phases[:, 1:] - cells.phases[:, :-1])
     gaps = in_bernstein(np.swapaxes(one_way, 2, 3)).min(axis=(2, 3))
     least = 10 * SAME_TIME * np.abs(cells.phases).sum(axis=(2, 3)).max(axis=1)
-    ordered: BoolArray = np.all(gaps > off[:, 1:] + off[:, :-1] + least[:, None], axis=1)
+    ordered: BoolArray = np.all(
+        gaps > cells.off[:, 1:] + cells.off[:, :-1] + least[:, None], axis=1
+    )
     return ordered
 
 

@@ -15,6 +15,10 @@ from design.tables.proven_bound.balls import GROWN, UNIT, Ball
 from design.types import FloatArray, IntArray
 
 
+COORDINATE_ROUNDING = 32 * UNIT
+"""Of a coordinate: of rows within 4 units, of a middle one a halving, and of points in a cell [-]."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Cells:
     """Cells of a table, or parts of them.
@@ -28,9 +32,9 @@ class Cells:
     phases
         Coefficients of ``w t_i`` in powers of u, shape (m, n, 4, 4), the last of the second axis
         [rad]; with one axis its powers are 0 beyond the first.
-    off, off_in_single
-        How far the phases of a program are off that counts in double and in single precision,
-        shape (m, n) [rad]; of the former also how far the polynomials here are.
+    off
+        How far the phases of a program are off that counts in double precision, and those that are
+        computed here, shape (m, n) [rad].
     """
 
     number: IntArray
@@ -38,7 +42,6 @@ class Cells:
     halves: FloatArray
     phases: FloatArray
     off: FloatArray
-    off_in_single: FloatArray
 
     def take(self, which: IntArray) -> "Cells":
         """Return some of the cells, by their places."""
@@ -48,7 +51,6 @@ class Cells:
             halves=self.halves[which],
             phases=self.phases[which],
             off=self.off[which],
-            off_in_single=self.off_in_single[which],
         )
 
     @classmethod
@@ -60,7 +62,6 @@ class Cells:
             halves=np.concatenate([part.halves for part in parts]),
             phases=np.concatenate([part.phases for part in parts]),
             off=np.concatenate([part.off for part in parts]),
-            off_in_single=np.concatenate([part.off_in_single for part in parts]),
         )
 
     def halved(self) -> "Cells":
@@ -85,11 +86,9 @@ class Cells:
         return replace(
             self,
             middles=middles,
-            # The rounding of the middle is within the cell, at either end.
-            halves=halves + 2 * UNIT * np.abs(middles),
+            halves=halves,
             phases=np.moveaxis(turned, -1, 2 + axis),
             off=self.off + lost,
-            off_in_single=self.off_in_single + lost,
         )
 
     def coordinates(self, reach: FloatArray) -> list[Ball]:
@@ -97,20 +96,18 @@ class Cells:
         found = []
         for axis in range(self.halves.shape[1]):
             middles = self.middles[:, axis]
-            rounding = 4 * UNIT * np.abs(middles)
+            rounding = COORDINATE_ROUNDING * np.abs(middles)
             radius = self.halves[:, axis] * reach[:, axis] * GROWN + rounding
             found.append(Ball(middles.astype(np.complex128), radius, rounding))
         return found
 
-    def balls(self, reach: FloatArray, off: FloatArray) -> list[Ball]:
+    def balls(self, reach: FloatArray) -> list[Ball]:
         """Return the phases at ``|u_a| <= reach_a`` of each axis, as balls.
 
         Parameters
         ----------
         reach
             Shape (m, axes) [-].
-        off
-            How far phases that are computed are off, shape (m, n) [rad].
 
         Returns
         -------
@@ -124,7 +121,7 @@ class Cells:
         heights[:, :, 0, 0] = 0.0
         radii = heights.sum(axis=(2, 3)) * GROWN + self.off
         centres = self.phases[:, :, 0, 0].astype(np.complex128)
-        return [Ball(centres[:, i], radii[:, i], off[:, i]) for i in range(centres.shape[1])]
+        return [Ball(centres[:, i], radii[:, i], self.off[:, i]) for i in range(centres.shape[1])]
 
     def values(self, nodes: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
         """Return phases and coordinates at points of each cell, to compute with.

@@ -18,12 +18,9 @@ from design.tables.proven_bound.cells import Cells
 from design.tables.stencil import STENCIL, first_of_stencil
 from design.types import BoolArray, FloatArray, IntArray
 
-SINGLE_UNIT = float(np.finfo(np.float32).eps) / 2
-"""Relative rounding of one operation in single precision [-]."""
-
-OFF_CELL = 16 * SINGLE_UNIT
-"""Share of a coordinate by which a cell is taken wider at either end: a value that single precision
-puts into the cell beside its own is still on it [-]."""
+OFF_CELL = 16 * UNIT
+"""Share of a coordinate by which a cell is taken wider at either end: a coordinate that is rounded
+is still on it [-]."""
 
 COORDINATE_ROUNDINGS: dict[Coordinate, int] = {
     "itself": 1,
@@ -121,10 +118,8 @@ def cells_of(
         partly = np.einsum("mkd,mkln->mln", np.abs(own), np.abs(stencils))
         terms = np.einsum("mle,mln->mn", np.abs(across), partly)
         sizes = np.abs(stencils).max(axis=(1, 2))
-    in_double, in_single = (
-        _off(weights, places, phases, sizes, unit) for unit in (UNIT, SINGLE_UNIT)
-    )
-    lost = OWN_ROUNDINGS * UNIT * terms + in_double
+    off = _off(weights, places, phases, sizes)
+    lost = OWN_ROUNDINGS * UNIT * terms + off
     return Cells(
         number=number,
         middles=np.column_stack([
@@ -132,8 +127,7 @@ def cells_of(
         ]),
         halves=np.column_stack([w.halves[place] for w, place in zip(weights, places, strict=True)]),
         phases=phases,
-        off=in_double + lost,
-        off_in_single=in_single + lost,
+        off=off + lost,
     )
 
 
@@ -142,7 +136,6 @@ def _off(
     places: Sequence[IntArray],
     phases: FloatArray,
     sizes: FloatArray,
-    unit: float,
 ) -> FloatArray:
     """Return how far a program's phases are off, shape (m, n) [rad]; infinite of rows too close.
 
@@ -154,8 +147,6 @@ def _off(
         As of `Cells`.
     sizes
         Largest of the rows' phases in each stencil, shape (m, n) [rad].
-    unit
-        Rounding of one operation [-].
     """
     powers = np.arange(STENCIL)
     heights = np.abs(phases)
@@ -169,7 +160,7 @@ def _off(
     counted += len(weights) - 1
     known = np.ones(len(phases), dtype=np.bool_)
     for axis, (own, place) in enumerate(zip(weights, places, strict=True)):
-        moved = own.roundings * unit * own.displaced[place]
+        moved = own.roundings * UNIT * own.displaced[place]
         changed = moved * own.steepest[place]
         known &= changed < CLOSE
         summed *= own.largest[place] / (1 - np.minimum(changed, CLOSE))
@@ -179,9 +170,9 @@ def _off(
         slope += moved[:, None] * np.einsum("mnde,md,me->mn", heights, *both)
         # The coordinates that turn phases into times are off as well, of rows and of the value.
         counted = counted + own.counted[place] + (2 * own.roundings if own.scales else 0)
-    grown = 1.0 + 2 * counted * unit
+    grown = 1.0 + 2 * counted * UNIT
     off = (1 + summed[:, None]) * slope * grown[:, None]
-    off += (counted * unit * grown * summed)[:, None] * sizes
+    off += (counted * UNIT * grown * summed)[:, None] * sizes
     return np.where(known[:, None], off, np.inf)
 
 

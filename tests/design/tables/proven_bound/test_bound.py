@@ -12,7 +12,7 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.tables.coordinates import coordinates
-from design.tables.interpolation import OneMode, actuator_at, mode_of
+from design.tables.interpolation import OneMode, actuator_at, interpolant, mode_of
 from design.tables.proven_bound.bound import ResidualBound, residual_bound
 from design.tables.proven_bound.chebyshev import between_zeros, truncation, zeros
 from design.tables.proven_bound.stencils import GridAxis, cells_of
@@ -41,9 +41,9 @@ def bound_of(one: RandomTable, found: float = 0.0) -> ResidualBound:
     )
 
 
-def times_of_a_program(one: RandomTable, points: FloatArray, precision: Any) -> FloatArray:
+def times_of_a_program(one: RandomTable, points: FloatArray) -> FloatArray:
     axes = [LookupAxis(field=axis.field, name="one", values=axis.values) for axis in one.axes]
-    return times_by_lookup(axes, one.times_s, points, precision)
+    return times_by_lookup(axes, one.times_s, points, np.float64)
 
 
 def residual_once_more(one: RandomTable, point: FloatArray, times: FloatArray) -> float:
@@ -65,7 +65,7 @@ def test_the_bound_holds_at_every_point_of_random_tables(model: Any, seed: int) 
     assert not proven.unproven.any()
     varied_drive = any(name.startswith("actuator") for name in one.made.names)
     points = one.points(random, RANDOM_POINTS // (10 if varied_drive else 1))
-    times = times_of_a_program(one, points, np.float64)
+    times = times_of_a_program(one, points)
     residuals = one.made.residuals(points, times)
     assert residuals.max() <= proven.largest
     worst = np.argsort(residuals)[-BY_THE_OTHER_ROUTE:]
@@ -73,8 +73,6 @@ def test_the_bound_holds_at_every_point_of_random_tables(model: Any, seed: int) 
     assert max(again) <= proven.largest
     # Between two values of 10,000 there is little, on one axis or two.
     assert proven.largest <= 1.2 * residuals.max()
-    in_single = times_of_a_program(one, points, np.float32)
-    assert one.made.residuals(points, in_single).max() <= proven.in_single
 
 
 @pytest.mark.parametrize("model", ["superposed", "switched"])
@@ -83,11 +81,11 @@ def test_behind_limits_it_holds_whichever_ramps_are_turned(model: Any, seed: int
     random = np.random.default_rng([seed, 7, model == "switched"])
     one = random_table(random, model, limits=True)
     first = one.points(random, 300)
-    known = float(one.made.residuals(first, times_of_a_program(one, first, np.float64)).max())
+    known = float(one.made.residuals(first, times_of_a_program(one, first)).max())
     proven = bound_of(one, found=known)
     assert not proven.unproven.any()
     points = one.points(random, 1_000)
-    times = times_of_a_program(one, points, np.float64)
+    times = times_of_a_program(one, points)
     residuals = one.made.residuals(points, times)
     worst = int(np.argmax(residuals))
     assert residuals[worst] <= proven.largest
@@ -136,12 +134,13 @@ def test_cells_are_polynomials_of_what_programs_and_interpolants_compute(which: 
     powers = u[:, :, None] ** np.arange(4)
     across = powers[:, 1] if len(axes) > 1 else np.ones_like(powers[:, 0])
     phases = np.einsum("mnde,md,me->mn", those.phases, powers[:, 0], across)
-    for precision, off in ((np.float64, those.off), (np.float32, those.off_in_single)):
-        times = times_by_lookup(made.axes, made.times_s, points, precision)
-        distance = np.abs(times * frequencies[:, None] - phases)
-        assert np.all(distance <= off)
-    # What rounding does is told to within a few dozen of what it does.
-    assert those.off_in_single.max() < 40 * distance.max()
+    times = times_by_lookup(made.axes, made.times_s, points, np.float64)
+    distance = np.abs(times * frequencies[:, None] - phases)
+    assert np.all(distance <= those.off)
+    assert those.off.max() < 1e-12
+    np.testing.assert_allclose(
+        interpolant(*table(which)).times_s(points), times, rtol=1e-13, atol=1e-13
+    )
     # A half is the same polynomial about its own middle.
     halves = cells.halved()
     wholes, parts = cells.values(np.zeros(1)), halves.values(np.array([1.0, -1.0]))
