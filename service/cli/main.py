@@ -28,10 +28,16 @@ COMMANDS = {row.command: name for name, row in OPERATIONS.items()}
 """Names of the operations, by command."""
 
 TABLE_HELP = "a table of designs over axes or a list, into a file (POST /v1/tables)"
-PROGRAMS = {"design": tuple(name for name, row in FORMATS.items() if row.is_program)}
+PROGRAMS = {
+    "design": tuple(name for name, row in FORMATS.items() if row.is_program),
+    "maneuver": tuple(name for name, row in FORMATS.items() if row.plays_moves),
+}
 """Formats of a table that one answer of an operation has too, by the operation."""
 
-PROGRAM_HELP = {"design": "the shaper as a program or a line of firmware"}
+PROGRAM_HELP = {
+    "design": "the shaper as a program or a line of firmware",
+    "maneuver": "the move as blocks or functions that are called once a cycle",
+}
 """What is written in them."""
 
 IN_REAL = tuple(name for name, row in FORMATS.items() if row.has_real)

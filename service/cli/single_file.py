@@ -9,7 +9,9 @@ from design.errors import DesignError
 from design.tables.rows import Real
 from schemas.base import Wire
 from schemas.design_request import DesignRequest
+from schemas.maneuvers import ManeuverRequest
 from service.operations.design_file import design_file as file_of_design
+from service.operations.move_file import move_file as file_of_move
 from service.problems import Problem, problem_of_design, problem_of_validation
 
 Request = TypeVar("Request", bound=Wire)
@@ -35,6 +37,26 @@ def design_file(body: bytes, format_name: str, real: Real = "LREAL") -> bytes | 
     return _file(body, DesignRequest, lambda asked: file_of_design(asked, format_name, real))
 
 
+def move_file(body: bytes, format_name: str, real: Real = "LREAL") -> bytes | Problem:
+    """Validate a request for a move and return it as a file.
+
+    Parameters
+    ----------
+    body
+        The request as JSON.
+    format_name
+        Name of a format that plays moves.
+    real
+        Type of numbers in Structured Text.
+
+    Returns
+    -------
+    bytes or Problem
+        The file, or what is wrong.
+    """
+    return _file(body, ManeuverRequest, lambda asked: file_of_move(asked, format_name, real))
+
+
 def _file(
     body: bytes, model: type[Request], written: Callable[[Request], bytes]
 ) -> bytes | Problem:
@@ -48,5 +70,8 @@ def _file(
         return problem_of_design(error, body)
 
 
-FILES: dict[str, Callable[[bytes, str, Real], bytes | Problem]] = {"design": design_file}
+FILES: dict[str, Callable[[bytes, str, Real], bytes | Problem]] = {
+    "design": design_file,
+    "maneuver": move_file,
+}
 """What writes the answer of an operation as a file."""
