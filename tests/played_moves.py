@@ -97,9 +97,7 @@ class Case:
         return write(self.blocks(real))
 
 
-def case(
-    plant: Plant, actuator: Actuator, kind: str, *, options: Any = None, **asked: Any
-) -> Case:
+def case(plant: Plant, actuator: Actuator, kind: str, *, options: Any = None, **asked: Any) -> Case:
     """Design a move; with ``sample_time_s`` its program too."""
     sample_time_s = asked.pop("sample_time_s", None)
     move = maneuver(plant, actuator, SHAPERS[kind], options=options, **asked)
@@ -129,7 +127,7 @@ def _random_cases(count: int, rng: np.random.Generator) -> Iterator[Case]:
         actuator: Actuator = any_actuator(rng, w, MODELS[found % 2])
         speed = float(rng.uniform(0.05, 2.0))
         kinds = KINDS if isinstance(actuator, FirstOrder) else KINDS[:2]
-        kind = kinds[found % len(kinds)]
+        kind = kinds[found // 2 % len(kinds)]
         if found % 10 == 9:
             limit = speed * w / float(rng.uniform(0.3, 1.5))
             actuator = RateLimited(
@@ -174,7 +172,9 @@ class InC:
         self.order: list[str] = []
         for place, text in enumerate(texts):
             (folder / f"move{place}.h").write_text(text)
-            self.order += re.findall(r"^static inline void (\w+_(?:start|stop|move))\(", text, re.M)
+            self.order += re.findall(
+                r"^static inline void (\w+_(?:start|stop|move))\($", text, re.M
+            )
         owners = [name.rpartition("_")[0] for name in self.order]
         fields = ("share", "velocity_m_s", "busy", "done", "error")
         calls = [
@@ -211,7 +211,9 @@ class InC:
         done = subprocess.run(
             [str(self.binary)], input="\n".join(told), capture_output=True, text=True, check=True
         )
-        table = np.array([[float(word) for word in line.split()] for line in done.stdout.split("\n")[:-1]])
+        table = np.array([
+            [float(word) for word in line.split()] for line in done.stdout.split("\n")[:-1]
+        ])
         return Played(*table.T)
 
 
@@ -222,8 +224,7 @@ def play_in_text(text: str, name: str, calls: Calls) -> Played:
     for execute, cancel, cycle_s in calls:
         held = block(execute=execute, cancel=cancel, cycle_time_s=cycle_s)
         rows.append([
-            float(held[name])
-            for name in ("share", "velocity_m_s", "busy", "done", "error")
+            float(held[name]) for name in ("share", "velocity_m_s", "busy", "done", "error")
         ])
     return Played(*np.array(rows).T)
 

@@ -148,7 +148,7 @@ def move_blocks(
     """Return a move as programs have it.
 
     Start and stop are sequences too where each is one: not of a move that was solved as one, or
-    whose start leaves a swing, or whose stop is right after its own cruise alone, or that is played
+    whose start has a swing left, or whose stop is right after its own cruise alone, or that is played
     on samples.
 
     Parameters

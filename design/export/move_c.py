@@ -29,8 +29,8 @@ typedef struct {
 } ${NAME}_sequence;
 
 /* Begin, or end early; returns whether the sequence is played in this cycle. */
-static inline int ${NAME}_goes(${NAME}_sequence *sequence, int execute, int cancel,
-                               shapersmith_real cycle_time_s, int sound)
+static inline int ${NAME}_goes(
+    ${NAME}_sequence *sequence, int execute, int cancel, shapersmith_real cycle_time_s, int sound)
 {
     if (execute && !sequence->executed && !sequence->busy) {
         sequence->busy = 1;
@@ -75,11 +75,12 @@ static const shapersmith_real ${NAME}_${PART}_times_s[${UPPER}_STEPS] = {
 $TIMES
 };
 $LEVELS
-static inline void ${NAME}_${PART}(${NAME}_sequence *sequence, int execute, int cancel,
-                                   shapersmith_real cycle_time_s)
+static inline void ${NAME}_${PART}(
+    ${NAME}_sequence *sequence, int execute, int cancel, shapersmith_real cycle_time_s)
 {
     /* Written so that not-a-number fails. */
-    const int sound = cycle_time_s > SHAPERSMITH_C(0.0) && cycle_time_s <= $LONGEST;
+    const int sound = cycle_time_s > SHAPERSMITH_C(0.0)
+                      && cycle_time_s <= $LONGEST;
     if (${NAME}_goes(sequence, execute, cancel, cycle_time_s, sound)) {
         shapersmith_real share = SHAPERSMITH_C(0.0);
         shapersmith_real level = $FIRST;
@@ -116,8 +117,8 @@ static const long ${NAME}_${PART}_samples[${UPPER}_STEPS] = {
 $SAMPLES
 };
 $LEVELS
-static inline void ${NAME}_${PART}(${NAME}_sequence *sequence, int execute, int cancel,
-                                   shapersmith_real cycle_time_s)
+static inline void ${NAME}_${PART}(
+    ${NAME}_sequence *sequence, int execute, int cancel, shapersmith_real cycle_time_s)
 {
     const shapersmith_real apart = cycle_time_s / $SAMPLETIME - SHAPERSMITH_C(1.0);
     /* Written so that not-a-number fails. */
@@ -138,7 +139,7 @@ static inline void ${NAME}_${PART}(${NAME}_sequence *sequence, int execute, int 
 
 """)
 
-NUMBERS_PER_LINE = 4
+NUMBERS_PER_LINE = 3
 """Of the tables."""
 
 CALL = Template("""\

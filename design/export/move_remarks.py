@@ -84,7 +84,7 @@ def remarks_on_parts(
     stops: LaterStops | None,
     program: Program | None,
 ) -> Iterator[str]:
-    """Yield when start and stop may be called apart, or why they are no blocks.
+    """Yield when start and stop may be called, or why they are no blocks.
 
     Parameters
     ----------
@@ -109,25 +109,36 @@ def remarks_on_parts(
         yield from _lines(f"{why}the start is one step, and the stop cancels its swing")
     elif stops.residual > RIGHT and not move.for_ideal:
         yield from _lines(
-            f"{why}the stop is for a drive that has not settled, and leaves {stops.residual:.2g} "
-            "after a longer cruise. A longer move has both"
+            f"{why}the stop is for a drive that has not settled: after a longer cruise the residual "
+            f"is {stops.residual:.2g}. A longer move has both"
         )
     else:
         start = residual_vibration(move.start, mode, actuator, move.swing)
         yield from _lines(
-            f"start and stop are blocks too, for a cruise of any length. The start leaves "
-            f"{start:.2g}, both at most {stops.residual:.2g} where the stop begins after done of "
-            "the start"
+            "start and stop are blocks too, for a cruise of any length. The residual of the start "
+            f"is {start:.2g}, that of both at most {stops.residual:.2g} where the stop begins as "
+            "soon as the start is done, or later"
         )
         if stops.wait_s:
             yield from _lines(
-                f"done of the start waits {stops.wait_s:.3g} s for the drive to settle: a stop "
-                f"before that leaves up to {stops.sooner:.2g}"
+                f"done of the start waits {stops.wait_s:.3g} s for the drive to settle: with a stop "
+                f"before that the residual is up to {stops.sooner:.2g}"
             )
 
 
 def warnings_in_words(move: Maneuver, program: Program | None) -> Iterator[str]:
-    """Yield the warnings of a move and of its program, each in lines of a comment."""
+    """Yield the warnings of a move and its program in lines of a comment.
+
+    Parameters
+    ----------
+    move, program
+        The move, and it on samples; None of one between samples.
+
+    Yields
+    ------
+    str
+        Lines, those of its program first.
+    """
     for warning in (*(() if program is None else program.warnings), *move.warnings):
         yield from _lines(f"warning {warning.code}: {warning.detail}")
 
@@ -197,10 +208,7 @@ def _rounded(command: Impulses, of: Real) -> Impulses:
 
 
 def _jitter_in_words(told: PlayedInCycles) -> str:
-    return (
-        f"calls up to {1000 * told.jitter_s:g} ms early or late leave at most "
-        f"{told.with_jitter:.2g}"
-    )
+    return f"calls up to {1000 * told.jitter_s:g} ms early or late: at most {told.with_jitter:.2g}"
 
 
 def _drive_in_words(actuator: Actuator) -> str:

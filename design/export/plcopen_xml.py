@@ -66,6 +66,16 @@ def write_plcopen(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
 def move_in_plcopen(blocks: MoveBlocks) -> bytes:
     """Return a move as a project of PLCopen XML.
 
+    Parameters
+    ----------
+    blocks
+        The move.
+
+    Returns
+    -------
+    bytes
+        The file, whole.
+
     Raises
     ------
     InvalidInputError

@@ -56,6 +56,16 @@ def write_scl(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
 def move_in_scl(blocks: MoveBlocks) -> bytes:
     """Return a move as a source of SCL.
 
+    Parameters
+    ----------
+    blocks
+        The move.
+
+    Returns
+    -------
+    bytes
+        The file, whole.
+
     Raises
     ------
     InvalidInputError

@@ -86,6 +86,16 @@ def text_program(head: TableHead, runs: Iterable[Rows]) -> TextProgram:
 def move_program(blocks: MoveBlocks) -> TextProgram:
     """Return the Structured Text of a move in parts.
 
+    Parameters
+    ----------
+    blocks
+        The move.
+
+    Returns
+    -------
+    TextProgram
+        With the comments of its head, the example of a call among them.
+
     Raises
     ------
     InvalidInputError
@@ -95,7 +105,7 @@ def move_program(blocks: MoveBlocks) -> TextProgram:
 
 
 def parts_of(text: str) -> TextProgram:
-    """Return Structured Text in parts: the comments of its head, and its blocks."""
+    """Return Structured Text in parts: the comments of its head, its blocks."""
     found = list(BLOCK.finditer(text))
     top = text[: found[0].start()]
     return TextProgram(

@@ -52,6 +52,16 @@ def write_twincat(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
 def move_in_twincat(blocks: MoveBlocks) -> bytes:
     """Return a move as an archive of .TcPOU files.
 
+    Parameters
+    ----------
+    blocks
+        The move.
+
+    Returns
+    -------
+    bytes
+        The file, whole.
+
     Raises
     ------
     InvalidInputError

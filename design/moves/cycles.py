@@ -14,7 +14,7 @@ from design.response.closed_form import travel
 from design.sampling.sample_grid import MAX_SAMPLES, split
 
 CYCLES_PER_PERIOD = 10
-"""Cycles of a period of the plant, at least: of longer ones nothing is told [-]."""
+"""Cycles of a period of the plant, at least: of longer ones there are no figures [-]."""
 
 JITTER = 0.1
 """By how much of a cycle a call may be early or late [-]."""
@@ -69,7 +69,7 @@ def played_in_cycles(
     cycle_s: float,
     swing: FreeSwing | None = None,
 ) -> PlayedInCycles | None:
-    """Return what is left of a command whose every cycle has the mean of its levels.
+    """Return what is left of a command, the mean of its levels in each cycle.
 
     A step between two cycles is shared by them, which keeps its mean time. A call that is early or
     late moves what it plays: the residual grows by no more than the sum of what each step adds

@@ -26,7 +26,7 @@ RIGHT = 1e-3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LaterStops:
-    """What start and stop leave, by the cruise between them.
+    """Residual of start and stop, by the cruise between them.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class LaterStops:
 
 
 def later_stops(move: Maneuver, mode: Mode, actuator: Actuator) -> LaterStops:
-    """Return what start and stop of a move leave with cruises of other lengths.
+    """Return the residual of start and stop, with cruises of other lengths.
 
     The stop was solved for the state that the drive has at that of the move. A drive whose steps
     superpose is met by it at any time; a switched one that has not settled is not.
