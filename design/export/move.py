@@ -147,9 +147,9 @@ def move_blocks(
 ) -> MoveBlocks:
     """Return a move as programs have it.
 
-    Start and stop are sequences too where each is one: not of a move that was solved as one, or
-    whose start has a swing left, or whose stop is right after its own cruise alone, or that is played
-    on samples.
+    Start and stop are sequences too where each is one. They are not in a move that was solved as
+    one or is played on samples, nor where the start has a swing left or the stop is right after its
+    own cruise alone.
 
     Parameters
     ----------

@@ -71,6 +71,11 @@ def move_remarks(
             f"on samples of {program.times_s[1]:.9g} s: residual {program.residual:.3g}, "
             f"{program.distance_m:.9g} m. It is what was verified only in a task of that cycle"
         )
+    else:
+        yield from _lines(
+            "a step between two cycles is shared by both. Where the residual below is too large, "
+            "sample_time_s in the request designs the move on the cycles of one task"
+        )
     if move.swing is not None:
         yield from _lines(
             "it begins with the swing of the request, which it cancels: from rest it swings"
@@ -109,8 +114,8 @@ def remarks_on_parts(
         yield from _lines(f"{why}the start is one step, and the stop cancels its swing")
     elif stops.residual > RIGHT and not move.for_ideal:
         yield from _lines(
-            f"{why}the stop is for a drive that has not settled: after a longer cruise the residual "
-            f"is {stops.residual:.2g}. A longer move has both"
+            f"{why}the stop is for a drive that has not settled, after a longer cruise the "
+            f"residual is {stops.residual:.2g}. A longer move has both"
         )
     else:
         start = residual_vibration(move.start, mode, actuator, move.swing)
@@ -121,8 +126,8 @@ def remarks_on_parts(
         )
         if stops.wait_s:
             yield from _lines(
-                f"done of the start waits {stops.wait_s:.3g} s for the drive to settle: with a stop "
-                f"before that the residual is up to {stops.sooner:.2g}"
+                f"done of the start waits {stops.wait_s:.3g} s for the drive to settle: with a "
+                f"stop before that the residual is up to {stops.sooner:.2g}"
             )
 
 
