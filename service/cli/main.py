@@ -28,8 +28,20 @@ COMMANDS = {row.command: name for name, row in OPERATIONS.items()}
 """Names of the operations, by command."""
 
 TABLE_HELP = "a table of designs over axes or a list, into a file (POST /v1/tables)"
-PROGRAMS = tuple(name for name, row in FORMATS.items() if row.is_program)
-"""Formats of a table that a single design has too."""
+PROGRAMS = {
+    "design": tuple(name for name, row in FORMATS.items() if row.is_program),
+    "maneuver": tuple(name for name, row in FORMATS.items() if row.plays_moves),
+}
+"""Formats of a table that one answer of an operation has too, by the operation."""
+
+PROGRAM_HELP = {
+    "design": "the shaper as a program or a line of firmware",
+    "maneuver": "the move as blocks or functions that are called once a cycle",
+}
+"""What is written in them."""
+
+IN_REAL = tuple(name for name, row in FORMATS.items() if row.has_real)
+"""Formats whose numbers are of a type that is asked for."""
 
 MAX_WORKERS = 1024
 
@@ -95,6 +107,7 @@ def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> i
     options = command_parser().parse_args(arguments)
     try:
         _require_json_if_pretty(options)
+        _require_real(options)
         if options.command == "serve":
             return serve(options.host, options.port)
         if options.command == "shapers":
@@ -117,6 +130,12 @@ def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> i
 def _require_json_if_pretty(options: argparse.Namespace) -> None:
     if getattr(options, "pretty", False) and options.format not in {None, "json"}:
         raise UsageError(f"--pretty goes with json, not with {options.format}")
+
+
+def _require_real(options: argparse.Namespace) -> None:
+    if getattr(options, "real", None) is not None and options.format not in IN_REAL:
+        given = options.format or "json"
+        raise UsageError(f"--real goes with {', '.join(IN_REAL)}, not with {given}")
 
 
 def _silence_stdout() -> None:
@@ -147,7 +166,7 @@ def command_parser() -> argparse.ArgumentParser:
             metavar="REQUEST",
             help="the request, .json or .toml; - reads JSON from stdin",
         )
-        _add_format(command, PROGRAMS if operation == "design" else ())
+        _add_format(command, operation)
         if operation == "design":
             command.add_argument(
                 "--trace",
@@ -163,18 +182,25 @@ def command_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _add_format(command: argparse.ArgumentParser, more: tuple[str, ...] = ()) -> None:
+def _add_format(command: argparse.ArgumentParser, operation: str = "") -> None:
+    more = PROGRAMS.get(operation, ())
     command.add_argument(
         "-o", "--output", metavar="FILE", type=Path, help="write the answer to this file, whole"
     )
     command.add_argument("--pretty", action="store_true", help="indent the JSON of the answer")
-    programs = f"; {', '.join(PROGRAMS)}: the shaper as a program or a line of firmware"
+    programs = f"; {', '.join(more)}: {PROGRAM_HELP[operation]}" if more else ""
     command.add_argument(
         "--format",
         choices=("json", "table", "csv", *more),
         help="format of the answer, json if not given; if given, json also holds for errors"
-        + (programs if more else ""),
+        + programs,
     )
+    if more:
+        command.add_argument(
+            "--real",
+            choices=("LREAL", "REAL"),
+            help=f"type of the numbers in {', '.join(IN_REAL)}, LREAL if not given",
+        )
 
 
 def _add_table(table: argparse.ArgumentParser) -> None:
@@ -257,15 +283,15 @@ def _answer(options: argparse.Namespace) -> int:
     except ReadingError as error:
         return _tell(error.problem, options, as_json=options.format == "json")
     operation = COMMANDS[options.command]
-    if options.format in PROGRAMS:
+    if options.format in PROGRAMS.get(operation, ()):
         if plot is not None:
             raise UsageError(f"--plot goes with json, table or csv, not with {options.format}")
-        from service.cli.single_file import design_file  # noqa: PLC0415
+        from service.cli.single_file import FILES  # noqa: PLC0415
 
-        written = design_file(body, options.format)
+        written = FILES[operation](body, options.format, options.real or "LREAL")
         if isinstance(written, Problem):
             return _tell(written, options, as_json=False)
-        _write(written.decode(), options)
+        _write(written, options)
         return OK
     asked = {"trace": True} if getattr(options, "trace", False) else {}
     response = respond(operation, body, asked)
@@ -338,15 +364,21 @@ def _print(response: "Response", options: argparse.Namespace, request: bytes = b
         _write(rendering.as_csv(response), options)
 
 
-def _write(text: str, options: argparse.Namespace) -> None:
-    """Write an answer to the file that is asked for, whole or not at all, or to standard output."""
-    if options.output is None:
-        sys.stdout.write(text)
-        sys.stdout.flush()
-        return
-    from service.files import write_whole  # noqa: PLC0415
+def _write(answer: str | bytes, options: argparse.Namespace) -> None:
+    """Write an answer to the file that is asked for, whole or not at all, or to standard output.
 
-    write_whole(options.output, text.encode())
+    An archive is no text: on standard output its bytes stay as they are.
+    """
+    if options.output is not None:
+        from service.files import write_whole  # noqa: PLC0415
+
+        write_whole(options.output, answer if isinstance(answer, bytes) else answer.encode())
+        return
+    if isinstance(answer, bytes):
+        sys.stdout.buffer.write(answer)
+    else:
+        sys.stdout.write(answer)
+    sys.stdout.flush()
 
 
 def _same_file(one: Path, other: Path) -> bool:
