@@ -60,8 +60,15 @@ FAR_REACHED = 1.2
 """Largest residual known over that of a course in a part, from which on it is not halved: it may be
 a course beyond where it is true, but what it says there is no bound of all [-]."""
 
-MOST_PARTS = 50_000
-"""Cells and parts of them, together: beyond, no cell is halved."""
+TOO_LOOSE = 2.0
+"""That share from which on a cell of several courses is not called proven: a bound so far above
+what happens says less than a sample [-]."""
+
+MOST_PARTS = 6_000
+"""Parts of cells that are looked at, courses apart: beyond, no cell is halved."""
+
+ROUNDING = 1e-11
+"""Of a residual: what rounding adds is small up to this, however small the residual is [-]."""
 
 FIRST_VALUES = 3
 """Along each axis of a cell: their residual says how much a polynomial may lack."""
@@ -161,10 +168,10 @@ class _Command:
         )
         return course(phases, levels.tolist(), rise, fall)
 
-    def courses(self, cells: Cells) -> list[tuple[Answers, IntArray]] | None:
-        """Return what ramps may be turned in which cells; None if that may be anything."""
+    def courses(self, cells: Cells) -> tuple[list[tuple[Answers, IntArray]], IntArray]:
+        """Return what ramps may be turned in which cells, and in which others may be too."""
         if not isinstance(self.actuator, RateLimited):
-            return [((), np.arange(len(cells.number)))]
+            return [((), np.arange(len(cells.number)))], np.array([], dtype=np.intp)
 
         def following(places: IntArray) -> Course:
             some = cells.take(places)
@@ -282,23 +289,30 @@ def _prove(command: _Command, cells: Cells, found: float) -> tuple[list[_Known],
     """Return parts of cells that are proven, and the numbers of cells that have others."""
     done: list[_Known] = []
     most = MOST_HALVINGS[len(command.fields)]
+    parts = -len(cells.number)
     for halving in range(most + 1):
-        followed = command.courses(cells)
-        if followed is None:
-            return done, np.unique(cells.number)
-        last = halving == most or 2 ** len(command.fields) * len(cells.number) > MOST_PARTS
+        followed, others = command.courses(cells)
+        if not followed:
+            break
+        parts += sum(places.size for _, places in followed)
+        last = halving == most or parts > MOST_PARTS
         each = [
             _known_of(replace(command, answers=answers), cells.take(places))
             for answers, places in followed
         ]
         first = [one.command.largest_at(one.cells, FIRST_VALUES) for one in each]
-        largest = max(found, *(float(one.max()) for one in first))
-        several = np.bincount(np.concatenate([places for _, places in followed])) > 1
+        # A course that reaches too far may have any residual: what is known goes before.
+        largest = found or max(float(one.max()) for one in first)
+        counted = [places for _, places in followed]
+        several = np.bincount(np.concatenate(counted), minlength=len(cells.number)) > 1
         known = np.ones(len(cells.number), dtype=np.bool_)
+        known[others] = False
         for (_, places), one, residuals in zip(followed, each, first, strict=True):
-            enough = one.tails[:, -1] <= largest * (1 if last else NEGLIGIBLE) + one.errors
+            share = largest * (1 if last else NEGLIGIBLE)
+            enough = (one.tails[:, -1] <= share + ROUNDING) & (one.errors <= share + ROUNDING)
             small = FAR_REACHED * residuals <= found
-            known[places] &= np.isfinite(one.errors) & enough & (~several[places] | small | last)
+            loose = (found > 0) & (residuals > TOO_LOOSE * found)
+            known[places] &= enough & (~several[places] | small | (last & ~loose))
         done += [one.where(known[places]) for (_, places), one in zip(followed, each, strict=True)]
         cells = cells.take(np.flatnonzero(~known))
         if last or not len(cells.number):

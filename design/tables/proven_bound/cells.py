@@ -14,9 +14,8 @@ import numpy as np
 from design.tables.proven_bound.balls import GROWN, UNIT, Ball
 from design.types import FloatArray, IntArray
 
-
 COORDINATE_ROUNDING = 32 * UNIT
-"""Of a coordinate: of rows within 4 units, of a middle one a halving, and of points in a cell [-]."""
+"""Of a coordinate: of rows within 4 units, of a middle one a halving, of a point 2 [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -105,8 +105,8 @@ def ramps_by(answers: Answers, following: Course) -> list[PhaseRamp]:
 
 def courses(
     cells: int, following: Callable[[IntArray], Course]
-) -> list[tuple[Answers, IntArray]] | None:
-    """Return all courses that cells may have, and which cells.
+) -> tuple[list[tuple[Answers, IntArray]], IntArray]:
+    """Return the courses that cells may have, and which cells.
 
     Parameters
     ----------
@@ -117,15 +117,15 @@ def courses(
 
     Returns
     -------
-    list of tuple, or None
-        Answers, and places of the cells that may have them; a cell may be in several. None if they
-        are too many.
+    list of tuple, and IntArray
+        Answers, and places of the cells that may have them; a cell may be in several. And places of
+        cells that may have others too, of which there are too many.
     """
     done: list[tuple[Answers, IntArray]] = []
     todo: list[tuple[Answers, IntArray]] = [((), np.arange(cells))]
     while todo:
         if len(done) + len(todo) > MOST_COURSES:
-            return None
+            return done, np.unique(np.concatenate([places for _, places in todo]))
         answers, places = todo.pop()
         asked, split = _explore(following(places), answers, places)
         if split is None:
@@ -134,7 +134,7 @@ def courses(
         todo += [
             ((*asked, answer), some) for answer, some in zip((True, False), split, strict=True)
         ]
-    return done
+    return done, np.array([], dtype=np.intp)
 
 
 def _explore(
