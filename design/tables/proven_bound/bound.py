@@ -70,6 +70,9 @@ MOST_PARTS = 6_000
 ROUNDING = 1e-11
 """Of a residual: what rounding adds is small up to this, however small the residual is [-]."""
 
+MOST_VALUES = 1_000_000
+"""Values that are added for one degree in one turn, at most."""
+
 FIRST_VALUES = 3
 """Along each axis of a cell: their residual says how much a polynomial may lack."""
 
@@ -365,6 +368,10 @@ def _largest(known: _Known, found: float) -> tuple[float, FloatArray]:
         for place in np.unique(degree[loose]).tolist():
             those = np.flatnonzero(loose & (degree == place))
             count = per_degree * DEGREES[place]
+            if per_degree > ZEROS_PER_DEGREE[0]:
+                # Of very many only those with the largest bounds: the others keep theirs.
+                most = MOST_VALUES // count ** len(command.fields)
+                those = those[np.argsort(-bounds[those])[:most]]
             largest = command.largest_at(cells.take(those), count)
             found = max(found, float(largest.max()))
             factor = between_zeros(DEGREES[place], count, len(command.fields))
