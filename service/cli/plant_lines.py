@@ -52,7 +52,7 @@ def plant_lines(plant: PlantIn) -> list[str]:
 
 
 def drive_lines(actuator: ActuatorIn) -> list[str]:
-    r"""Return a line for the drive, and one that asks for its model where it matters.
+    r"""Return a line for the drive, and one that asks for its model.
 
     Parameters
     ----------
