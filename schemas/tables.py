@@ -4,7 +4,7 @@ import hashlib
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import AfterValidator, Field, ValidationError
@@ -13,12 +13,13 @@ from design.curve_fit.fit_range import plants_at_ends
 from design.errors import InvalidInputError
 from design.export.program import DEFAULT_TITLE
 from design.fields import Axis, EvenRange, LongAxis, Path, Spacing
+from design.tables.row_amplitudes import shared_amplitudes
 from design.tables.rows import Real, Subject, TableHead
 from design.tables.specification import (
     COLUMNS,
     COLUMNS_ON_SAMPLES,
+    COLUMNS_WITH_AMPLITUDES,
     DEFAULT_COLUMNS,
-    DEFAULT_COLUMNS_ON_SAMPLES,
     MAX_CHUNK_ROWS,
     MAX_ROWS,
     TableSpecification,
@@ -33,7 +34,7 @@ from schemas.pointers import path_of
 from schemas.samples import grid_of, refuse_samples
 from schemas.shapers import ShaperIn
 from schemas.units import all_in_si
-from schemas.varied import Varied
+from schemas.varied import VariedInRequest
 
 MAX_TABLE_AXIS_POINTS = 10_000_000
 """Points of one axis; its values are held in memory."""
@@ -58,7 +59,20 @@ def _on_samples(given: dict[str, Any]) -> bool:
 
 
 def _columns(given: dict[str, Any]) -> list[str]:
-    return list(DEFAULT_COLUMNS_ON_SAMPLES if _on_samples(given) else DEFAULT_COLUMNS)
+    return list(COLUMNS_WITH_AMPLITUDES if _amplitudes_vary(given) else DEFAULT_COLUMNS)
+
+
+def _amplitudes_vary(given: dict[str, Any]) -> bool:
+    """Return whether each row has separate amplitudes, where that follows from the kind."""
+    design = given.get("design")
+    if _on_samples(given) or not isinstance(design, TableDesign):
+        return _on_samples(given)
+    try:
+        kind, options = design.shaper.shaper_kind(), design.shaper.options()
+        several = len(design.plant.to_design().modes) > 1
+    except InvalidInputError:  # which is said when the table is made
+        return False
+    return several or not shared_amplitudes(kind, options)
 
 
 def _chunk_rows(given: dict[str, Any]) -> int:
@@ -89,7 +103,7 @@ class TableDesign(Wire):
         )
 
 
-class TableAxis(Varied):
+class TableAxis(VariedInRequest):
     """One field and its values: ``from``, ``to`` and ``points``, or ``values``."""
 
     field: Annotated[
@@ -198,8 +212,8 @@ class TableRequest(Wire):
         Field(
             default_factory=_columns,
             description=f"One or more of {', '.join(COLUMNS)}; {', '.join(COLUMNS_ON_SAMPLES)} on "
-            f"samples only. If not given, {', '.join(DEFAULT_COLUMNS)}, on samples with "
-            "amplitudes.",
+            f"samples only. If not given, {', '.join(DEFAULT_COLUMNS)}, and amplitudes where "
+            "each row has its own.",
         ),
     ]
     chunk_rows: Annotated[
@@ -359,42 +373,3 @@ def _numbers(here: Any, path: Path, number: int) -> Iterator[tuple[Path, float]]
         raise InvalidInputError(
             ("designs", str(number), *path), here, "a number", code="varied_not_a_number"
         )
-
-
-class TableSize(Wire):
-    """How large a table is, before it is computed."""
-
-    rows: Annotated[int, Field(description="Number of designs.")]
-    chunks: Annotated[int, Field(description="Number of parts in which they are computed.")]
-    estimated_bytes: Annotated[int, Field(description="Size of its numbers, uncompressed [bytes].")]
-
-
-class TableJob(Wire):
-    """State of a table job."""
-
-    id: Annotated[str, Field(description="Id of the job, for its routes.")]
-    state: Annotated[
-        Literal["waiting", "running", "done", "failed", "cancelled"],
-        Field(description="State of the job."),
-    ]
-    reason: Annotated[str | None, Field(description="Reason of a failure.")]
-    created: Annotated[float, Field(description="Seconds since 1970.")]
-    size: Annotated[TableSize, Field(description="Size of the table.")]
-    rows_done: Annotated[int, Field(description="Rows that are computed.")]
-    verified: Annotated[int, Field(description="Rows proven for the actuator given.")]
-    verified_ideal: Annotated[int, Field(description="Rows proven for an ideal actuator only.")]
-    infeasible: Annotated[int, Field(description="Rows of which there is no such shaper.")]
-    failed: Annotated[int, Field(description="Rows that could not be computed.")]
-    rows_per_s: Annotated[float, Field(description="Rows computed a second [1/s].")]
-    seconds_left: Annotated[
-        float | None,
-        Field(description="Time until the end at that rate; null where it is not known [s]."),
-    ]
-    specification_sha256: Annotated[str, Field(description="Hash of the specification.")]
-    version: Annotated[str, Field(description="Version of shapersmith that began the job.")]
-
-
-class TableJobs(Wire):
-    """The newest table jobs."""
-
-    tables: Annotated[list[TableJob], Field(description="Jobs, the newest first.")]

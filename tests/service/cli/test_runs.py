@@ -33,12 +33,6 @@ def test_a_log_is_written_for_matlab(tmp_path: Path) -> None:
     assert {"times_s", "velocity_m_s", "cable_length_m"} <= set(log.dtype.names)
 
 
-def test_a_log_for_matlab_needs_a_file() -> None:
-    done = shapersmith("run", "-", "--format", "mat", given=RUN)
-    assert done.returncode == 2
-    assert "-o FILE" in done.stderr
-
-
 @pytest.mark.parametrize("text", [COMMAS, SEMICOLONS], ids=["commas", "semicolons"])
 def test_a_file_is_played(tmp_path: Path, text: str) -> None:
     (tmp_path / "course.csv").write_text(text)

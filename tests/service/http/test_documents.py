@@ -5,9 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from service.cli.main import COMMANDS
-from service.http.app import create_app
-from service.settings import PREFIX, Settings
+from docs.reference import PAGES, PLACE, with_tables
 
 ROOT = Path(__file__).parents[3]
 
@@ -23,25 +21,12 @@ MOST_WORDS = 700
 """Words of the README: it is a window, and the shop is in `docs`."""
 
 
-def test_there_is_a_row_for_every_setting_with_its_default() -> None:
-    settings = (ROOT / "docs/settings.md").read_text()
-    rows = dict(re.findall(rf"^\| `{PREFIX}(\w+)` \| ([^|]*?) ?\|", settings, re.MULTILINE))
-    assert {name.lower() for name in rows} == set(Settings.model_fields)
-    for name, field in Settings.model_fields.items():
-        told = rows[name.upper()]
-        if isinstance(field.default, str):
-            assert told == field.default, name
-        elif name not in {"workers", "job_workers"}:  # depend on the machine
-            assert float(told.replace(",", "")) == field.default, name
-
-
-def test_every_route_and_command_is_named() -> None:
-    routes = (ROOT / "docs/routes.md").read_text()
-    app = create_app(Settings())
-    for path in app.openapi()["paths"]:
-        assert re.search(rf"`(GET|POST) {path}`", routes), path
-    for command in (*COMMANDS, "table", "shapers", "serve"):
-        assert f"`shapersmith {command}" in routes, command
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_tables_are_as_the_code_makes_them(page: Path) -> None:
+    """If not: `python -m docs.reference`."""
+    text = page.read_text()
+    assert PLACE.search(text)
+    assert with_tables(text) == text
 
 
 def test_the_readme_is_short() -> None:
