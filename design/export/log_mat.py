@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from design.export.mat_file import HEADER_START, HEADER_TEXT_BYTES
+from design.export.mat_header import HEADER_TEXT_BYTES, header_text
 
 NAME = "log"
 
@@ -32,5 +32,4 @@ def log_mat(columns: Mapping[str, Sequence[float]], tool: str) -> bytes:
         name: np.asarray(values, dtype=np.float64)[:, None] for name, values in columns.items()
     }
     savemat(file, {NAME: struct}, format="5", do_compression=False, long_field_names=True)
-    text = f"{HEADER_START.decode()}, {tool}".ljust(HEADER_TEXT_BYTES)[:HEADER_TEXT_BYTES]
-    return text.encode("ascii", errors="replace") + file.getvalue()[HEADER_TEXT_BYTES:]
+    return header_text(tool) + file.getvalue()[HEADER_TEXT_BYTES:]

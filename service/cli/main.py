@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from design.export.formats import FORMATS
+from design.export.formats import FORMATS, LOG_FORMAT
 from service.cli import streams
 from service.cli.named_files import (
     PICTURES,
@@ -50,9 +50,6 @@ PROGRAM_HELP = {
 
 IN_REAL = tuple(name for name, row in FORMATS.items() if row.has_real)
 """Formats whose numbers are of a type that is asked for."""
-
-LOG = "mat"
-"""Format of a run's log for MATLAB."""
 
 MAX_WORKERS = 1024
 
@@ -198,10 +195,10 @@ def _add_format(command: argparse.ArgumentParser, operation: str = "") -> None:
     programs = f"; {', '.join(more)}: {PROGRAM_HELP[operation]}" if more else ""
     command.add_argument(
         "--format",
-        choices=("json", "table", "csv", *more, *((LOG,) if operation == "run" else ())),
+        choices=("json", "table", "csv", *more, *((LOG_FORMAT,) if operation == "run" else ())),
         help="format of the answer, json if not given; if given, json also holds for errors"
         + programs
-        + (f"; {LOG}: the log for MATLAB" if operation == "run" else ""),
+        + (f"; {LOG_FORMAT}: the log for MATLAB" if operation == "run" else ""),
     )
     if more:
         command.add_argument(
@@ -317,7 +314,7 @@ def _answer(options: argparse.Namespace) -> int:
         case = load(operation)
         request = case.request.model_validate_json(body).model_copy(update=asked)
         write_whole(plot, figure_bytes(case.draw(request), PICTURES[plot.suffix]))
-    if options.format == LOG:
+    if options.format == LOG_FORMAT:
         from service.cli.run_log import as_mat  # noqa: PLC0415
 
         _write(as_mat(response), options)  # type: ignore[arg-type]
