@@ -55,7 +55,7 @@ class DirectionIn(Wire):
     )
 
 
-class MoveIn(Wire):
+class DistancesIn(Wire):
     """Distances to travel at full speed, signed."""
 
     x_m: Annotated[Distance, Field(description="Along x [m].")] = 0.0
@@ -77,7 +77,7 @@ class EventIn(Wire):
         ),
     ] = None
     move: Annotated[
-        MoveIn | None,
+        DistancesIn | None,
         Field(description="Exact distances, travelled by pressing as long as they take."),
     ] = None
     cable_length_m: Annotated[

@@ -1,4 +1,4 @@
-"""`python -m service.jobs.warming COMMAND…`: compile what tables need, then become the command.
+"""`python -m service.jobs.warming COMMAND…`: compile what tables and runs need, become the command.
 
 Where a new machine begins with an empty volume, as a container does, the first table need not wait
 for what is compiled. Where it is on disk already this takes a second.
@@ -13,6 +13,7 @@ from typing import Any
 
 from design.shapers.registry import SHAPERS
 from service.compiled_code import keep_in
+from service.dispatch import respond
 from service.jobs.plan import Plan, plan_table
 from service.jobs.work import compute_chunk, pack
 from service.settings import Settings
@@ -30,8 +31,19 @@ def tables() -> Iterator[dict[str, Any]]:
                 yield {"design": design, "designs": [{}], "columns": ["times_s", "residual"]}
 
 
+RUN = {
+    "plant": {"kind": "pendulum", "cable_length_m": 0.8},
+    "actuator": {"kind": "ideal"},
+    "speed_m_s": 0.2,
+    "events": [{"at_s": 0.0, "direction": {"x": 1}, "for_s": 0.1}],
+    "points": 2,
+}
+"""A short run: every run is moved by the same compiled code."""
+
+
 def warm() -> None:
-    """Compute all of them."""
+    """Compute all of them, and a run."""
+    respond("run", json.dumps(RUN).encode())
     for table in tables():
         plan = plan_table(json.dumps(table).encode())
         if isinstance(plan, Plan):

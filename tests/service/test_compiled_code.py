@@ -1,5 +1,6 @@
 """Machine code is kept where it can be written, and compiled ahead where that is asked for."""
 
+import json
 import os
 import subprocess
 import sys
@@ -8,8 +9,10 @@ from pathlib import Path
 import pytest
 
 from design.shapers.registry import SHAPERS
+from schemas.runs import RunResponse
 from service import compiled_code
-from service.jobs.warming import tables
+from service.dispatch import respond
+from service.jobs.warming import RUN, tables
 from tests.patience import PATIENT_S
 from tests.processes import until
 
@@ -82,3 +85,9 @@ def test_compiling_ahead_ends_at_the_signal_of_an_engine(tmp_path: Path) -> None
     until(lambda: any(tmp_path.rglob("*.nbi")) or process.poll() is not None, "nothing is compiled")
     process.terminate()
     assert process.wait(PATIENT_S) == 0
+
+
+def test_what_is_compiled_ahead_for_runs_is_a_run() -> None:
+    answer = respond("run", json.dumps(RUN).encode())
+    assert isinstance(answer, RunResponse)
+    assert answer.residual is not None
