@@ -28,6 +28,7 @@ COMMANDS = {row.command: name for name, row in OPERATIONS.items()}
 """Names of the operations, by command."""
 
 TABLE_HELP = "a table of designs over axes or a list, into a file (POST /v1/tables)"
+SCHEMAS_HELP = "JSON Schema of every request and response, a file each (GET /v1/schemas)"
 PROGRAMS = tuple(name for name, row in FORMATS.items() if row.is_program)
 """Formats of a table that a single design has too."""
 
@@ -99,6 +100,8 @@ def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> i
             return serve(options.host, options.port)
         if options.command == "shapers":
             return _shapers(options)
+        if options.command == "schemas":
+            return _schemas(options)
         if options.command == "table":
             return _table(options)
         return _answer(options)
@@ -157,6 +160,15 @@ def command_parser() -> argparse.ArgumentParser:
         command.add_argument("--plot", metavar="FILE", type=Path, help=PLOT_HELP)
     _add_format(commands.add_parser("shapers", help="every kind of shaper (GET /v1/shapers)"))
     _add_table(commands.add_parser("table", help=TABLE_HELP, description=TABLE_HELP))
+    schemas = commands.add_parser("schemas", help=SCHEMAS_HELP, description=SCHEMAS_HELP)
+    schemas.add_argument(
+        "-o",
+        "--output",
+        metavar="FOLDER",
+        type=Path,
+        default=Path("shapersmith-schemas"),
+        help="folder to write to, %(default)s if not given",
+    )
     serve = commands.add_parser("serve", help="serve over HTTP")
     serve.add_argument("--host", default="127.0.0.1", help="address to bind (%(default)s)")
     serve.add_argument("--port", default=8000, type=int, help="port to bind (%(default)s)")
@@ -288,6 +300,20 @@ def _shapers(options: argparse.Namespace) -> int:
     from service.catalogue import shaper_catalogue  # noqa: PLC0415
 
     _print(shaper_catalogue(), options)
+    return OK
+
+
+def _schemas(options: argparse.Namespace) -> int:
+    from service.files import NotReplaceableError  # noqa: PLC0415
+    from service.wire_schemas import write_schemas  # noqa: PLC0415
+
+    try:
+        written = write_schemas(options.output)
+    except NotReplaceableError as error:
+        raise UsageError(str(error)) from None
+    except OSError as error:
+        raise UsageError(f"cannot write into {options.output}: {error.strerror}") from None
+    sys.stdout.write("".join(f"{path}\n" for path in written))
     return OK
 
 

@@ -40,7 +40,7 @@ def test_every_route_and_command_is_named() -> None:
     app = create_app(Settings())
     for path in app.openapi()["paths"]:
         assert re.search(rf"`(GET|POST) {path}`", routes), path
-    for command in (*COMMANDS, "table", "shapers", "serve"):
+    for command in (*COMMANDS, "table", "shapers", "schemas", "serve"):
         assert f"`shapersmith {command}" in routes, command
 
 
