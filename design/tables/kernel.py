@@ -188,7 +188,7 @@ def calls_of_rows(
 ) -> Iterator[tuple[Callable[..., Any], tuple[Any, ...]]]:
     """Yield the compiled functions that rows call at once, each with arguments of its types.
 
-    Rows whose seeds lead to no root call `fastest` as well, which nobody knows beforehand.
+    Rows whose seeds lead to no root call those of `calls_of_searches` as well.
 
     Parameters
     ----------
@@ -213,6 +213,18 @@ def calls_of_rows(
     if solved:
         model: Switched = True if switched else None
         yield nearest_to_seeds, ((0,) * (impulses - 1), ZV, model, rows, gaps, ends)
+
+
+def calls_of_searches() -> Iterator[tuple[Callable[..., Any], tuple[Any, ...]]]:
+    """Yield the compiled search for each size and model, with arguments.
+
+    Few rows come to it, and nobody knows beforehand which.
+    """
+    models: tuple[Switched, ...] = (None, True)
+    for model in models:
+        for table in (ZV, ZVD):
+            size = len(table)
+            yield fastest, ((0,) * size, model, np.ones(8), _starts(size)[:0], 0.0, np.empty(size))
 
 
 def _horizons(row: FloatArray, size: int) -> list[float]:
