@@ -55,8 +55,9 @@ chaos: $(STAMP) ## what the service withstands: overload, kills, locks
 	$(BIN)/python -m benchmarks.chaos
 
 lock: ## resolve the dependencies anew (needs uv)
-	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 --extra dask --extra postgres pyproject.toml -o requirements.lock
-	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 -c requirements.lock --group dev pyproject.toml -o requirements-dev.lock
+	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 pyproject.toml -o requirements.lock
+	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 --extra dask --extra postgres -c requirements.lock pyproject.toml -o requirements-extras.lock
+	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 -c requirements-extras.lock --group dev pyproject.toml -o requirements-dev.lock
 
 clean: ## remove what the other targets made
 	rm -rf $(VENV) build dist site demo-output shapersmith-data *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
