@@ -52,12 +52,12 @@ def tools() -> Path:
     return Path(sys.executable).parents[1]
 
 
-def test_an_environment_takes_no_more_than_the_page_says(environment: Path) -> None:
+def test_an_environment_takes_what_the_page_says(environment: Path) -> None:
     sizes = [path.lstat().st_size for path in environment.rglob("*")]
     (said_gb,) = re.findall(
         r"The environment takes ([\d.]+) GB", (ROOT / "docs/install.md").read_text()
     )
-    assert sum(sizes) / 1e9 <= float(said_gb)
+    assert 0.9 * float(said_gb) < sum(sizes) / 1e9 <= float(said_gb)
 
 
 def test_the_recipes_have_the_same_steps() -> None:
