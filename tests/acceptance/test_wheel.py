@@ -65,6 +65,10 @@ def test_the_recipes_have_the_same_steps() -> None:
     assert STEPS[-1].startswith("shapersmith table shaper.json --check")
 
 
+def test_in_the_image_the_check_alone_is_left() -> None:
+    assert yaml.safe_load(FILES["image-job.yml"])["tables"]["script"] == STEPS[-1:]
+
+
 def test_the_wheel_serves_from_a_separate_environment(environment: Path, tmp_path: Path) -> None:
     command = (str(environment / "bin" / "shapersmith"),)
     with (
