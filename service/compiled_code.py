@@ -28,10 +28,13 @@ def keep_in(data_dir: str) -> None:
 
 
 def holds_nothing() -> bool:
-    """Return whether no machine code is kept yet, where it is known where that would be."""
+    """Return whether no machine code is kept yet.
+
+    False where nobody knows the folder: numba has one of the user's then.
+    """
     named = os.environ.get(VARIABLE)
     if named is None and not _can_be_written(CODE / "__pycache__"):
-        return False  # numba has a folder of the user's
+        return False
     folder = CODE / "__pycache__" if named is None else Path(named)
     return not any(folder.rglob("*.nbi"))
 

@@ -186,7 +186,7 @@ def solve_rows(rows: FloatArray, impulses: int, *, switched: bool) -> tuple[Floa
 def calls_of_rows(
     impulses: int, *, switched: bool, settle: bool, closed: bool, solved: bool
 ) -> Iterator[tuple[Callable[..., Any], tuple[Any, ...]]]:
-    """Yield the compiled functions that rows call at once, each with arguments of its types.
+    """Yield the compiled functions that rows call at once.
 
     Rows whose seeds lead to no root call those of `calls_of_searches` as well.
 

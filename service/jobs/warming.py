@@ -21,9 +21,10 @@ from service.settings import Settings
 
 
 def tables() -> Iterator[dict[str, Any]]:
-    """Yield a table for each kind and model that is compiled, with and without damping.
+    """Yield a table for each kind and model whose rows are compiled.
 
-    Where its steps can wait for the actuator to settle, they do so in one more.
+    It has a row with and one without damping. Where steps can wait for the actuator to settle, they
+    do so in one more table.
     """
     lags = {"accel_time_constant_s": 0.1, "decel_time_constant_s": 0.05}
     for kind in SHAPERS.values():
@@ -42,7 +43,7 @@ def tables() -> Iterator[dict[str, Any]]:
 
 
 def warm() -> None:
-    """Compute all of them, and without slopes too; then call what few rows need."""
+    """Compute all of them, with slopes and without, and what few rows need."""
     for table in tables():
         for columns in (table["columns"], ["times_s"]):
             plan = plan_table(json.dumps({**table, "columns": columns}).encode())

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from design.shapers.registry import SHAPERS
-from design.tables import kernel
+from design.tables import kernel, starts
 from design.tables.needed_code import Call, needed_calls
 from service import compiled_code
 from service.jobs.plan import Plan, plan_table, specification_of
@@ -98,7 +98,7 @@ def called(call: Call) -> Any:
 
 def test_the_search_is_compiled_ahead_as_rows_call_it(monkeypatch: pytest.MonkeyPatch) -> None:
     ahead = {called(Call(*call)) for call in kernel.calls_of_searches()}
-    search: Any = kernel.fastest
+    search: Any = starts.fastest
     seen = set()
 
     def fastest(*arguments: Any) -> float:
