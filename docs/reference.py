@@ -6,11 +6,15 @@ from collections.abc import Iterator
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
+from pydantic.fields import FieldInfo
 
 from schemas.catalogue import CatalogueEntry
 from service import problems
 from service.catalogue import shaper_catalogue
 from service.cli.main import command_parser
+from service.http.app import create_app
+from service.settings import IN_WORDS, PREFIX, Settings
 from tests.errors_raised import codes
 
 
@@ -20,6 +24,54 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for name, text in pages.items():
         files.append(File.generated(config, name, content=text))
     return files
+
+
+def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Return a page with its tables that are made here; MkDocs calls it."""
+    del page, config, files
+    return PLACE.sub(lambda found: TABLES[found[1]](), markdown)
+
+
+def _routes() -> str:
+    command_of = {
+        found[1]: f"`shapersmith {name}`"
+        for name, told in _commands_in_words(command_parser())
+        if (found := re.search(r"\(((?:GET|POST) /\S+)\)", told))
+    }
+    rows = [
+        (
+            f"`{method.upper()} {path}`",
+            command_of.get(f"{method.upper()} {path}", ""),
+            told["summary"],
+        )
+        for path, methods in create_app(Settings()).openapi()["paths"].items()
+        for method, told in methods.items()
+    ]
+    return _table(("route", "command", "does"), rows)
+
+
+def _commands_in_words(parser: argparse.ArgumentParser) -> Iterator[tuple[str, str]]:
+    """Yield each command with its help of one line."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for one in action._choices_actions:
+                yield one.dest, one.help or ""
+
+
+def _settings() -> str:
+    rows = [
+        (f"`{PREFIX}{name.upper()}`", _default_of(field), field.description)
+        for name, field in Settings.model_fields.items()
+    ]
+    return _table(("variable", "default", "what"), rows)
+
+
+def _default_of(field: FieldInfo) -> str:
+    """Return the default of a setting in words; some depend on the machine."""
+    if isinstance(field.json_schema_extra, dict) and IN_WORDS in field.json_schema_extra:
+        return str(field.json_schema_extra[IN_WORDS])
+    default = field.default
+    return f"{default:,.0f}" if isinstance(default, int | float) else str(default)
 
 
 def _kinds() -> str:
@@ -95,3 +147,9 @@ def _table(head: tuple[str, ...], rows: list[tuple[object, ...]]) -> str:
 
 def _cell(value: object) -> str:
     return re.sub(r"\s+", " ", str(value)).replace("|", "\\|")
+
+
+TABLES = {"routes": _routes, "settings": _settings}
+"""Tables within pages that are otherwise written by hand."""
+
+PLACE = re.compile(rf"<!-- made from the code: ({'|'.join(TABLES)}) -->")

@@ -4,7 +4,7 @@ import hashlib
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import AfterValidator, Field, ValidationError
@@ -33,7 +33,7 @@ from schemas.pointers import path_of
 from schemas.samples import grid_of, refuse_samples
 from schemas.shapers import ShaperIn
 from schemas.units import all_in_si
-from schemas.varied import Varied
+from schemas.varied import VariedInRequest
 
 MAX_TABLE_AXIS_POINTS = 10_000_000
 """Points of one axis; its values are held in memory."""
@@ -89,7 +89,7 @@ class TableDesign(Wire):
         )
 
 
-class TableAxis(Varied):
+class TableAxis(VariedInRequest):
     """One field and its values: ``from``, ``to`` and ``points``, or ``values``."""
 
     field: Annotated[
@@ -359,42 +359,3 @@ def _numbers(here: Any, path: Path, number: int) -> Iterator[tuple[Path, float]]
         raise InvalidInputError(
             ("designs", str(number), *path), here, "a number", code="varied_not_a_number"
         )
-
-
-class TableSize(Wire):
-    """How large a table is, before it is computed."""
-
-    rows: Annotated[int, Field(description="Number of designs.")]
-    chunks: Annotated[int, Field(description="Number of parts in which they are computed.")]
-    estimated_bytes: Annotated[int, Field(description="Size of its numbers, uncompressed [bytes].")]
-
-
-class TableJob(Wire):
-    """State of a table job."""
-
-    id: Annotated[str, Field(description="Id of the job, for its routes.")]
-    state: Annotated[
-        Literal["waiting", "running", "done", "failed", "cancelled"],
-        Field(description="State of the job."),
-    ]
-    reason: Annotated[str | None, Field(description="Reason of a failure.")]
-    created: Annotated[float, Field(description="Seconds since 1970.")]
-    size: Annotated[TableSize, Field(description="Size of the table.")]
-    rows_done: Annotated[int, Field(description="Rows that are computed.")]
-    verified: Annotated[int, Field(description="Rows proven for the actuator given.")]
-    verified_ideal: Annotated[int, Field(description="Rows proven for an ideal actuator only.")]
-    infeasible: Annotated[int, Field(description="Rows of which there is no such shaper.")]
-    failed: Annotated[int, Field(description="Rows that could not be computed.")]
-    rows_per_s: Annotated[float, Field(description="Rows computed a second [1/s].")]
-    seconds_left: Annotated[
-        float | None,
-        Field(description="Time until the end at that rate; null where it is not known [s]."),
-    ]
-    specification_sha256: Annotated[str, Field(description="Hash of the specification.")]
-    version: Annotated[str, Field(description="Version of shapersmith that began the job.")]
-
-
-class TableJobs(Wire):
-    """The newest table jobs."""
-
-    tables: Annotated[list[TableJob], Field(description="Jobs, the newest first.")]

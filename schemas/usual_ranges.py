@@ -36,10 +36,10 @@ SLOWEST_DRIVE = 3.0
 """A lag of three periods passes 1 / (6 pi) of a step's vibration, 5.3 %, about the usual tolerance:
 few ask for a shaper behind it. From about 16 on it is refused [periods of the plant]."""
 
-PARTS = ("plant", "actuator", "speed_m_s", "fit", "x", "y", "printed")
+PARTS = ("plant", "actuator", "speed_m_s", "fit", "x", "y", "axes", "designs", "printed")
 """Parts of a request that are looked at."""
 
-VARIED = ("fit", "x", "y")
+VARIED = ("fit", "x", "y", "axes", "designs")
 """Parts that are ranges of fields of others."""
 
 PRINTER_HZ = 5.0, 300.0

@@ -42,14 +42,7 @@ def with_warnings(
     BaseModel
         The answer; as it is where it has no warnings.
     """
-    request = json.loads(body)
-    told = [
-        WarningOut(
-            code="implausible_value",
-            detail=meaning(*_as_typed(pointer, request), usual, quantity, compared),
-        )
-        for pointer, usual, quantity, compared in values
-    ]
+    told = warnings_of(values, body)
     if isinstance(answer, RecommendationResponse):
         best = answer.recommended
         warned = best.model_copy(update={"warnings": [*told, *best.warnings]})
@@ -58,6 +51,29 @@ def with_warnings(
     if own is None:
         return answer
     return answer.model_copy(update={"warnings": [*told, *own]})
+
+
+def warnings_of(values: Iterable[tuple[str, Range, float, float]], body: bytes) -> list[WarningOut]:
+    """Return a warning for each value that is hardly meant.
+
+    Parameters
+    ----------
+    values, body
+        As of `with_warnings`.
+
+    Returns
+    -------
+    list of WarningOut
+        In their order.
+    """
+    request = json.loads(body)
+    return [
+        WarningOut(
+            code="implausible_value",
+            detail=meaning(*_as_typed(pointer, request), usual, quantity, compared),
+        )
+        for pointer, usual, quantity, compared in values
+    ]
 
 
 def _as_typed(pointer: str, request: Any) -> tuple[str, str, float | None]:  # noqa: ANN401

@@ -8,6 +8,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 PREFIX = "SHAPERSMITH_"
 
+IN_WORDS = "default_in_words"
+"""Key of a default that depends on the machine, as the documentation has it."""
+
 
 class Settings(BaseModel):
     """Settings; each is read from `SHAPERSMITH_` and its name in capitals."""
@@ -20,8 +23,9 @@ class Settings(BaseModel):
         Field(
             ge=1,
             le=1024,
-            description="Worker processes for small work (one more than processors); large work "
-            "has up to one fewer beside them.",
+            description="Worker processes for small work; large work has up to one fewer beside "
+            "them.",
+            json_schema_extra={IN_WORDS: "processors + 1"},
         ),
     ] = (os.cpu_count() or 1) + 1
     time_limit_s: Annotated[
@@ -35,36 +39,62 @@ class Settings(BaseModel):
     ] = 600.0
     worker_memory_bytes: Annotated[
         int,
-        Field(ge=256 * 1024**2, description="Memory that a worker may have for itself [bytes]."),
+        Field(ge=256 * 1024**2, description="Private memory that a worker may have [bytes]."),
     ] = 2 * 1024**3
-    max_body_bytes: Annotated[int, Field(ge=1, description="Largest body.")] = 1024 * 1024
-    max_batch_bytes: Annotated[int, Field(ge=1, description="Largest batch.")] = 8 * 1024 * 1024
+    max_body_bytes: Annotated[int, Field(ge=1, description="Largest body [bytes].")] = 1024 * 1024
+    max_batch_bytes: Annotated[int, Field(ge=1, description="Largest batch [bytes].")] = (
+        8 * 1024 * 1024
+    )
     max_batch_lines: Annotated[int, Field(ge=1, description="Most lines of a batch.")] = 1000
     # Planned in 8 s by 1.4 GB: 64 MB pass the limits of time and memory.
     max_table_bytes: Annotated[
-        int, Field(ge=1, description="Largest specification of a table, listed designs included.")
+        int,
+        Field(
+            ge=1,
+            description="Largest specification of a table [bytes]: 700,000 listed designs of one "
+            "field.",
+        ),
     ] = 24 * 1024 * 1024
     data_dir: Annotated[
-        str, Field(min_length=1, description="Folder of the job store and of tables' files.")
+        str,
+        Field(
+            min_length=1,
+            description="Folder of the job store and of tables' files; of compiled code too, where "
+            "the program's own folder is read-only.",
+        ),
     ] = "shapersmith-data"
     database_url: Annotated[
         str,
         Field(
-            description="Address of the job store, postgresql://...; a file in the folder if empty."
+            description="Job store in PostgreSQL (`postgresql://...`, extra `postgres`); if empty, "
+            "an SQLite file in that folder."
         ),
     ] = ""
     job_workers: Annotated[
-        int, Field(ge=0, le=1024, description="Processes for table jobs; 0: none run here.")
+        int,
+        Field(
+            ge=0,
+            le=1024,
+            description="Processes for table jobs; 0: none are computed here.",
+            json_schema_extra={IN_WORDS: "processors"},
+        ),
     ] = os.cpu_count() or 1
     scheduler: Annotated[
-        str, Field(description="Address of a Dask scheduler that computes table jobs instead.")
+        str,
+        Field(
+            description="Address of a Dask scheduler (extra `dask`) that computes table jobs "
+            "instead."
+        ),
     ] = ""
     stalled_s: Annotated[
         float,
-        Field(ge=0.5, description="Silence after which a job's chunk is given to another [s]."),
+        Field(
+            ge=0.5,
+            description="Silence after which a job's chunk is given to another process [s].",
+        ),
     ] = 30.0
     database_wait_s: Annotated[
-        float, Field(ge=0, description="How long to wait for a database that is gone [s].")
+        float, Field(ge=0, description="How long a job waits for a database that is gone [s].")
     ] = 600.0
     keep_tables_days: Annotated[
         float,

@@ -12,7 +12,8 @@ from schemas.health import Live, Ready
 from schemas.json_schema import Mode, json_schema_of
 from schemas.listed_schemas import ListedSchema, ListedSchemas
 from schemas.problems import ProblemDocument
-from schemas.tables import TableJob, TableJobs, TableRequest
+from schemas.table_jobs import TableJob, TableJobs
+from schemas.tables import TableRequest
 from service.files import write_whole
 from service.operations.table import TABLE, load
 from service.version import version

@@ -10,7 +10,7 @@ from urllib.parse import quote
 from pydantic import ValidationError
 
 from schemas.problems import ProblemDocument
-from schemas.tables import TableJob
+from schemas.table_jobs import TableJob
 from service.operations.table import TABLE
 from service.problems import INVALID, Problem
 from shapersmith.calls import Answered, Calls

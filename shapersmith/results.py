@@ -6,19 +6,20 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, cast
 import numpy as np
 from pydantic import BaseModel
 
+from design.errors import DesignError
 from design.types import FloatArray
 from schemas.base import Wire
 from schemas.designs import DesignResponse
-from schemas.fits import FitOut
+from schemas.fits import FitOut, FitRequest
 from schemas.impulses import ImpulsesWire
 from schemas.maneuvers import ManeuverResponse
 from schemas.maps import MapResponse
 from schemas.recommendations import RecommendationResponse
 from schemas.sensitivity import SensitivityResponse
 from schemas.simulations import SimulationResponse
-from schemas.tables import TableJob
+from schemas.table_jobs import TableJob
 from service.operations.table import load
-from service.problems import SOLVER_FAILED, Problem
+from service.problems import SOLVER_FAILED, Problem, problem_of_design
 from shapersmith.errors import raise_problem
 
 if TYPE_CHECKING:
@@ -165,6 +166,49 @@ class Fit(Result, FitOut):
     """Curve coefficients of a shaper."""
 
     OPERATION = "fit"
+
+    def times_s(self, value: float) -> FloatArray:
+        """Return the times of the impulses by the fitted curves.
+
+        Parameters
+        ----------
+        value
+            Of the field that was fitted over, in its SI unit.
+
+        Returns
+        -------
+        FloatArray
+            Shape (n,) [s].
+
+        Raises
+        ------
+        InvalidInputError
+            If the value is outside the range of the fit.
+
+        Examples
+        --------
+        >>> import shapersmith
+        >>> crane = shapersmith.Pendulum(cable_length_m=0.8)
+        >>> lengths = shapersmith.FitRange(
+        ...     over="/plant/cable_length_m", from_=0.5, to=1, degree=3
+        ... )
+        >>> drive = shapersmith.FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.05)
+        >>> shapersmith.fit(crane, drive, "numzv", lengths).times_s(0.8).round(4).tolist()
+        [0.0, 0.3385, 0.5837]
+        """
+        from design.curve_fit.evaluation import times_by_curves  # noqa: PLC0415
+
+        asked = FitRequest.model_validate_json(self._request)
+        try:
+            return times_by_curves(
+                asked.plant.to_design(),
+                asked.actuator.to_design(),
+                asked.fit.to_design(asked.plant.kind),
+                np.array(self.coefficients),
+                value,
+            )
+        except DesignError as error:
+            raise_problem(problem_of_design(error).document())
 
 
 class FieldMap(Result, MapResponse):

@@ -5,7 +5,7 @@ from contextlib import closing
 from pathlib import Path
 
 from design.errors import DesignError
-from schemas.tables import TableJob
+from schemas.table_jobs import TableJob
 from service.files import NotReplaceableError
 from service.jobs.database import StoreError, url_of
 from service.jobs.executors import thread

@@ -16,6 +16,7 @@ from service.problems import NOT_JSON, Problem, invalid_fields, problem_of_repet
 from service.repeated_names import RepeatedNameError
 from service.strict_json import loads
 from service.unreadable_json import why_unreadable
+from service.unreadable_toml import why_no_toml
 
 LISTED = re.compile(r"/designs/(\d+)(/.*)?\Z")
 
@@ -150,7 +151,7 @@ def _value_of(content: bytes, *, toml: bool) -> Any:  # noqa: ANN401
     except RepeatedNameError as error:
         raise ReadingError(problem_of_repetition(error)) from None
     except (ValueError, RecursionError) as error:
-        told = str(error) if toml else why_unreadable(text, str(error))
+        told = (why_no_toml if toml else why_unreadable)(text, str(error))
         problem = Problem(NOT_JSON, f"no TOML: {told}" if toml else told)
         raise ReadingError(problem) from None
 
@@ -184,7 +185,8 @@ def _from_toml(name: str, text: str) -> list[tuple[int, dict[str, Any]]]:
     try:
         designs = tomllib.loads(text).get("designs")
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        _refuse(f"{name}: no TOML: {error}", code="list_not_toml")
+        told = why_no_toml(text, str(error))
+        _refuse(f"{name}: no TOML: {told}", code="list_not_toml")
     heads = [
         number
         for number, line in enumerate(text.splitlines(), start=1)

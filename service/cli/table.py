@@ -79,6 +79,8 @@ def run_table(options: argparse.Namespace, content: bytes) -> int | Problem:
         require_taken(plan.job, name)
     except DesignError as error:
         return problem_of_design(error)
+    for warning in plan.warnings:
+        _say(f"warning: {warning.code}: {warning.detail}")
     if check is None:
         try:
             require_not_input(path, source.read, f"{source.file}, which lists the designs")

@@ -6,7 +6,7 @@ from fastapi import Path
 
 from design.export.kind import Export
 from design.export.registry import EXPORTS
-from schemas.tables import TableJob
+from schemas.table_jobs import TableJob
 from service.http.openapi import Json, reference_to
 
 KEY_HEADER = "Idempotency-Key"

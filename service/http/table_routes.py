@@ -1,7 +1,7 @@
 """HTTP routes of table jobs."""
 
 import re
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterable
 from pathlib import Path
 from typing import Annotated
 
@@ -12,7 +12,9 @@ from starlette.responses import Response
 from design.errors import InvalidInputError
 from design.export.formats import FORMATS
 from schemas.problems import FieldFault
-from schemas.tables import TableJob, TableJobs, TableRequest
+from schemas.table_jobs import TableJob, TableJobs
+from schemas.tables import TableRequest
+from schemas.warnings import WarningOut
 from service.http.bodies import client_of, read_body, while_connected
 from service.http.byte_ranges import file_response
 from service.http.entity_tags import held_tags
@@ -79,10 +81,9 @@ async def _find_job(request: Request, job_id: str) -> Job:
     return job
 
 
-def _answer(job: Job, status: int = 200) -> Response:
-    return Response(
-        wire_job(job).model_dump_json(), status_code=status, media_type="application/json"
-    )
+def _answer(job: Job, status: int = 200, warnings: Iterable[WarningOut] = ()) -> Response:
+    told = wire_job(job, warnings).model_dump_json()
+    return Response(told, status_code=status, media_type="application/json")
 
 
 @router.post(
@@ -112,7 +113,7 @@ async def begin(request: Request) -> Response:
         raise _refuse_key(
             "not be one that began a table of another specification", code="key_reused"
         ) from None
-    response = _answer(await _find_job(request, job_id), 202)
+    response = _answer(await _find_job(request, job_id), 202, plan.warnings)
     response.headers["location"] = f"/v1/tables/{job_id}"
     return response
 

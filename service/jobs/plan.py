@@ -1,6 +1,7 @@
 """From a body to a job, and from a job to the head of its files."""
 
 import uuid
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from pydantic import ValidationError
@@ -13,7 +14,11 @@ from design.tables.compute import with_impulse_count
 from design.tables.rows import TableHead
 from design.tables.specification import TableSpecification
 from schemas.fits import name_fit
-from schemas.tables import TableJob, TableRequest, TableSize, sha256_of
+from schemas.table_jobs import TableJob, TableSize
+from schemas.tables import TableRequest, sha256_of
+from schemas.warnings import WarningOut
+from service.implausible_words import warnings_of
+from service.jobs.implausible_rows import implausible_in_table
 from service.jobs.records import Job, NewJob
 from service.problems import (
     Problem,
@@ -37,10 +42,11 @@ FLOAT_BYTES = 8
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A job to be, and its size."""
+    """A job to be, its size, and what is hardly meant in its specification."""
 
     job: NewJob
     size: TableSize
+    warnings: tuple[WarningOut, ...] = ()
 
 
 def plan_table(body: bytes) -> Plan | Problem:
@@ -54,7 +60,7 @@ def plan_table(body: bytes) -> Plan | Problem:
     Returns
     -------
     Plan or Problem
-        The job and its size, or what is wrong with the specification.
+        The job, its size and warnings, or what is wrong with the specification.
     """
     try:
         request = TableRequest.model_validate_json(body)
@@ -65,9 +71,11 @@ def plan_table(body: bytes) -> Plan | Problem:
     except RepeatedNameError as error:
         return problem_of_repetition(error)
     try:
-        return plan_of(request)
+        plan = plan_of(request)
+        odd = implausible_in_table(request)
     except DesignError as error:
         return problem_of_design(error, body)
+    return replace(plan, warnings=tuple(warnings_of(odd, body))) if odd else plan
 
 
 def plan_of(request: TableRequest) -> Plan:
@@ -201,8 +209,21 @@ def head_of(
     )
 
 
-def wire_job(job: Job) -> TableJob:
-    """Return the state of a job for the wire."""
+def wire_job(job: Job, warnings: Iterable[WarningOut] = ()) -> TableJob:
+    """Return the state of a job for the wire.
+
+    Parameters
+    ----------
+    job
+        The job.
+    warnings
+        Of its specification, where it is just begun.
+
+    Returns
+    -------
+    TableJob
+        Its state.
+    """
     left = job.left_s
     return TableJob(
         id=job.id,
@@ -219,4 +240,5 @@ def wire_job(job: Job) -> TableJob:
         seconds_left=None if left is None else round(left, 1),
         specification_sha256=job.sha256,
         version=job.version,
+        warnings=list(warnings),
     )

@@ -9,7 +9,9 @@ import pytest
 
 from design.shapers.registry import SHAPERS
 from service.cli.main import COMMANDS
+from service.http.app import create_app
 from service.problems import KIND_OF
+from service.settings import PREFIX, Settings
 from tests.errors_raised import codes
 
 ROOT = Path(__file__).parents[2]
@@ -45,6 +47,24 @@ def test_the_reference_has_every_kind_command_and_error(site: Path) -> None:
         assert f"shapersmith {command}</h2>" in re.sub(r"<a .*?</a>", "", commands), command
     for code in (*codes(), *(kind.name for kind in KIND_OF.values())):
         assert f"<code>{code}</code>" in errors, code
+
+
+def test_the_reference_has_every_route_with_its_command(site: Path) -> None:
+    routes = re.sub(r"</?code>", "", (site / "routes.html").read_text())
+    for path, methods in create_app(Settings()).openapi()["paths"].items():
+        for method in methods:
+            assert f"<td>{method.upper()} {path}</td>" in routes, (method, path)
+    commands = set(re.findall(r"<td>shapersmith (\w+)</td>", routes))
+    assert commands == {*COMMANDS, "table", "shapers", "schemas"}
+
+
+def test_the_reference_has_every_setting_with_its_default(site: Path) -> None:
+    settings = re.sub(r"</?code>", "", (site / "settings.html").read_text())
+    rows = dict(re.findall(rf"<td>{PREFIX}(\w+)</td>\s*<td>(.*?)</td>", settings))
+    assert {name.lower() for name in rows} == set(Settings.model_fields)
+    assert (rows["WORKERS"], rows["JOB_WORKERS"]) == ("processors + 1", "processors")
+    assert (rows["MAX_BODY_BYTES"], rows["DATA_DIR"]) == ("1,048,576", "shapersmith-data")
+    assert rows["DATABASE_URL"] == ""
 
 
 def test_nothing_is_fetched_from_another_server(site: Path) -> None:

@@ -6,7 +6,8 @@ import pytest
 from pydantic import BaseModel
 
 from schemas.problems import ProblemDocument
-from schemas.tables import TableJobs, TableRequest
+from schemas.table_jobs import TableJobs
+from schemas.tables import TableRequest
 from service.operations.table import TABLE, load
 
 MODELS: list[type[BaseModel]] = [

@@ -259,7 +259,12 @@ LISTS = [
     ("d.csv", "cable_length_m\n0.6\n", "heading_not_pointer", "as /plant/cable_length_m"),
     ("d.jsonl", '{"plant": {"cable_length_m": .6}}\n', "line_not_json", "write 0.6"),
     ("d.jsonl", "[0.6]\n", "line_not_object", "must be a JSON object, got [0.6]"),
-    ("d.toml", "[[designs]]\nplant = {cable_length_m = .6}\n", "list_not_toml", "at line 2"),
+    (
+        "d.toml",
+        "[[designs]]\nplant = {cable_length_m = .6}\n",
+        "list_not_toml",
+        "line 2, column 27: a number without",
+    ),
     ("d.toml", "[designs]\n", "list_without_headings", "a heading [[designs]]"),
 ]
 """Lists of designs beside a specification: name, text, code, and a part of the answer."""

@@ -1,6 +1,7 @@
 """Answers have arrays, pictures and tables."""
 
 import pickle
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -11,6 +12,9 @@ from service.cli.rendering import MAX_HTML_ROWS
 from shapersmith.here import HERE
 from tests.conftest import CRANE
 from tests.shapersmith.requests import LENGTHS, REQUESTS, call
+
+FREQUENCY = "natural_frequency_rad_s"
+LAG = shapersmith.FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.05)
 
 
 @pytest.mark.parametrize("operation", REQUESTS)
@@ -119,3 +123,50 @@ def test_an_answer_is_pickled_with_its_picture() -> None:
     again = pickle.loads(pickle.dumps(found))
     assert again == found
     assert isinstance(again.plot(), Figure)
+
+
+FITS = [
+    (shapersmith.Pendulum(cable_length_m=0.8), "/plant/cable_length_m", 0.5, 1.2, "dimensionless"),
+    (shapersmith.Mode(natural_frequency_rad_s=3.5), f"/plant/{FREQUENCY}", 2, 4, "dimensionless"),
+    (
+        shapersmith.Mode(natural_frequency_rad_s=3.5),
+        f"/plant/{FREQUENCY}",
+        2,
+        4,
+        "time_in_frequency",
+    ),
+    (
+        shapersmith.Mode(natural_frequency_rad_s=3.5),
+        "/plant/damping_ratio",
+        0,
+        0.2,
+        "dimensionless",
+    ),
+]
+
+
+@pytest.mark.parametrize(("plant", "over", "start", "stop", "form"), FITS)
+@pytest.mark.parametrize("drive", [shapersmith.Ideal(), LAG])
+def test_fitted_curves_give_times_at_any_value(
+    plant: shapersmith.Pendulum | shapersmith.Mode,
+    drive: shapersmith.Ideal | shapersmith.FirstOrder,
+    over: str,
+    start: float,
+    stop: float,
+    form: Literal["dimensionless", "time_in_frequency"],
+) -> None:
+    field = shapersmith.FitRange(over=over, from_=start, to=stop, degree=5, form=form)
+    fitted = shapersmith.fit(plant, drive, "numzv", field)
+    for value in (start, 0.3 * start + 0.7 * stop, stop):
+        there: dict[str, Any] = {**plant.model_dump(), over.rpartition("/")[2]: value}
+        exact = shapersmith.design(there, drive, "numzv", sensitivity=None).times_s
+        error = np.abs(fitted.times_s(value) - exact).max()
+        assert error <= 1.1 * fitted.worst_timing_error_s + 1e-12
+
+
+def test_fitted_curves_give_no_times_outside_their_range() -> None:
+    crane = shapersmith.Pendulum(cable_length_m=0.8)
+    lengths = shapersmith.FitRange(over="/plant/cable_length_m", from_=0.5, to=1.2, degree=3)
+    fitted = shapersmith.fit(crane, LAG, "numzv", lengths)
+    with pytest.raises(shapersmith.InvalidInputError, match=r"between 0.5 and 1.2"):
+        fitted.times_s(3.0)

@@ -61,7 +61,7 @@ def test_a_program_is_written_of_a_request_in_toml(tmp_path: Path) -> None:
     ("name", "text", "told"),
     [
         ("crane.json", "{\n'plant': 1}", "crane.json line 2, column 1: single quotes"),
-        ("crane.toml", "plant = 1\nplant", "crane.toml no TOML: Expected '='"),
+        ("crane.toml", "plant = 1\nplant", "crane.toml no TOML: line 2, column 6: = is"),
     ],
 )
 def test_a_file_that_cannot_be_read_is_named(

@@ -1,6 +1,8 @@
 """A single design as a program or a line of firmware: read back, or refused by name."""
 
 import json
+import re
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +17,7 @@ from service.jobs.plan import Plan, head_of, plan_table, specification_of
 from service.operations.design import design_shaper
 from service.problems import Problem
 from tests.readers import read_back
-from tests.service.cli.commands import shapersmith
+from tests.service.cli.commands import COMMAND, shapersmith
 
 MODE = {"kind": "mode", "natural_frequency_rad_s": 250.0, "damping_ratio": 0.05}
 TWO_MODES: dict[str, Any] = {
@@ -229,3 +231,49 @@ def test_tables_whose_rows_differ_in_kind_are_refused_by_name(
     problem = plan_table(json.dumps(body).encode())
     assert isinstance(problem, Problem)
     assert words in problem.detail
+
+
+@pytest.mark.parametrize("name", ["twincat", "arduino"])
+def test_an_archive_is_written_as_it_is(tmp_path: Path, name: str) -> None:
+    request = tmp_path / "design.json"
+    request.write_text(json.dumps({"plant": MODE, "actuator": IDEAL, "shaper": {"kind": "zv"}}))
+    wanted = design_file(request.read_bytes(), name)
+    assert isinstance(wanted, bytes)
+    done = shapersmith("design", request, "--format", name, "-o", tmp_path / "design.zip")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "design.zip").read_bytes() == wanted
+    printed = subprocess.run(
+        [*COMMAND, "design", str(request), "--format", name], capture_output=True, check=True
+    )
+    assert printed.stdout == wanted
+
+
+@pytest.mark.parametrize("shaper", [{"kind": "numzvd"}, {"kind": "zvd", "sample_time_s": 0.001}])
+def test_a_design_is_written_in_single_precision(shaper: dict[str, Any]) -> None:
+    request = {"plant": MODE, "actuator": IDEAL, "shaper": shaper}
+    body = json.dumps(request)
+    texts = {}
+    for real in ("LREAL", "REAL"):
+        done = shapersmith("design", "-", "--format", "st", "--real", real, given=body)
+        assert (done.returncode, done.stderr) == (0, "")
+        texts[real] = done.stdout
+        assert set(re.findall(r"\bL?REAL\b", done.stdout)) == {real}
+    wanted = design_shaper(DesignRequest.model_validate(request)).shaper.impulses
+    (held,) = read_back("st", texts["REAL"].encode(), Path())
+    np.testing.assert_allclose(held.impulses[0].times_s, wanted.times_s, rtol=1e-7)
+    # Blocks of either type may be in one program.
+    names = [set(re.findall(r"FUNCTION_BLOCK (\w+)", text)) for text in texts.values()]
+    assert not names[0] & names[1]
+    for name in ("plcopen", "twincat", "scl"):
+        written = design_file(body.encode(), name, "REAL")
+        assert isinstance(written, bytes)
+        (other,) = read_back(name, written, Path())
+        np.testing.assert_array_equal(other.impulses[0].times_s, held.impulses[0].times_s)
+
+
+@pytest.mark.parametrize("name", [None, "json", "c", "klipper"])
+def test_a_type_of_numbers_is_refused_where_there_is_none(name: str | None) -> None:
+    form = [] if name is None else ["--format", name]
+    done = shapersmith("design", "-", *form, "--real", "REAL", given={})
+    assert done.returncode == 2
+    assert f"--real goes with st, plcopen, twincat, scl, not with {name or 'json'}" in done.stderr

@@ -5,10 +5,6 @@ from pathlib import Path
 
 import pytest
 
-from service.cli.main import COMMANDS
-from service.http.app import create_app
-from service.settings import PREFIX, Settings
-
 ROOT = Path(__file__).parents[3]
 
 DOCUMENTS = [
@@ -21,27 +17,6 @@ MADE = {"kinds.md", "commands.md", "errors.md"}
 
 MOST_WORDS = 700
 """Words of the README: it is a window, and the shop is in `docs`."""
-
-
-def test_there_is_a_row_for_every_setting_with_its_default() -> None:
-    settings = (ROOT / "docs/settings.md").read_text()
-    rows = dict(re.findall(rf"^\| `{PREFIX}(\w+)` \| ([^|]*?) ?\|", settings, re.MULTILINE))
-    assert {name.lower() for name in rows} == set(Settings.model_fields)
-    for name, field in Settings.model_fields.items():
-        told = rows[name.upper()]
-        if isinstance(field.default, str):
-            assert told == field.default, name
-        elif name not in {"workers", "job_workers"}:  # depend on the machine
-            assert float(told.replace(",", "")) == field.default, name
-
-
-def test_every_route_and_command_is_named() -> None:
-    routes = (ROOT / "docs/routes.md").read_text()
-    app = create_app(Settings())
-    for path in app.openapi()["paths"]:
-        assert re.search(rf"`(GET|POST) {path}`", routes), path
-    for command in (*COMMANDS, "table", "shapers", "schemas", "serve"):
-        assert f"`shapersmith {command}" in routes, command
 
 
 def test_the_readme_is_short() -> None:

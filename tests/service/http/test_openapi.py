@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from schemas.designs import DesignResponse
-from schemas.tables import TableJob
+from schemas.table_jobs import TableJob
 from service.http.document import TAGS, operations_of
 from service.http.examples import EXAMPLES
 from service.jobs.memory import MemoryJobs

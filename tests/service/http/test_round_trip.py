@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from design.maps.map_case import Quantity
 from schemas.catalogue import Catalogue
 from schemas.problems import ProblemDocument
-from schemas.tables import TableJob, TableJobs
+from schemas.table_jobs import TableJob, TableJobs
 from service.catalogue import TWO_MODES, shaper_catalogue
 from service.dispatch import respond
 from service.operations.table import TABLE, load
