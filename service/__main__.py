@@ -4,9 +4,9 @@ import os
 import sys
 from collections.abc import Sequence
 
+from service.cli.given_files import UsageError
 from service.cli.main import FAILED, OK
 from service.cli.main import main as run_command
-from service.cli.named_files import UsageError
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 
 from design.export.formats import FORMATS, LOG_FORMAT
 from service.cli import streams
-from service.cli.named_files import (
+from service.cli.given_files import (
     PICTURES,
     UsageError,
-    read,
+    is_same_file,
+    read_file,
     require_file,
     require_picture,
-    same_file,
 )
 from service.operations.table import TABLE as OPERATIONS
 from service.operations.table import load
@@ -36,6 +36,7 @@ COMMANDS = {row.command: name for name, row in OPERATIONS.items()}
 """Names of the operations, by command."""
 
 TABLE_HELP = "a table of designs over axes or a list, into a file (POST /v1/tables)"
+SCHEMAS_HELP = "JSON Schema of every request and response, a file each (GET /v1/schemas)"
 PROGRAMS = {
     "design": tuple(name for name, row in FORMATS.items() if row.is_program),
     "maneuver": tuple(name for name, row in FORMATS.items() if row.plays_moves),
@@ -109,6 +110,10 @@ def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> i
             return serve(options.host, options.port)
         if options.command == "shapers":
             return _shapers(options)
+        if options.command == "schemas":
+            from service.cli.schema_files import write_into  # noqa: PLC0415
+
+            return write_into(options.output)
         if options.command == "table":
             return _table(options)
         return _answer(options)
@@ -180,6 +185,15 @@ def command_parser() -> argparse.ArgumentParser:
         command.add_argument("--plot", metavar="FILE", type=Path, help=PLOT_HELP)
     _add_format(commands.add_parser("shapers", help="every kind of shaper (GET /v1/shapers)"))
     _add_table(commands.add_parser("table", help=TABLE_HELP, description=TABLE_HELP))
+    schemas = commands.add_parser("schemas", help=SCHEMAS_HELP, description=SCHEMAS_HELP)
+    schemas.add_argument(
+        "-o",
+        "--output",
+        metavar="FOLDER",
+        type=Path,
+        default=Path("shapersmith-schemas"),
+        help="folder to write to, %(default)s if not given",
+    )
     serve = commands.add_parser("serve", help="serve over HTTP")
     serve.add_argument("--host", default="127.0.0.1", help="address to bind (%(default)s)")
     serve.add_argument("--port", default=8000, type=int, help="port to bind (%(default)s)")
@@ -246,9 +260,9 @@ def _table(options: argparse.Namespace) -> int:
         raise UsageError("table needs -o FILE to write, or --check FILE")
     if options.workers is not None and not 1 <= options.workers <= MAX_WORKERS:
         raise UsageError(f"--workers must be between 1 and {MAX_WORKERS}, got {options.workers}")
-    content, file = read(options.request)
+    content, read = read_file(options.request)
     if options.check is None:
-        require_file(options.output, file, "the specification itself")
+        require_file(options.output, read, "the specification itself")
 
     from service.compiled_code import keep_in  # noqa: PLC0415
     from service.jobs import executors  # noqa: PLC0415
@@ -270,12 +284,12 @@ def _table(options: argparse.Namespace) -> int:
 
 def _answer(options: argparse.Namespace) -> int:
     plot: Path | None = options.plot
-    content, file = read(options.request)
+    content, read = read_file(options.request)
     if plot is not None:
-        require_picture(plot, file)
+        require_picture(plot, read)
     if options.output is not None:
-        require_file(options.output, file, "the request itself")
-        if plot is not None and same_file(options.output, plot):
+        require_file(options.output, read, "the request itself")
+        if plot is not None and is_same_file(options.output, plot):
             raise UsageError(f"--output and --plot are both {plot}")
 
     # --help must not wait for it
@@ -288,7 +302,7 @@ def _answer(options: argparse.Namespace) -> int:
         if getattr(options, "play", None) is not None:
             from service.cli.played_file import with_played  # noqa: PLC0415
 
-            body = with_played(body, options.play.name, read(str(options.play))[0])
+            body = with_played(body, options.play.name, read_file(str(options.play))[0])
     except ReadingError as error:
         return _tell(error.problem, options, as_json=options.format == "json")
     operation = COMMANDS[options.command]

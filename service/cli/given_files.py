@@ -1,4 +1,4 @@
-"""Files that the command line names: read, or looked at before the work is done."""
+"""Files that the command line names: read, and refused before work is done."""
 
 import os
 import sys
@@ -17,68 +17,77 @@ class UsageError(Exception):
     """The command line asks for what cannot be."""
 
 
-def read(name: str) -> tuple[bytes, os.stat_result]:
-    """Return what a file holds, or standard input, and which file it is.
+def read_file(name: str) -> tuple[bytes, os.stat_result]:
+    """Return what a file holds, and which file it is.
+
+    Parameters
+    ----------
+    name
+        Name of the file; ``-`` for standard input.
 
     Returns
     -------
-    tuple of bytes and os.stat_result
-        Its content, and its place on the disk.
+    bytes
+        The content.
+    stat_result
+        By which the file is known, whatever its name.
 
     Raises
     ------
     UsageError
-        If it cannot be read.
+        If the file cannot be read.
     """
     if name == "-":
         return sys.stdin.buffer.read(), os.fstat(sys.stdin.fileno())
     try:
-        with Path(name).open("rb") as opened:
-            return opened.read(), os.fstat(opened.fileno())
+        with Path(name).open("rb") as file:
+            return file.read(), os.fstat(file.fileno())
     except OSError as error:
         raise UsageError(f"cannot read {name}: {error.strerror}") from None
 
 
-def require_picture(path: Path, file: os.stat_result) -> None:
-    """Refuse a picture that could not be written, before the work is done.
+def require_picture(path: Path, read: os.stat_result) -> None:
+    """Raise UsageError for a picture that could not be written.
 
     Parameters
     ----------
     path
-        The picture.
-    file
-        What was read, which it must not be.
+        Where the picture goes.
+    read
+        The request.
 
     Raises
     ------
     UsageError
-        If its name ends otherwise, or it cannot be written.
+        If its name is of no format, or as of `require_file`.
     """
     if path.suffix not in PICTURES:
         ends = ", ".join(PICTURES)
         raise UsageError(f"--plot takes a name ending in one of {ends}, got {str(path)!r}")
-    require_file(path, file, "the request itself")
+    require_file(path, read, "the request itself")
 
 
-def require_file(path: Path, file: os.stat_result | None, what: str) -> None:
-    """Refuse an output that could not be written, or is what was read.
+def require_file(path: Path, read: os.stat_result | None, what: str) -> None:
+    """Raise UsageError for an output that could not be written.
 
     Parameters
     ----------
     path
-        The output.
-    file, what
-        What was read, if anything, and what it is called.
+        Where the output goes.
+    read
+        A file that was read, which it must not replace; None for none.
+    what
+        What that file is, for the message.
 
     Raises
     ------
     UsageError
-        If it cannot be written, or is the same file.
+        If something else stands there, the folder is missing or read-only, or it is what was read.
     """
     from service.files import NotReplaceableError, require_not_input, require_replaceable  # noqa: PLC0415
 
     try:
-        require_not_input(path, file, what)
+        require_not_input(path, read, what)
         require_replaceable(path)
     except NotReplaceableError as error:
         raise UsageError(str(error)) from None
@@ -88,17 +97,17 @@ def require_file(path: Path, file: os.stat_result | None, what: str) -> None:
         raise UsageError(f"cannot write {path}: the folder {path.parent} is read-only")
 
 
-def same_file(one: Path, other: Path) -> bool:
-    """Return whether two paths are one file.
+def is_same_file(one: Path, other: Path) -> bool:
+    """Return whether two paths lead to one file.
 
     Parameters
     ----------
     one, other
-        The paths; the files need not be there.
+        The paths; there need not be a file yet.
 
     Returns
     -------
     bool
-        Whether they are.
+        Links are followed.
     """
     return one.resolve() == other.resolve()
