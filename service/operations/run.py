@@ -18,7 +18,8 @@ from design.rig.runs import SETTLED, Run, Scenario, run
 from design.rig.scenario import Drive, HoistTo, Played, pulse_of_distance
 from design.rig.sensed import sensed
 from schemas.base import name_field
-from schemas.runs import DelayLine, EventIn, RunRequest, RunResponse, StrokeIn
+from schemas.run_events import EventIn
+from schemas.runs import DelayLine, RunRequest, RunResponse, StrokeIn
 from service.operations.found_shaper import on_samples
 from service.operations.operation import Operation
 from service.operations.subject import subject_of
