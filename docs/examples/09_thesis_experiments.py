@@ -88,7 +88,7 @@ def solved(kind: str, model: Model) -> Make:
 PRINTED = Impulses(
     times_s=np.array([0, 0.1739, 0.6369, 1.1360, 1.2724]), amplitudes=np.array([1.0, -1, 1, -1, 1])
 )
-"""The start of NUMZVD2 as [K] prints it (3.60), and has played it."""
+"""The start of NUMZVD2 as [K] prints it (3.60)."""
 # [K] designs for superposed steps. It swaps the sets for the stop of NUMZV2 (3.42, 3.43), and
 # mirrors the start of NUMZVD2. An ideal drive has equal sets: UMZV2 mirrored is UMZV2 solved.
 MOVES: dict[str, Make] = {
