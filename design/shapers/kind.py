@@ -95,7 +95,7 @@ class KindOf(Generic[Options]):
             raise InvalidInputError(
                 "plant.modes",
                 f"{len(case.modes)} modes",
-                f"a list of one: {self.name} serves a single mode; multi_zv, multi_umzv and "
+                f"of one mode: {self.name} serves a single mode; multi_zv, multi_umzv and "
                 "convolved serve several",
                 code="kind_of_one_mode",
             )

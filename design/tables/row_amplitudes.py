@@ -15,8 +15,7 @@ from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
-from design.model.plants.modes import Modes
-from design.model.plants.registry import Plant
+from design.model.plants.registry import Plant, SeveralModes
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
 from design.shapers.several_modes import BASES, ConvolvedOptions
@@ -113,7 +112,7 @@ def impulses_of(plant: Plant, kind: ShaperKind, options: ShaperOptions | None) -
         base = BASES[options.base]
         of_one = len(amplitudes_of(base, base.options()))
         return math.prod(of_one for _ in plant.modes)
-    if isinstance(plant, Modes):
+    if isinstance(plant, SeveralModes):
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,
