@@ -9,12 +9,12 @@ import re
 from collections.abc import Iterable, Iterator
 from string import Template
 
-import numpy as np
-
 from design.curve_fit.polynomials import Fit
+from design.export.c_numbers import REAL, literal
 from design.export.kind import Export
-from design.export.lookup import constants, lookup_of, lookup_remarks, up
+from design.export.lookup import constants, lookup_of, lookup_remarks, rounding_remark, up
 from design.export.lookup_c import axes_in_c, lookup_in_c
+from design.export.move_c import move_in_c
 from design.export.program import (
     HASH_DIGITS,
     Listing,
@@ -31,21 +31,6 @@ from design.export.sampled_c import sampled_rows_in_c, sampled_shaper_in_c
 from design.export.sampled_program import SampledListing, sampled_listing
 from design.tables.rows import Rows, TableHead, join_rows
 from design.types import FloatArray
-
-REAL = """\
-#ifndef SHAPERSMITH_REAL_DEFINED
-#define SHAPERSMITH_REAL_DEFINED
-#ifdef SHAPERSMITH_FLOAT
-typedef float shapersmith_real;
-#define SHAPERSMITH_C(value) value##f
-#define SHAPERSMITH_SQRT(value) sqrtf(value)
-#else
-typedef double shapersmith_real;
-#define SHAPERSMITH_C(value) value
-#define SHAPERSMITH_SQRT(value) sqrt(value)
-#endif
-#endif
-"""
 
 SHAPER = Template("""\
 /* A shaper for a live command, sampled every sample_time_s: each impulse delays the command by its
@@ -204,7 +189,10 @@ def write_c(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     if sampled is None:
         more = lookup_remarks(found, name, in_single=False)
         if lookup is not None:
-            more.append(f"   in float at most {up(lookup.residual_in_single)}")
+            more += [
+                f"   in float at most {up(lookup.residual_in_single)}",
+                f"   {rounding_remark(lookup)}",
+            ]
         count = constants(rows, lookup)
         more.append(f"memory: {8 * count} bytes of constants in double, {4 * count} in float")
     # A title or a reason must not end the comment.
@@ -255,7 +243,7 @@ def _table(name: str, rows: Listing, sampled: SampledListing | None) -> Iterator
         yield _matrix(f"{name}_times{shape}", rows.times_s).encode()
         yield b"\n"
     if sampled is None and rows.shared_amplitudes is not None:
-        numbers = ", ".join(map(_literal, rows.shared_amplitudes.tolist()))
+        numbers = ", ".join(map(literal, rows.shared_amplitudes.tolist()))
         declared = f"{name}_amplitudes[{upper}_IMPULSES]"
         yield b"/* The same in all rows. */\n"
         yield f"static const shapersmith_real {declared} = {{{numbers}}};\n\n".encode()
@@ -266,12 +254,8 @@ def _table(name: str, rows: Listing, sampled: SampledListing | None) -> Iterator
 
 
 def _matrix(declared: str, values: FloatArray) -> str:
-    lines = ["    {" + ", ".join(map(_literal, row)) + "}" for row in values.tolist()]
+    lines = ["    {" + ", ".join(map(literal, row)) + "}" for row in values.tolist()]
     return f"static const shapersmith_real {declared} = {{\n" + ",\n".join(lines) + "\n};\n"
-
-
-def _literal(value: float) -> str:
-    return "NAN" if np.isnan(value) else f"SHAPERSMITH_C({decimal(value)})"
 
 
 def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
@@ -300,5 +284,10 @@ def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
 
 
 EXPORT = Export(
-    name="c", media_type="text/x-c; charset=utf-8", suffix=".h", checks=check_program, write=write_c
+    name="c",
+    media_type="text/x-c; charset=utf-8",
+    suffix=".h",
+    checks=check_program,
+    write=write_c,
+    move=lambda blocks: move_in_c(blocks).encode(),
 )

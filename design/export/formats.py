@@ -16,10 +16,16 @@ class Format(NamedTuple):
         The module in `design.export` that writes it.
     is_program
         Whether it is a program or a line of firmware, which a single design has too.
+    plays_moves
+        Whether it is a program that plays a whole move.
+    has_real
+        Whether its numbers are of a type that is asked for, LREAL or REAL.
     """
 
     module: str
     is_program: bool = False
+    plays_moves: bool = False
+    has_real: bool = False
 
 
 FORMATS: dict[str, Format] = {
@@ -27,11 +33,11 @@ FORMATS: dict[str, Format] = {
     "json": Format("json_file"),
     "parquet": Format("parquet_file"),
     "mat": Format("mat_file"),
-    "c": Format("c_header", is_program=True),
-    "st": Format("structured_text", is_program=True),
-    "plcopen": Format("plcopen_xml", is_program=True),
-    "twincat": Format("twincat", is_program=True),
-    "scl": Format("scl", is_program=True),
+    "c": Format("c_header", is_program=True, plays_moves=True),
+    "st": Format("structured_text", is_program=True, plays_moves=True, has_real=True),
+    "plcopen": Format("plcopen_xml", is_program=True, plays_moves=True, has_real=True),
+    "twincat": Format("twincat", is_program=True, plays_moves=True, has_real=True),
+    "scl": Format("scl", is_program=True, plays_moves=True, has_real=True),
     "klipper": Format("klipper", is_program=True),
     "rrf": Format("reprap", is_program=True),
     "marlin": Format("marlin", is_program=True),

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import BinaryIO
 
+from design.export.move import MoveBlocks
 from design.tables.rows import Rows, TableHead
 
 
@@ -27,6 +28,8 @@ class Export:
     read
         From an opened file to the head and the runs of rows; None of formats that do not hold a
         table whole.
+    move
+        From a whole move to the file's bytes; None of formats that play none.
     """
 
     name: str
@@ -35,6 +38,7 @@ class Export:
     checks: Callable[[TableHead], None]
     write: Callable[[TableHead, Iterable[Rows]], Iterator[bytes]]
     read: Callable[[BinaryIO], tuple[TableHead, Iterator[Rows]]] | None = None
+    move: Callable[[MoveBlocks], bytes] | None = None
 
 
 def takes_all(head: TableHead) -> None:

@@ -11,8 +11,16 @@ from xml.sax.saxutils import escape, quoteattr
 
 from design.export.header import TOOL
 from design.export.kind import Export
+from design.export.move import MoveBlocks
 from design.export.program import check_program, name_of
-from design.export.text_blocks import TextBlock, TextSection, TextVariable, text_program
+from design.export.text_blocks import (
+    TextBlock,
+    TextProgram,
+    TextSection,
+    TextVariable,
+    move_program,
+    text_program,
+)
 from design.tables.rows import Rows, TableHead
 
 NAMESPACE = "http://www.plcopen.org/xml/tc6_0201"
@@ -52,22 +60,44 @@ def write_plcopen(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     InvalidInputError
         If a number of the table is infinite.
     """
-    program = text_program(head, runs)
+    yield _project(text_program(head, runs), name_of(head), head.version).encode()
+
+
+def move_in_plcopen(blocks: MoveBlocks) -> bytes:
+    """Return a move as a project of PLCopen XML.
+
+    Parameters
+    ----------
+    blocks
+        The move.
+
+    Returns
+    -------
+    bytes
+        The file, whole.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number of the move is not finite in its type.
+    """
+    return _project(move_program(blocks), blocks.name, blocks.version).encode()
+
+
+def _project(program: TextProgram, name: str, version: str) -> str:
     coordinates = "".join(f"<{name}>{SCALING}</{name}>" for name in ("fbd", "ld", "sfc"))
-    version = quoteattr(head.version)
-    yield (
+    return "".join([
         '<?xml version="1.0" encoding="utf-8"?>\n'
         f'<project xmlns="{NAMESPACE}">\n'
-        f'<fileHeader companyName="" productName="{TOOL}" productVersion={version} '
+        f'<fileHeader companyName="" productName="{TOOL}" productVersion={quoteattr(version)} '
         f'creationDateTime="{UNDATED}"/>\n'
-        f"<contentHeader name={quoteattr(name_of(head))}>\n"
+        f"<contentHeader name={quoteattr(name)}>\n"
         f"<Comment>{escape(NOT_IN_XML.sub('?', program.remark))}</Comment>\n"
         f"<coordinateInfo>{coordinates}</coordinateInfo>\n"
-        "</contentHeader>\n<types>\n<dataTypes/>\n<pous>\n"
-    ).encode()
-    for block in program.blocks:
-        yield _pou(block).encode()
-    yield b"</pous>\n</types>\n<instances>\n<configurations/>\n</instances>\n</project>\n"
+        "</contentHeader>\n<types>\n<dataTypes/>\n<pous>\n",
+        *map(_pou, program.blocks),
+        "</pous>\n</types>\n<instances>\n<configurations/>\n</instances>\n</project>\n",
+    ])
 
 
 def _pou(block: TextBlock) -> str:
@@ -109,4 +139,5 @@ EXPORT = Export(
     suffix=".xml",
     checks=check_program,
     write=write_plcopen,
+    move=move_in_plcopen,
 )

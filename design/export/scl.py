@@ -16,9 +16,16 @@ import re
 from collections.abc import Iterable, Iterator
 
 from design.export.kind import Export
+from design.export.move import MoveBlocks
 from design.export.program import check_program
 from design.export.structured_numbers import lines
-from design.export.text_blocks import TextBlock, TextVariable, text_program
+from design.export.text_blocks import (
+    TextBlock,
+    TextProgram,
+    TextVariable,
+    move_program,
+    text_program,
+)
 from design.tables.rows import Rows, TableHead
 
 ELEMENTARY = ("BOOL", "SINT", "DINT", "REAL", "LREAL")
@@ -43,11 +50,33 @@ def write_scl(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     InvalidInputError
         If a number of the table is infinite.
     """
-    program = text_program(head, runs)
+    yield _source(text_program(head, runs)).encode()
+
+
+def move_in_scl(blocks: MoveBlocks) -> bytes:
+    """Return a move as a source of SCL.
+
+    Parameters
+    ----------
+    blocks
+        The move.
+
+    Returns
+    -------
+    bytes
+        The file, whole.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number of the move is not finite in its type.
+    """
+    return _source(move_program(blocks)).encode()
+
+
+def _source(program: TextProgram) -> str:
     top = re.sub(r"\n\nHow to call it.*", "", program.remark, flags=re.DOTALL)
-    yield f"(* {top} *)\n\n".encode()
-    for block in program.blocks:
-        yield _block(block).encode()
+    return f"(* {top} *)\n\n{''.join(map(_block, program.blocks))}"
 
 
 def _block(block: TextBlock) -> str:
@@ -94,4 +123,5 @@ EXPORT = Export(
     suffix=".scl",
     checks=check_program,
     write=write_scl,
+    move=move_in_scl,
 )

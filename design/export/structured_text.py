@@ -13,6 +13,7 @@ from design.curve_fit.polynomials import Fit
 from design.export.kind import Export
 from design.export.lookup import Lookup, constants, lookup_of, lookup_remarks
 from design.export.lookup_text import lookup_in_text
+from design.export.move_text import move_in_text
 from design.export.program import (
     Listing,
     check_program,
@@ -362,4 +363,5 @@ EXPORT = Export(
     suffix=".st",
     checks=check_program,
     write=write_st,
+    move=lambda blocks: move_in_text(blocks).encode(),
 )

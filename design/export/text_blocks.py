@@ -4,6 +4,8 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from design.export.move import MoveBlocks
+from design.export.move_text import move_in_text
 from design.export.structured_text import write_st
 from design.tables.rows import Rows, TableHead
 
@@ -78,11 +80,36 @@ def text_program(head: TableHead, runs: Iterable[Rows]) -> TextProgram:
     InvalidInputError
         As of `design.export.structured_text.write_st`.
     """
-    text = b"".join(write_st(head, runs)).decode()
+    return parts_of(b"".join(write_st(head, runs)).decode())
+
+
+def move_program(blocks: MoveBlocks) -> TextProgram:
+    """Return the Structured Text of a move in parts.
+
+    Parameters
+    ----------
+    blocks
+        The move.
+
+    Returns
+    -------
+    TextProgram
+        With the comments of its head, the example of a call among them.
+
+    Raises
+    ------
+    InvalidInputError
+        As of `design.export.move_text.move_in_text`.
+    """
+    return parts_of(move_in_text(blocks))
+
+
+def parts_of(text: str) -> TextProgram:
+    """Return Structured Text in parts: the comments of its head, its blocks."""
     found = list(BLOCK.finditer(text))
     top = text[: found[0].start()]
     return TextProgram(
-        remark=re.sub(r"^\(\* | \*\)$", "", top.strip(), flags=re.MULTILINE),
+        remark=re.sub(r"^\(\* | ?\*\)$", "", top.strip(), flags=re.MULTILINE),
         blocks=tuple(
             TextBlock(
                 name=match["name"],

@@ -16,8 +16,9 @@ from collections.abc import Iterable, Iterator
 from xml.sax.saxutils import quoteattr
 
 from design.export.kind import Export
+from design.export.move import MoveBlocks
 from design.export.program import check_program
-from design.export.text_blocks import TextBlock, text_program
+from design.export.text_blocks import TextBlock, TextProgram, move_program, text_program
 from design.tables.rows import Rows, TableHead
 
 UNDATED = (1980, 1, 1, 0, 0, 0)
@@ -45,13 +46,37 @@ def write_twincat(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     InvalidInputError
         If a number of the table is infinite.
     """
-    program = text_program(head, runs)
+    yield _archive(text_program(head, runs))
+
+
+def move_in_twincat(blocks: MoveBlocks) -> bytes:
+    """Return a move as an archive of .TcPOU files.
+
+    Parameters
+    ----------
+    blocks
+        The move.
+
+    Returns
+    -------
+    bytes
+        The file, whole.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number of the move is not finite in its type.
+    """
+    return _archive(move_program(blocks))
+
+
+def _archive(program: TextProgram) -> bytes:
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
         for block in program.blocks:
             _add(archive, f"{block.name}.TcPOU", _pou(block))
         _add(archive, "README.txt", f"{program.remark}\n")
-    yield file.getvalue()
+    return file.getvalue()
 
 
 def _add(archive: zipfile.ZipFile, name: str, text: str) -> None:
@@ -80,4 +105,5 @@ EXPORT = Export(
     suffix=".zip",
     checks=check_program,
     write=write_twincat,
+    move=move_in_twincat,
 )

@@ -9,10 +9,18 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from design.export.formats import FORMATS
 from service.cli import streams
+from service.cli.given_files import (
+    PICTURES,
+    UsageError,
+    is_same_file,
+    read_file,
+    require_file,
+    require_picture,
+)
 from service.operations.table import TABLE as OPERATIONS
 from service.operations.table import load
 
@@ -28,23 +36,25 @@ COMMANDS = {row.command: name for name, row in OPERATIONS.items()}
 """Names of the operations, by command."""
 
 TABLE_HELP = "a table of designs over axes or a list, into a file (POST /v1/tables)"
-PROGRAMS = tuple(name for name, row in FORMATS.items() if row.is_program)
-"""Formats of a table that a single design has too."""
+SCHEMAS_HELP = "JSON Schema of every request and response, a file each (GET /v1/schemas)"
+PROGRAMS = {
+    "design": tuple(name for name, row in FORMATS.items() if row.is_program),
+    "maneuver": tuple(name for name, row in FORMATS.items() if row.plays_moves),
+}
+"""Formats of a table that one answer of an operation has too, by the operation."""
+
+PROGRAM_HELP = {
+    "design": "the shaper as a program or a line of firmware",
+    "maneuver": "the move as blocks or functions that are called once a cycle",
+}
+"""What is written in them."""
+
+IN_REAL = tuple(name for name, row in FORMATS.items() if row.has_real)
+"""Formats whose numbers are of a type that is asked for."""
 
 MAX_WORKERS = 1024
 
-PICTURES: dict[str, Literal["png", "svg", "html"]] = {
-    ".png": "png",
-    ".svg": "svg",
-    ".html": "html",
-}
-"""Formats of a picture, by the end of its file's name."""
-
 PLOT_HELP = "draw the answer: FILE.png, FILE.svg or FILE.html"
-
-
-class UsageError(Exception):
-    """The command line asks for what cannot be."""
 
 
 class _Completion(argparse.Action):
@@ -95,10 +105,15 @@ def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> i
     options = command_parser().parse_args(arguments)
     try:
         _require_json_if_pretty(options)
+        _require_real(options)
         if options.command == "serve":
             return serve(options.host, options.port)
         if options.command == "shapers":
             return _shapers(options)
+        if options.command == "schemas":
+            from service.cli.schema_files import write_into  # noqa: PLC0415
+
+            return write_into(options.output)
         if options.command == "table":
             return _table(options)
         return _answer(options)
@@ -117,6 +132,12 @@ def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> i
 def _require_json_if_pretty(options: argparse.Namespace) -> None:
     if getattr(options, "pretty", False) and options.format not in {None, "json"}:
         raise UsageError(f"--pretty goes with json, not with {options.format}")
+
+
+def _require_real(options: argparse.Namespace) -> None:
+    if getattr(options, "real", None) is not None and options.format not in IN_REAL:
+        given = options.format or "json"
+        raise UsageError(f"--real goes with {', '.join(IN_REAL)}, not with {given}")
 
 
 def _silence_stdout() -> None:
@@ -147,7 +168,7 @@ def command_parser() -> argparse.ArgumentParser:
             metavar="REQUEST",
             help="the request, .json or .toml; - reads JSON from stdin",
         )
-        _add_format(command, PROGRAMS if operation == "design" else ())
+        _add_format(command, operation)
         if operation == "design":
             command.add_argument(
                 "--trace",
@@ -157,24 +178,40 @@ def command_parser() -> argparse.ArgumentParser:
         command.add_argument("--plot", metavar="FILE", type=Path, help=PLOT_HELP)
     _add_format(commands.add_parser("shapers", help="every kind of shaper (GET /v1/shapers)"))
     _add_table(commands.add_parser("table", help=TABLE_HELP, description=TABLE_HELP))
+    schemas = commands.add_parser("schemas", help=SCHEMAS_HELP, description=SCHEMAS_HELP)
+    schemas.add_argument(
+        "-o",
+        "--output",
+        metavar="FOLDER",
+        type=Path,
+        default=Path("shapersmith-schemas"),
+        help="folder to write to, %(default)s if not given",
+    )
     serve = commands.add_parser("serve", help="serve over HTTP")
     serve.add_argument("--host", default="127.0.0.1", help="address to bind (%(default)s)")
     serve.add_argument("--port", default=8000, type=int, help="port to bind (%(default)s)")
     return parser
 
 
-def _add_format(command: argparse.ArgumentParser, more: tuple[str, ...] = ()) -> None:
+def _add_format(command: argparse.ArgumentParser, operation: str = "") -> None:
+    more = PROGRAMS.get(operation, ())
     command.add_argument(
         "-o", "--output", metavar="FILE", type=Path, help="write the answer to this file, whole"
     )
     command.add_argument("--pretty", action="store_true", help="indent the JSON of the answer")
-    programs = f"; {', '.join(PROGRAMS)}: the shaper as a program or a line of firmware"
+    programs = f"; {', '.join(more)}: {PROGRAM_HELP[operation]}" if more else ""
     command.add_argument(
         "--format",
         choices=("json", "table", "csv", *more),
         help="format of the answer, json if not given; if given, json also holds for errors"
-        + (programs if more else ""),
+        + programs,
     )
+    if more:
+        command.add_argument(
+            "--real",
+            choices=("LREAL", "REAL"),
+            help=f"type of the numbers in {', '.join(IN_REAL)}, LREAL if not given",
+        )
 
 
 def _add_table(table: argparse.ArgumentParser) -> None:
@@ -215,9 +252,9 @@ def _table(options: argparse.Namespace) -> int:
         raise UsageError("table needs -o FILE to write, or --check FILE")
     if options.workers is not None and not 1 <= options.workers <= MAX_WORKERS:
         raise UsageError(f"--workers must be between 1 and {MAX_WORKERS}, got {options.workers}")
-    content, read = _read(options.request)
+    content, read = read_file(options.request)
     if options.check is None:
-        _require_file(options.output, read, "the specification itself")
+        require_file(options.output, read, "the specification itself")
 
     from service.compiled_code import keep_in  # noqa: PLC0415
     from service.jobs import executors  # noqa: PLC0415
@@ -239,12 +276,12 @@ def _table(options: argparse.Namespace) -> int:
 
 def _answer(options: argparse.Namespace) -> int:
     plot: Path | None = options.plot
-    content, read = _read(options.request)
+    content, read = read_file(options.request)
     if plot is not None:
-        _require_picture(plot, read)
+        require_picture(plot, read)
     if options.output is not None:
-        _require_file(options.output, read, "the request itself")
-        if plot is not None and _same_file(options.output, plot):
+        require_file(options.output, read, "the request itself")
+        if plot is not None and is_same_file(options.output, plot):
             raise UsageError(f"--output and --plot are both {plot}")
 
     # --help must not wait for it
@@ -257,15 +294,16 @@ def _answer(options: argparse.Namespace) -> int:
     except ReadingError as error:
         return _tell(error.problem, options, as_json=options.format == "json")
     operation = COMMANDS[options.command]
-    if options.format in PROGRAMS:
+    if options.format in PROGRAMS.get(operation, ()):
         if plot is not None:
             raise UsageError(f"--plot goes with json, table or csv, not with {options.format}")
-        from service.cli.single_file import design_file  # noqa: PLC0415
+        from service.cli.single_file import FILES  # noqa: PLC0415
 
-        written = design_file(body, options.format)
+        written = FILES[operation](body, options.format, options.real or "LREAL")
         if isinstance(written, Problem):
             return _tell(written, options, as_json=False)
-        _write(written.decode(), options)
+        streams.warn(written.warnings)
+        _write(written.content, options)
         return OK
     asked = {"trace": True} if getattr(options, "trace", False) else {}
     response = respond(operation, body, asked)
@@ -284,45 +322,11 @@ def _answer(options: argparse.Namespace) -> int:
 
 def _shapers(options: argparse.Namespace) -> int:
     if options.output is not None:
-        _require_file(options.output, None, "")
+        require_file(options.output, None, "")
     from service.catalogue import shaper_catalogue  # noqa: PLC0415
 
     _print(shaper_catalogue(), options)
     return OK
-
-
-def _read(name: str) -> tuple[bytes, os.stat_result]:
-    """Return what a file holds, or standard input, and which file it is."""
-    if name == "-":
-        return sys.stdin.buffer.read(), os.fstat(sys.stdin.fileno())
-    try:
-        with Path(name).open("rb") as file:
-            return file.read(), os.fstat(file.fileno())
-    except OSError as error:
-        raise UsageError(f"cannot read {name}: {error.strerror}") from None
-
-
-def _require_picture(path: Path, read: os.stat_result) -> None:
-    """Refuse a picture that could not be written, before the work is done."""
-    if path.suffix not in PICTURES:
-        ends = ", ".join(PICTURES)
-        raise UsageError(f"--plot takes a name ending in one of {ends}, got {str(path)!r}")
-    _require_file(path, read, "the request itself")
-
-
-def _require_file(path: Path, read: os.stat_result | None, what: str) -> None:
-    """Refuse an output that could not be written, or would overwrite what was read."""
-    from service.files import NotReplaceableError, require_not_input, require_replaceable  # noqa: PLC0415
-
-    try:
-        require_not_input(path, read, what)
-        require_replaceable(path)
-    except NotReplaceableError as error:
-        raise UsageError(str(error)) from None
-    if not path.parent.is_dir():
-        raise UsageError(f"cannot write {path}: there is no folder {path.parent}")
-    if not os.access(path.parent, os.W_OK):
-        raise UsageError(f"cannot write {path}: the folder {path.parent} is read-only")
 
 
 def _print(response: "Response", options: argparse.Namespace, request: bytes = b"") -> None:
@@ -335,22 +339,25 @@ def _print(response: "Response", options: argparse.Namespace, request: bytes = b
     if options.format == "table":
         _write(rendering.as_table(response, request), options)
     else:
+        streams.warn(getattr(getattr(response, "recommended", response), "warnings", ()))
         _write(rendering.as_csv(response), options)
 
 
-def _write(text: str, options: argparse.Namespace) -> None:
-    """Write an answer to the file that is asked for, whole or not at all, or to standard output."""
-    if options.output is None:
-        sys.stdout.write(text)
-        sys.stdout.flush()
+def _write(answer: str | bytes, options: argparse.Namespace) -> None:
+    """Write an answer to the file that is asked for, whole or not at all, or to standard output.
+
+    An archive is no text: on standard output its bytes stay as they are.
+    """
+    if options.output is not None:
+        from service.files import write_whole  # noqa: PLC0415
+
+        write_whole(options.output, answer if isinstance(answer, bytes) else answer.encode())
         return
-    from service.files import write_whole  # noqa: PLC0415
-
-    write_whole(options.output, text.encode())
-
-
-def _same_file(one: Path, other: Path) -> bool:
-    return one.resolve() == other.resolve()
+    if isinstance(answer, bytes):
+        sys.stdout.buffer.write(answer)
+    else:
+        sys.stdout.write(answer)
+    sys.stdout.flush()
 
 
 def _tell(problem: "Problem", options: argparse.Namespace, *, as_json: bool) -> int:

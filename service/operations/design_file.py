@@ -1,13 +1,18 @@
 """One design as a file, a table of one row."""
 
+from typing import TYPE_CHECKING
+
 from design.curve_fit.fit import fit
 from schemas.design_request import DesignRequest
 from schemas.samples import grid_of
 from service.operations.requested_design import requested_design
 from service.version import version
 
+if TYPE_CHECKING:
+    from design.tables.rows import Real
 
-def design_file(request: DesignRequest, format_name: str) -> bytes:
+
+def design_file(request: DesignRequest, format_name: str, real: "Real" = "LREAL") -> bytes:
     """Design one shaper and return it as a file, a table of one row.
 
     Parameters
@@ -16,6 +21,8 @@ def design_file(request: DesignRequest, format_name: str) -> bytes:
         The plant, the actuator and the shaper.
     format_name
         Name of a format that a single design can be written in.
+    real
+        Type of numbers in Structured Text.
 
     Returns
     -------
@@ -54,6 +61,7 @@ def design_file(request: DesignRequest, format_name: str) -> bytes:
         request_json=request.canonical(),
         version=version(),
         fit=polynomials,
+        real=real,
     )
     export = EXPORTS[format_name]
     export.checks(head)

@@ -6,7 +6,7 @@ from design.analysis.claims_found import zeros_of
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.moves.maneuvers import Maneuver, maneuver
-from design.moves.programs import program
+from design.moves.programs import Program, program
 from schemas.base import name_field
 from schemas.maneuvers import ManeuverRequest, ManeuverResponse
 from schemas.samples import continuous_options
@@ -25,19 +25,8 @@ NO_MOVE_ON_SAMPLES = (
 
 def whole_move(request: ManeuverRequest) -> ManeuverResponse:
     """Design a move from rest to rest, and its program where asked."""
-    plant, actuator, move = _move_of(request)
-    played = None
-    if request.sample_time_s is not None:
-        signed = move.direction * move.speed_m_s
-        played = program(
-            move.command,
-            plant.mode,
-            actuator,
-            signed,
-            request.sample_time_s,
-            move.swing,
-            zeros_of(move.certificate),
-        )
+    plant, actuator, move = move_of(request)
+    played = program_of(request, plant, actuator, move)
     return ManeuverResponse.from_design(request.shaper.kind, move, played, version())
 
 
@@ -65,11 +54,31 @@ def move_picture(request: ManeuverRequest) -> "Figure":
     """
     from design.pictures.move_sheet import move_sheet  # noqa: PLC0415 - matplotlib takes a second
 
-    plant, actuator, move = _move_of(request)
+    plant, actuator, move = move_of(request)
     return move_sheet(request.shaper.kind, plant, actuator, move, version())
 
 
-def _move_of(request: ManeuverRequest) -> tuple[Plant, Actuator, Maneuver]:
+def move_of(request: ManeuverRequest) -> tuple[Plant, Actuator, Maneuver]:
+    """Design the move of a request.
+
+    Returns
+    -------
+    Plant
+        What moves.
+    Actuator
+        What drives it.
+    Maneuver
+        The move.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule.
+    InfeasibleDesignError
+        If no such move was found.
+    SolverFailedError
+        If no move found was verified.
+    """
     plant, actuator = subject_of(request)
     with name_field("shaper"):
         options = continuous_options(request.shaper, NO_MOVE_ON_SAMPLES)
@@ -89,6 +98,41 @@ def _move_of(request: ManeuverRequest) -> tuple[Plant, Actuator, Maneuver]:
         options=options,
     )
     return plant, actuator, move
+
+
+def program_of(
+    request: ManeuverRequest, plant: Plant, actuator: Actuator, move: Maneuver
+) -> Program | None:
+    """Return a move on the samples of its request.
+
+    Parameters
+    ----------
+    request
+        The request.
+    plant, actuator, move
+        What moves, what drives it, and the move.
+
+    Returns
+    -------
+    Program or None
+        None where the request has no sample time.
+
+    Raises
+    ------
+    InvalidInputError
+        If the sample time breaks its rule.
+    """
+    if request.sample_time_s is None:
+        return None
+    return program(
+        move.command,
+        plant.mode,
+        actuator,
+        move.direction * move.speed_m_s,
+        request.sample_time_s,
+        move.swing,
+        zeros_of(move.certificate),
+    )
 
 
 OPERATION = Operation(
