@@ -15,6 +15,7 @@ from pydantic import (
 from schemas import (
     actuators,
     damping,
+    drive_sensitivity,
     fits,
     impulses,
     maneuvers,
@@ -216,6 +217,10 @@ class SensitivityRange(Given, sensitivity_curves.SensitivityIn):
 
 class DampingRange(Given, damping.DampingIn):
     """Range of a curve over the damping ratio."""
+
+
+class DriveRange(Given, drive_sensitivity.DriveIn):
+    """By how much the parameters of a drive may be off."""
 
 
 class DampingBand(Given, damping.DampingRangeIn):
