@@ -66,6 +66,7 @@ if TYPE_CHECKING:
         fit,
         maneuver,
         recommend,
+        run,
         sensitivity,
         simulate,
     )
@@ -75,6 +76,7 @@ if TYPE_CHECKING:
         Fit,
         Maneuver,
         Recommendation,
+        Run,
         Sensitivity,
         Simulation,
     )
@@ -128,6 +130,7 @@ __all__ = [
     "PulseCommand",
     "RateLimited",
     "Recommendation",
+    "Run",
     "SampledCommand",
     "Scheduled",
     "SecondOrder",
@@ -148,6 +151,7 @@ __all__ = [
     "fit",
     "maneuver",
     "recommend",
+    "run",
     "sensitivity",
     "shaper",
     "simulate",

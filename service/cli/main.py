@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from design.export.formats import FORMATS
+from design.export.formats import FORMATS, LOG_FORMAT
 from service.cli import streams
 from service.cli.given_files import (
     PICTURES,
@@ -169,6 +169,13 @@ def command_parser() -> argparse.ArgumentParser:
             help="the request, .json or .toml; - reads JSON from stdin",
         )
         _add_format(command, operation)
+        if operation == "run":
+            command.add_argument(
+                "--play",
+                metavar="FILE",
+                type=Path,
+                help="play this CSV: times_s and x_velocity_m_s or x_position_m, the same for y",
+            )
         if operation == "design":
             command.add_argument(
                 "--trace",
@@ -202,9 +209,10 @@ def _add_format(command: argparse.ArgumentParser, operation: str = "") -> None:
     programs = f"; {', '.join(more)}: {PROGRAM_HELP[operation]}" if more else ""
     command.add_argument(
         "--format",
-        choices=("json", "table", "csv", *more),
+        choices=("json", "table", "csv", *more, *((LOG_FORMAT,) if operation == "run" else ())),
         help="format of the answer, json if not given; if given, json also holds for errors"
-        + programs,
+        + programs
+        + (f"; {LOG_FORMAT}: the log for MATLAB" if operation == "run" else ""),
     )
     if more:
         command.add_argument(
@@ -291,6 +299,10 @@ def _answer(options: argparse.Namespace) -> int:
 
     try:
         body = read_request(content, toml=options.request.lower().endswith(".toml"))
+        if getattr(options, "play", None) is not None:
+            from service.cli.played_file import with_played  # noqa: PLC0415
+
+            body = with_played(body, options.play.name, read_file(str(options.play))[0])
     except ReadingError as error:
         return _tell(error.problem, options, as_json=options.format == "json")
     operation = COMMANDS[options.command]
@@ -316,6 +328,11 @@ def _answer(options: argparse.Namespace) -> int:
         case = load(operation)
         request = case.request.model_validate_json(body).model_copy(update=asked)
         write_whole(plot, figure_bytes(case.draw(request), PICTURES[plot.suffix]))
+    if options.format == LOG_FORMAT:
+        from service.cli.run_log import as_mat  # noqa: PLC0415
+
+        _write(as_mat(response), options)  # type: ignore[arg-type]
+        return OK
     _print(response, options, body)  # type: ignore[arg-type]
     return OK
 

@@ -1,4 +1,4 @@
-"""`python -m service.jobs.warming COMMAND…`: compile what tables need, then become the command.
+"""`python -m service.jobs.warming COMMAND…`: compile what tables and runs need, become the command.
 
 Where a new machine begins with an empty volume, as a container does, the first table need not wait
 for what is compiled. Where it is on disk already this takes a second.
@@ -15,6 +15,7 @@ from design.shapers.registry import SHAPERS
 from design.shapers.settle_options import SettleOptions
 from design.tables.kernel import calls_of_searches
 from service.compiled_code import keep_in
+from service.dispatch import respond
 from service.jobs.plan import Plan, plan_table
 from service.jobs.work import compute_chunk, pack
 from service.settings import Settings
@@ -42,8 +43,19 @@ def tables() -> Iterator[dict[str, Any]]:
                     }
 
 
+RUN = {
+    "plant": {"kind": "pendulum", "cable_length_m": 0.8},
+    "actuator": {"kind": "ideal"},
+    "speed_m_s": 0.2,
+    "events": [{"at_s": 0.0, "direction": {"x": 1}, "for_s": 0.1}],
+    "points": 2,
+}
+"""A short run: every run is moved by the same compiled code."""
+
+
 def warm() -> None:
-    """Compute all of them, with slopes and without, and what few rows need."""
+    """Compute all of them, what few rows need, and a run."""
+    respond("run", json.dumps(RUN).encode())
     for table in tables():
         for columns in (table["columns"], ["times_s"]):
             plan = plan_table(json.dumps({**table, "columns": columns}).encode())

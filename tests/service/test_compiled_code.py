@@ -14,9 +14,11 @@ import pytest
 from design.shapers.registry import SHAPERS
 from design.tables import kernel, starts
 from design.tables.needed_code import Call, needed_calls
+from schemas.runs import RunResponse
 from service import compiled_code
+from service.dispatch import respond
 from service.jobs.plan import Plan, plan_table, specification_of
-from service.jobs.warming import tables
+from service.jobs.warming import RUN, tables
 from tests.patience import PATIENT_S
 from tests.processes import until
 
@@ -131,3 +133,9 @@ def test_compiling_ahead_ends_at_the_signal_of_an_engine(tmp_path: Path) -> None
     until(lambda: any(tmp_path.rglob("*.nbi")) or process.poll() is not None, "nothing is compiled")
     process.terminate()
     assert process.wait(PATIENT_S) == 0
+
+
+def test_what_is_compiled_ahead_for_runs_is_a_run() -> None:
+    answer = respond("run", json.dumps(RUN).encode())
+    assert isinstance(answer, RunResponse)
+    assert answer.residual is not None
