@@ -114,7 +114,8 @@ def test_a_switch_before_the_last_has_settled_is_warned_of_by_number() -> None:
     (warning,) = [one for one in made.warnings if one.code == "actuator_not_settled"]
     assert warning.detail == (
         f"the decel set has made {100 * shares[1]:.3g} % of switch 4 when the next one follows, "
-        f"{gaps[3]:.4g} s after it"
+        f"{gaps[3]:.4g} s after it; the design counts on it, and is right where the model of the "
+        "drive is"
     )
 
 
