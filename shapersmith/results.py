@@ -167,23 +167,23 @@ class Fit(Result, FitOut):
 
     OPERATION = "fit"
 
-    def times_s(self, value: float) -> FloatArray:
+    def times_s(self, values: float | FloatArray) -> FloatArray:
         """Return the times of the impulses by the fitted curves.
 
         Parameters
         ----------
-        value
-            Of the field that was fitted over, in its SI unit.
+        values
+            One value of the field that was fitted over, or several, shape (m,), in its SI unit.
 
         Returns
         -------
         FloatArray
-            Shape (n,) [s].
+            Shape (n,), or (m, n) [s].
 
         Raises
         ------
         InvalidInputError
-            If the value is outside the range of the fit.
+            If a value is outside the range of the fit.
 
         Examples
         --------
@@ -200,15 +200,16 @@ class Fit(Result, FitOut):
 
         asked = FitRequest.model_validate_json(self._request)
         try:
-            return times_by_curves(
+            times_s = times_by_curves(
                 asked.plant.to_design(),
                 asked.actuator.to_design(),
                 asked.fit.to_design(asked.plant.kind),
                 np.array(self.coefficients),
-                value,
+                np.atleast_1d(np.asarray(values, dtype=np.float64)),
             )
         except DesignError as error:
             raise_problem(problem_of_design(error).document())
+        return times_s if np.ndim(values) else times_s[0]
 
 
 class FieldMap(Result, MapResponse):

@@ -92,7 +92,7 @@ class ExactCurve:
                     "shaper.kind",
                     kind.name,
                     f"a kind whose amplitudes stay: {kind.name} cannot be fitted, its amplitudes "
-                    "and their number may change; a table holds both",
+                    "and their number may change",
                     code="fit_not_served",
                 )
             self.formulations.append(form)

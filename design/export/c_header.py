@@ -14,7 +14,7 @@ import numpy as np
 from design.curve_fit.polynomials import Fit
 from design.export.c_numbers import REAL, literal
 from design.export.kind import Export
-from design.export.lookup import constants, lookup_of, lookup_remarks, up
+from design.export.lookup import constants, lookup_of, lookup_remarks, rounding_remark, up
 from design.export.lookup_c import axes_in_c, lookup_in_c
 from design.export.move_c import move_in_c
 from design.export.program import (
@@ -207,7 +207,10 @@ def write_c(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     if sampled is None:
         more = lookup_remarks(found, name, in_single=False)
         if lookup is not None:
-            more.append(f"   in float at most {up(lookup.residual_in_single)}")
+            more += [
+                f"   in float at most {up(lookup.residual_in_single)}",
+                f"   {rounding_remark(lookup)}",
+            ]
         count = constants(rows, lookup)
         more.append(f"memory: {8 * count} bytes of constants in double, {4 * count} in float")
     # A title or a reason must not end the comment.

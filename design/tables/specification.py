@@ -1,5 +1,6 @@
 """What a table is of: a design, the fields that vary, and the columns wanted."""
 
+import json
 import math
 from dataclasses import dataclass, field
 from typing import Any
@@ -36,8 +37,10 @@ COLUMNS = (
 
 DEFAULT_COLUMNS = ("times_s", "residual")
 
-DEFAULT_COLUMNS_ON_SAMPLES = ("times_s", "amplitudes", "residual")
-"""On samples each row has separate amplitudes."""
+COLUMNS_WITH_AMPLITUDES = ("times_s", "amplitudes", "residual")
+"""Where each row has separate amplitudes: on samples, and of most kinds but unity magnitude."""
+
+WITH_AMPLITUDES = f"amplitudes, as {json.dumps(COLUMNS_WITH_AMPLITUDES)}"
 
 
 MAX_ROWS = 10_000_000_000
@@ -212,9 +215,12 @@ class TableSpecification:
             raise InvalidInputError(
                 "columns",
                 list(self.columns),
-                f"with amplitudes: those of {self.kind.name} depend on the damping, or on a field"
-                if self.grid is None
-                else "with amplitudes: on samples each row has its own",
+                f"with {WITH_AMPLITUDES}: "
+                + (
+                    f"those of {self.kind.name} depend on the damping, or on a field"
+                    if self.grid is None
+                    else "on samples each row has its own"
+                ),
                 code="amplitudes_missing",
             )
 

@@ -291,7 +291,8 @@ def _answer(options: argparse.Namespace) -> int:
         written = FILES[operation](body, options.format, options.real or "LREAL")
         if isinstance(written, Problem):
             return _tell(written, options, as_json=False)
-        _write(written, options)
+        streams.warn(written.warnings)
+        _write(written.content, options)
         return OK
     asked = {"trace": True} if getattr(options, "trace", False) else {}
     response = respond(operation, body, asked)
@@ -361,6 +362,7 @@ def _print(response: "Response", options: argparse.Namespace, request: bytes = b
     if options.format == "table":
         _write(rendering.as_table(response, request), options)
     else:
+        streams.warn(getattr(getattr(response, "recommended", response), "warnings", ()))
         _write(rendering.as_csv(response), options)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from schemas.catalogue import Catalogue
 from schemas.certificates import CertificateOut
+from schemas.designed_shaper import ShaperOut
 from schemas.designs import DesignResponse
 from schemas.fits import FitOut
 from schemas.insensitivity import InsensitivityOut
@@ -21,7 +22,7 @@ from schemas.simulations import SimulationResponse
 from schemas.solver import SolverOut
 from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut
-from service.cli.plant_lines import PLANTS, only_hertz, plant_lines
+from service.cli.plant_lines import DRIVES, PLANTS, drive_lines, only_hertz, plant_lines
 from service.cli.recommended import legend, next_command, shown_rows
 
 Response = (
@@ -249,11 +250,13 @@ def _findings(response: Response, request: bytes) -> list[str]:
     plant = PLANTS.validate_json(json.dumps(asked["plant"])) if "plant" in asked else None
     hertz = None if plant is None else only_hertz(plant)
     about = [] if plant is None else plant_lines(plant)
+    if "actuator" in asked:
+        about += drive_lines(DRIVES.validate_json(json.dumps(asked["actuator"])))
     if isinstance(response, DesignResponse):
         return [
             "",
             *about,
-            f"shaper      {response.shaper.kind}, {response.shaper.duration_s:.9g} s",
+            _shaper(response.shaper),
             _certificate(response.certificate),
             *_shortest(response.solver),
             f"residual    {100 * response.residual:.4g} % with the actuator given",
@@ -334,6 +337,12 @@ def _program_lines(program: ProgramOut | None) -> list[str]:
     if program is None:
         return []
     return [f"program     {100 * program.residual:.4g} % as it is played on its samples"]
+
+
+def _shaper(shaper: ShaperOut) -> str:
+    end_s = shaper.ramp_end_s
+    ends = "" if end_s is None else f", its last ramp ends at {end_s:.9g} s"
+    return f"shaper      {shaper.kind}, {shaper.duration_s:.9g} s{ends}"
 
 
 def _shortest(solver: SolverOut) -> list[str]:
