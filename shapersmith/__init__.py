@@ -64,6 +64,7 @@ if TYPE_CHECKING:
         fit,
         maneuver,
         recommend,
+        run,
         sensitivity,
         simulate,
     )
@@ -73,6 +74,7 @@ if TYPE_CHECKING:
         Fit,
         Maneuver,
         Recommendation,
+        Run,
         Sensitivity,
         Simulation,
     )
@@ -124,6 +126,7 @@ __all__ = [
     "PulseCommand",
     "RateLimited",
     "Recommendation",
+    "Run",
     "SampledCommand",
     "Scheduled",
     "SecondOrder",
@@ -144,6 +147,7 @@ __all__ = [
     "fit",
     "maneuver",
     "recommend",
+    "run",
     "sensitivity",
     "shaper",
     "simulate",

@@ -15,6 +15,7 @@ from schemas.impulses import ImpulsesWire
 from schemas.maneuvers import ManeuverResponse
 from schemas.maps import MapResponse
 from schemas.recommendations import RecommendationResponse
+from schemas.runs import RunResponse
 from schemas.sensitivity import SensitivityResponse
 from schemas.simulations import SimulationResponse
 from schemas.table_jobs import TableJob
@@ -154,6 +155,19 @@ class Simulation(Result, SimulationResponse):
         names = ("times_s", "command_m_s", "velocity_m_s", "deflection_m", "angle_rad")
         told = {name: getattr(self, name) for name in names}
         return {name: np.array(values) for name, values in told.items() if values is not None}
+
+
+class Run(Result, RunResponse):
+    """The crane, driven by events."""
+
+    OPERATION = "run"
+
+    @property
+    def log(self) -> dict[str, FloatArray]:
+        """The columns of its log by name, times among them, each of shape (n,)."""
+        from service.cli.run_log import log_columns  # noqa: PLC0415
+
+        return {name: np.array(values) for name, values in log_columns(self).items()}
 
 
 class Sensitivity(Result, SensitivityResponse):

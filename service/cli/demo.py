@@ -15,7 +15,7 @@ from schemas.design_request import DesignRequest
 from schemas.designs import DesignResponse
 from schemas.problems import ProblemDocument
 from service.catalogue import THESIS_CRANE
-from service.cli.main import PICTURES
+from service.cli.given_files import PICTURES
 from service.cli.rendering import as_table
 from service.files import write_whole
 from service.operations.design_picture import design_picture

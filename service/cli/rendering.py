@@ -16,6 +16,7 @@ from schemas.insensitivity import InsensitivityOut
 from schemas.maneuvers import ManeuverResponse, ProgramOut
 from schemas.maps import MapResponse
 from schemas.recommendations import CandidateOut, RecommendationResponse
+from schemas.runs import RunResponse
 from schemas.sensitivity import SensitivityResponse
 from schemas.sensitivity_curves import SensitivityOut
 from schemas.simulations import SimulationResponse
@@ -24,12 +25,14 @@ from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut
 from service.cli.plant_lines import DRIVES, PLANTS, drive_lines, only_hertz, plant_lines
 from service.cli.recommended import legend, next_command, shown_rows
+from service.cli.run_log import run_lines, run_rows
 
 Response = (
     DesignResponse
     | SensitivityResponse
     | FitOut
     | SimulationResponse
+    | RunResponse
     | ManeuverResponse
     | MapResponse
     | RecommendationResponse
@@ -37,7 +40,7 @@ Response = (
 )
 
 
-HISTORIES = (SensitivityResponse, SimulationResponse, ManeuverResponse)
+HISTORIES = (SensitivityResponse, SimulationResponse, RunResponse, ManeuverResponse)
 """Answers whose table is a curve or a motion, which nobody reads line by line."""
 
 MAX_TEXT_ROWS = 40
@@ -142,6 +145,8 @@ def _rows(response: Response) -> Iterable[Sequence[object]]:
         told = [name for name in columns if getattr(response, name) is not None]
         yield told
         yield from zip(*(getattr(response, name) for name in told), strict=True)
+    elif isinstance(response, RunResponse):
+        yield from run_rows(response)
     elif isinstance(response, ManeuverResponse):
         yield from _move_rows(response)
     elif isinstance(response, MapResponse):
@@ -288,6 +293,8 @@ def _findings(response: Response, request: bytes) -> list[str]:
         ]
     if isinstance(response, SimulationResponse):
         return ["", *about, *_swings(response), *_warnings(response.warnings)]
+    if isinstance(response, RunResponse):
+        return ["", *about, *run_lines(response), *_warnings(response.warnings)]
     if isinstance(response, RecommendationResponse):
         told = [f"why         {reason}" for reason in response.why]
         return [

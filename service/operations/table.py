@@ -86,6 +86,16 @@ TABLE: dict[str, Row] = {
         "simulate",
         "response to a command over time",
     ),
+    "run": Row(
+        "/v1/runs",
+        "The crane driven by events: presses, moves, hoists and played courses",
+        "The crane is integrated through every event, with swings small or as large as they are. "
+        "Strokes, limit switches and speeds are those of the machine. Commands go to the drives "
+        "as they are, or through a shaper in a delay line.",
+        "moves",
+        "run",
+        "the crane driven by events",
+    ),
     "map": Row(
         "/v1/maps",
         "Residual, times or gains of a shaper or a whole move over one or two fields",
