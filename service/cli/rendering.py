@@ -328,7 +328,7 @@ def _certificate(certificate: CertificateOut) -> str:
 def _claimed(claim: ClaimOut) -> str:
     """Return what is claimed: of a band its ends, of a mode after the first its number."""
     mode = "" if claim.mode is None else f" of mode {claim.mode + 1}"
-    band = "" if claim.band is None else f" {claim.band[0]:.4g} to {claim.band[1]:.4g}"
+    band = "" if claim.band is None else f" {claim.band[0]:.4g} to {claim.band[1]:.4g}:"
     return f"{claim.quantity}{mode}{band}"
 
 

@@ -158,4 +158,4 @@ def test_a_certificate_says_of_which_mode_and_band_each_claim_is() -> None:
     assert "residual " in told
     assert "residual of mode 2 " in told
     request = {"plant": CRANE["plant"], "actuator": IDEAL, "shaper": {"kind": "si"}}
-    assert "certificate verified: band 0.85 to 1.15 0.05 <= 0.05\n" in text("design", request)
+    assert "certificate verified: band 0.85 to 1.15: 0.05 <= 0.05\n" in text("design", request)
