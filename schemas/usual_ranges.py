@@ -72,6 +72,8 @@ USUAL_RANGES = {
     # Few cranes lower a load farther, and no bench is smaller: 0.3 m and more in millimetres are
     # found, and 10 m and less that were taken for millimetres.
     ("plant", "cable_length_m"): Range(0.01, 300.0, "m", "cable_length_mm"),
+    # Slings are shorter than cables, and of the same benches.
+    ("plant", "load_length_m"): Range(0.01, 300.0, "m", "load_length_mm"),
     # The Moon has 1.62, Jupiter 24.8.
     ("plant", "gravity_m_s2"): Range(1.0, 30.0, "m/s^2", "gravity_mm_s2"),
     # From a kilohertz of a machine tool to the longest cranes.

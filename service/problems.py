@@ -241,6 +241,7 @@ def problem_of_design(error: DesignError, body: bytes | str = b"null") -> Proble
         return invalid_fields(told, (FieldFault(pointer="", code=error.code, detail=told),))
     if isinstance(error, InvalidInputError):
         request = json.loads(body)
+        error = _without_made_modes(error, request)
         path = _as_given(error.path, request)
         told = refusal_of_design(error, path, request)
         fault = FieldFault(pointer=_shorten(json_pointer(path)), code=error.code, detail=told)
@@ -354,6 +355,20 @@ def _name_given(name: int | str, here: Any) -> int | str:  # noqa: ANN401 - any 
     if not isinstance(here, dict) or not isinstance(name, str) or name in here:
         return name
     return next((other for other in other_names(name) if other in here), name)
+
+
+def _without_made_modes(error: InvalidInputError, here: Any) -> InvalidInputError:  # noqa: ANN401
+    """Return a fault of modes as that of the plant whose fields make them, if it is one.
+
+    Only a plant of kind ``modes`` lists them.
+    """
+    for depth, name in enumerate(error.path):
+        if name == "modes" and isinstance(here, dict) and "modes" not in here and "kind" in here:
+            damped = error.path[-1] == "damping_ratio"
+            field = "damping_ratio" if damped else "kind"
+            return error.at((*error.path[:depth], field), error.value)
+        here = here.get(name) if isinstance(here, dict) else None
+    return error
 
 
 def _as_given(path: Path, here: Any) -> Path:  # noqa: ANN401

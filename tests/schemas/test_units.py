@@ -41,7 +41,7 @@ IN_SI: dict[str, Callable[[float], float]] = {
 }
 """What each unit is, said once more."""
 
-SI_ONLY = {"mass_kg"}
+SI_ONLY = {"mass_kg", "hook_mass_kg", "load_mass_kg"}
 """Fields whose unit has no other."""
 
 VALUE = 4.0
