@@ -36,7 +36,18 @@ SLOWEST_DRIVE = 3.0
 """A lag of three periods passes 1 / (6 pi) of a step's vibration, 5.3 %, about the usual tolerance:
 few ask for a shaper behind it. From about 16 on it is refused [periods of the plant]."""
 
-PARTS = ("plant", "actuator", "speed_m_s", "fit", "x", "y", "axes", "designs", "printed")
+PARTS = (
+    "plant",
+    "actuator",
+    "speed_m_s",
+    "distance_m",
+    "fit",
+    "x",
+    "y",
+    "axes",
+    "designs",
+    "printed",
+)
 """Parts of a request that are looked at."""
 
 VARIED = ("fit", "x", "y", "axes", "designs")
@@ -79,6 +90,8 @@ USUAL_RANGES = {
     # Faster than nearly all of these machines: what is in mm/s or m/min is found from 10 on.
     ("actuator", "speed_m_s"): Range(0.0, 10.0, "m/s", "speed_mm_s"),
     ("speed_m_s", "speed_m_s"): Range(0.0, 10.0, "m/s", "speed_mm_s"),
+    # The longest runways of cranes: what is in mm is found from 1 m on.
+    ("distance_m", "distance_m"): Range(0.0, 1000.0, "m", "distance_mm"),
     ("printed", "natural_frequency_rad_s"): PRINTED,
 }
 """Ranges by part of the request and name of the field; other fields have none."""

@@ -1,6 +1,7 @@
 """The one table from errors to problem documents, for HTTP and the command line alike."""
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
@@ -254,6 +255,10 @@ def problem_of_design(error: DesignError, body: bytes | str = b"null") -> Proble
     return Problem(KIND_OF[type(error)], str(error), faults, code=error.code, trace=error.trace)
 
 
+THE_FIELDS = "; the fields are "
+"""Begins the list of what is expected at a place."""
+
+
 def problem_of_validation(
     error: ValidationError,
     body: bytes | str,
@@ -287,7 +292,7 @@ def problem_of_validation(
         are = "is" if len(strangers) == 1 else "are"
         told = f"this is a request of {owner}; {listed(strangers, 'and')}: {are} no field here"
         return invalid_fields(told, named)
-    told = "; ".join(map(_sentence, named))
+    told = _once("; ".join(map(_sentence, named)))
     if len(faults) > MAX_FAULTS:
         told += f"; and {len(faults) - MAX_FAULTS} more"
     return invalid_fields(told, named)
@@ -393,6 +398,18 @@ def _fault(
         code=CODE_OF_TYPE.get(fault["type"], fault["type"]),
         detail=refusal(fault, model, names[-1] if names else "", request),
     )
+
+
+def _once(told: str) -> str:
+    """Return a text in which each list of fields stands once, where it is needed first."""
+    first, *others = re.split(f"(?={THE_FIELDS})", told)
+    lists: set[str] = set()
+    kept = [first]
+    for part in others:
+        listed_here, mark, rest = part.removeprefix(THE_FIELDS).partition(";")
+        kept.append(mark + rest if listed_here in lists else part)
+        lists.add(listed_here)
+    return "".join(kept)
 
 
 def _sentence(fault: FieldFault) -> str:
