@@ -23,6 +23,7 @@ from shapersmith.given import (
     DampingBand,
     DampingRange,
     DeflectionSwing,
+    DriveRange,
     FitRange,
     Json,
     Move,
@@ -406,6 +407,7 @@ class Calls(ABC):
         points: int = 201,
         tolerance: float = 0.05,
         damping: DampingRange | Json | None = None,
+        drive: DriveRange | Json | None = None,
     ) -> Sensitivity:
         """Return the sensitivity curve of any impulses.
 
@@ -421,6 +423,8 @@ class Calls(ABC):
             Residual of the insensitivity [-].
         damping
             Range of a curve over the damping ratio; None for none.
+        drive
+            By how much the drive may be off; None for no such curve.
 
         Returns
         -------
@@ -446,6 +450,7 @@ class Calls(ABC):
             points=points,
             tolerance=tolerance,
             damping=damping,
+            drive=drive,
         )
 
     def fit(self, plant: Plant, actuator: Actuator, shaper: Shaper, fit: FitRange | Json) -> Fit:

@@ -6,7 +6,7 @@ from pydantic import TypeAdapter
 
 from design.model.actuators.in_words import drive_line, has_sets
 from schemas.actuators import ActuatorIn
-from schemas.plants import ModesIn, PendulumIn, PlantIn, ScheduledIn, SpringMassIn
+from schemas.plants import DoublePendulumIn, ModesIn, PendulumIn, PlantIn, ScheduledIn, SpringMassIn
 
 PLANTS: TypeAdapter[PlantIn] = TypeAdapter(PlantIn)
 DRIVES: TypeAdapter[ActuatorIn] = TypeAdapter(ActuatorIn)
@@ -28,7 +28,7 @@ def plant_lines(plant: PlantIn) -> list[str]:
     >>> plant_lines(crane)
     ['plant       pendulum, cable 0.8 m, 0.55723 Hz, period 1.7946 s']
     """
-    if isinstance(plant, ModesIn):
+    if isinstance(plant, ModesIn | DoublePendulumIn):
         modes = plant.to_design().modes
         return [
             f"mode {number:<7}{_swing(one.natural_frequency_rad_s, one.damping_ratio)}"
@@ -81,7 +81,7 @@ def drive_lines(actuator: ActuatorIn) -> list[str]:
 
 def only_hertz(plant: PlantIn) -> float | None:
     """Return the natural frequency of a plant that has only one [Hz]."""
-    if isinstance(plant, ModesIn | ScheduledIn):
+    if isinstance(plant, ModesIn | DoublePendulumIn | ScheduledIn):
         return None
     return plant.to_design().mode.natural_frequency_rad_s / tau
 

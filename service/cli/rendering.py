@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from schemas.catalogue import Catalogue
-from schemas.certificates import CertificateOut
+from schemas.certificates import CertificateOut, ClaimOut
 from schemas.designed_shaper import ShaperOut
 from schemas.designs import DesignResponse
 from schemas.fits import FitOut
@@ -316,13 +316,20 @@ def _findings(response: Response, request: bytes) -> list[str]:
 def _certificate(certificate: CertificateOut) -> str:
     """Say what is proven, and for which drive."""
     claims = ", ".join(
-        f"{claim.quantity} {claim.value:.2g} <= {claim.limit:.2g}" for claim in certificate.claims
+        f"{_claimed(claim)} {claim.value:.2g} <= {claim.limit:.2g}" for claim in certificate.claims
     )
     if not certificate.verified:
         return f"certificate NOT VERIFIED: {claims}"
     if certificate.actuator == "ideal":
         return f"certificate verified for an ideal actuator only, not for the one given: {claims}"
     return f"certificate verified: {claims}"
+
+
+def _claimed(claim: ClaimOut) -> str:
+    """Return what is claimed: of a band its ends, of a mode after the first its number."""
+    mode = "" if claim.mode is None else f" of mode {claim.mode + 1}"
+    band = "" if claim.band is None else f" {claim.band[0]:.4g} to {claim.band[1]:.4g}:"
+    return f"{claim.quantity}{mode}{band}"
 
 
 def _warnings(warnings: Iterable[WarningOut]) -> list[str]:

@@ -44,7 +44,7 @@ TABLE: dict[str, Row] = {
         "/v1/designs",
         "Design one shaper, prove it, add its sensitivity curve and curve coefficients",
         "The shaper is solved for the plant and the actuator. Its certificate recomputes each "
-        "promise without the solver. A design that keeps no promise is never answered. Equal "
+        "promise without the solver. A design that breaks a promise is never returned. Equal "
         "requests get equal bytes.",
         "designs",
         "design",

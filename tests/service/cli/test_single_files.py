@@ -27,6 +27,13 @@ TWO_MODES: dict[str, Any] = {
         {"natural_frequency_rad_s": 94.0, "damping_ratio": 0.02},
     ],
 }
+SLUNG = {
+    "kind": "double_pendulum",
+    "hook_mass_kg": 0.385,
+    "load_mass_kg": 0.6,
+    "cable_length_m": 0.8,
+    "load_length_m": 0.25,
+}
 RANGE = {
     "kind": "scheduled",
     "plant": MODE,
@@ -62,6 +69,8 @@ CASES: list[tuple[dict[str, Any], dict[str, Any], dict[str, Any], dict[str, str]
     (TWO_MODES, DRIVE, {"kind": "multi_zv"}, {"klipper": UNITY}),
     (TWO_MODES, IDEAL, {"kind": "convolved"}, {"klipper": UNITY}),
     (TWO_MODES, IDEAL, {"kind": "multi_umzv"}, {"klipper": UNITY, "rrf": POSITIVE}),
+    (SLUNG, DRIVE, {"kind": "num_multi"}, {"klipper": UNITY, "rrf": POSITIVE}),
+    (SLUNG, DRIVE, {"kind": "num_multi", "slope": True}, {"klipper": UNITY, "rrf": POSITIVE}),
     (
         TWO_MODES,
         IDEAL,
@@ -160,6 +169,26 @@ def test_several_designs_that_vary_nothing_are_refused() -> None:
         "designs: must be one or more; where more than one, they vary something, got 2"
         in problem.detail
     )
+
+
+def test_a_table_goes_over_the_load_below_a_hook() -> None:
+    """Steps for several modes are as many whatever the modes are."""
+    request = {"plant": SLUNG, "actuator": DRIVE, "shaper": {"kind": "num_multi"}}
+    masses = [0.4, 0.6, 0.8]
+    body = {
+        "design": request,
+        "axes": [{"field": "/plant/load_mass_kg", "values": masses}],
+        "columns": ["times_s", "amplitudes", "residual"],
+    }
+    plan = plan_table(json.dumps(body).encode())
+    assert isinstance(plan, Plan), plan
+    assert plan.job.impulses == 5
+    rows = compute_rows(specification_of(plan.job.specification, plan.job.impulses), 0, 3)
+    assert rows.status.tolist() == [0, 0, 0]
+    for row, mass in enumerate(masses):
+        asked = {**request, "plant": {**SLUNG, "load_mass_kg": mass}}
+        single = design_shaper(DesignRequest.model_validate(asked)).shaper.impulses
+        assert rows.results[row, :5].tolist() == list(single.times_s)
 
 
 @pytest.mark.parametrize("base", ["zv", "umzv", "ei"])
