@@ -2,14 +2,19 @@
 
 import math
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from design.types import FloatArray
+
 NUMBER = r"(?<![\w.])\d+(?:\.\d+)?"
-EXAMPLES = sorted((Path(__file__).parents[2] / "docs" / "examples").glob("*.py"))
+DOCS = Path(__file__).parents[2] / "docs"
+EXAMPLES = sorted((DOCS / "examples").glob("*.py"))
 
 
 @pytest.mark.parametrize("example", EXAMPLES[:2], ids=lambda path: path.stem)
@@ -134,3 +139,121 @@ def test_shapers_of_a_changing_cable_are_printed_and_a_move_is_drawn(tmp_path: P
     assert rows["numzvd"][3] == 0.0
     assert refusal.startswith("within 0.5 s: none of ")
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_experiments_of_the_thesis_are_the_tables_and_pictures_of_the_page(
+    tmp_path: Path,
+) -> None:
+    done = subprocess.run(
+        [sys.executable, EXAMPLES[7], tmp_path], capture_output=True, text=True, check=True
+    )
+    page = (DOCS / "thesis-figures.md").read_text()
+    blocks = [block.split(":\n", 1) for block in done.stdout.strip().split("\n\n")]
+    tables = {name.strip(): table.strip() for name, table in blocks}
+    assert [name for name, table in tables.items() if f"\n\n{table}\n\n" not in page] == []
+    pictures = {path.name for path in tmp_path.iterdir()}
+    assert pictures == {f"{name}.png" for name in tables if name != "stops"}
+    for name in pictures:
+        assert f"](pictures/{name})" in page
+        assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
+        assert (DOCS / "pictures" / name).stat().st_size < 150_000
+    rows = {
+        (name, *(cell for cell in cells if not re.fullmatch(NUMBER, cell))): [
+            float(cell) for cell in cells if re.fullmatch(NUMBER, cell)
+        ]
+        for name, table in tables.items()
+        for cells in (line.strip("| ").split(" | ") for line in table.splitlines()[2:])
+    }
+    # What the words of the page say, and Kim (2011) of figs. 3-21, 3-22 and 3-27.
+    for model in ("linear", "nonlinear"):
+        over_lengths = rows["experiment-lengths", "UMZV2", model]
+        assert over_lengths[1] < 0.2 * over_lengths[0]
+        assert over_lengths[2] < 0.8
+        umzv2, by_kim, numzv2 = (
+            rows["experiment-pulses", move, model][2]
+            for move in ("UMZV2", "NUMZV2 of [K]", "NUMZV2")
+        )
+        assert max(by_kim, numzv2) < 0.25 * umzv2 < umzv2 < 1.0
+        # No digit of the largest residual of UMZV2 is of large swings.
+        assert umzv2 == rows["experiment-pulses", "UMZV2", "linear"][2]
+        ranges = {
+            move: float(np.ptp(rows["experiment-robustness", move, model][4:]))
+            for move in ("NUMZV2 of [K]", "NUMZV2", "NUMZVD2 (3.60)", "NUMZVD2 of [K]", "NUMZVD2")
+        }
+        narrow, wide = list(ranges.values())[:2], list(ranges.values())[2:]
+        assert min(wide) > 4 * max(narrow)
+    for move in ("NUMZV2", "NUMZVD2"):
+        assert rows["stops", move, "switched", "solved"][0] == 0.0
+        assert rows["stops", move, "switched", "mirrored"][0] > 0.0
+        assert rows["experiment-square", move, "linear"][2] == 0.0
+
+
+G_M_S2, CABLE_M, SPEED_M_S = 9.81, 0.8, 0.2
+SETS = {True: (20.0, 0.8), False: (50.0, 1.5)}
+"""Frequency [rad/s] and damping ratio while |command| has risen, and while it has fallen."""
+
+
+def on_a_sphere(commands: list[tuple[list[float], list[float]]], cable_m: float) -> float:
+    """Integrate a bob on a cable behind two switched drives; return how far it swings then [cm].
+
+    Commands are times and steps of x and y. A third route: the bob is a point in space that the
+    tension keeps on a sphere, and SciPy integrates it.
+    """
+    from scipy.integrate import solve_ivp
+
+    levels, sets = [0.0, 0.0], [SETS[True], SETS[True]]
+
+    def rates(_: float, state: FloatArray) -> FloatArray:
+        place, rate, speed, acceleration = np.split(state, (3, 6, 8))
+        pull = np.array([*acceleration, G_M_S2])
+        tension = (place @ pull - rate @ rate) / cable_m**2
+        jerk = [
+            w * w * (level - one) - 2 * z * w * other
+            for (w, z), level, one, other in zip(sets, levels, speed, acceleration, strict=True)
+        ]
+        return np.concatenate((rate, tension * place - pull, acceleration, jerk))
+
+    events = sorted(
+        (time, axis, step)
+        for axis, command in enumerate(commands)
+        for time, step in zip(*command, strict=True)
+    )
+    state, now = np.zeros(10), 0.0
+    state[2] = -cable_m
+    swing = 0.0
+    period_s = 2 * math.pi * math.sqrt(cable_m / G_M_S2)
+    rest_s = events[-1][0] + 3.0
+    for time, axis, step in [*events, (rest_s, 0, 0.0), (rest_s + period_s, 0, 0.0)]:
+        if time > now:
+            at = np.linspace(now, time, 401)
+            done = solve_ivp(
+                rates, (now, time), state, method="DOP853", rtol=1e-10, atol=1e-12, t_eval=at
+            )
+            state, now = done.y[:, -1], time
+            swing = 100 * float(np.hypot(done.y[0], done.y[1]).max())
+        if step:
+            level = round(levels[axis] + SPEED_M_S * step, 12)
+            sets[axis] = SETS[abs(level) > abs(levels[axis])]
+            levels[axis] = level
+    return swing
+
+
+@pytest.mark.parametrize("move", ["UMZV2", "NUMZV2", "NUMZVD2 (3.60)", "NUMZVD2"])
+@pytest.mark.parametrize("cable_m", [0.6, 0.8, 1.1])
+def test_an_experiment_leaves_what_a_point_on_a_sphere_does(move: str, cable_m: float) -> None:
+    example = runpy.run_path(str(EXAMPLES[7]))
+    command = example["MOVES"][move](2.5)
+    steps = (command.times_s.tolist(), command.amplitudes.tolist())
+    # The swing is seen 400 times a period: its top to 3e-5.
+    found = example["crane_cm"](command, cable_m)
+    assert found == pytest.approx(on_a_sphere([steps], cable_m), rel=1e-4, abs=1e-6)
+
+
+@pytest.mark.parametrize("move", ["UMZV2", "NUMZVD2 of [K]"])
+def test_a_square_leaves_what_a_point_on_a_sphere_does(move: str) -> None:
+    example = runpy.run_path(str(EXAMPLES[7]))
+    side = example["over_side"](example["MOVES"][move])
+    x, y = example["square_of"](side, 4.0)
+    steps = [(one.times_s.tolist(), one.amplitudes.tolist()) for one in (x, y)]
+    _, found = example["left_of_square"](side, 4.0)
+    assert found == pytest.approx(on_a_sphere(steps, CABLE_M), rel=1e-4, abs=1e-6)
