@@ -5,6 +5,7 @@ from typing import Annotated, Self
 from pydantic import Field
 
 from design.model.initial_state import AngleSwing, DeflectionSwing
+from design.moves.hoisting_moves import Retime
 from design.moves.maneuvers import Maneuver
 from design.moves.programs import Program
 from schemas.actuators import ActuatorIn
@@ -66,6 +67,14 @@ class ManeuverRequest(Wire):
     joint: Annotated[
         bool, Field(description="Solve start and stop as one wherever that is faster.")
     ] = False
+    retime: Annotated[
+        Retime | None,
+        Field(
+            description="For a plant of kind hoisting: whether start and stop are solved for the "
+            "cable as it is hoisted, or the stop alone, behind the start of the first length; both "
+            "if not given."
+        ),
+    ] = None
     sample_time_s: Annotated[
         Positive | None,
         Field(description="Sample time of a program that a controller replays [s]."),

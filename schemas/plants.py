@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from design.errors import InvalidInputError
+from design.model.plants.hoisting import MAX_POINTS, Hoisting, LengthCourse
 from design.model.plants.mode import Mode
 from design.model.plants.modes import MAX_MODES, Modes
 from design.model.plants.pendulum import STANDARD_GRAVITY_M_S2, Pendulum
@@ -204,7 +205,64 @@ class ScheduledIn(Varied):
                 yield f"{pointer}/plant/{name}", name, value
 
 
+class LengthCourseIn(WireOf[LengthCourse]):
+    """A length over time: linear between points, held before and after them."""
+
+    RECORD = LengthCourse
+
+    times_s: Annotated[
+        list[float],
+        Field(
+            max_length=MAX_POINTS,
+            description="Times from the first step of the command on, rising, two or more [s].",
+            examples=[[0.0, 5.0]],
+        ),
+    ]
+    values: Annotated[
+        list[float],
+        Field(max_length=MAX_POINTS, description="Length at each [m].", examples=[[0.8, 0.5]]),
+    ]
+
+
+class HoistingIn(WireOf[Hoisting]):
+    """A load on a cable that is hoisted or lowered meanwhile: in maneuvers and simulations."""
+
+    ALSO: ClassVar[tuple[str, ...]] = (
+        "hoisted",
+        "lowering",
+        "winch",
+    )
+
+    RECORD = Hoisting
+
+    kind: Literal["hoisting"]
+    cable_length_m: Annotated[
+        LengthCourseIn,
+        Field(description="Length from the suspension to the centre of the load over time [m]."),
+    ]
+    damping_ratio: PlantDamping = 0.0
+    gravity_m_s2: Annotated[Positive, Field(description="Acceleration of free fall [m/s^2].")] = (
+        STANDARD_GRAVITY_M_S2
+    )
+
+    def numbers(self, pointer: str) -> Iterator[tuple[str, str, float]]:
+        """Yield the lengths, each at its place.
+
+        Parameters
+        ----------
+        pointer
+            Of this plant.
+
+        Yields
+        ------
+        tuple of str, str and float
+            Pointer, field that it is a value of, and value.
+        """
+        for number, length_m in enumerate(self.cable_length_m.values):
+            yield f"{pointer}/cable_length_m/values/{number}", "cable_length_m", length_m
+
+
 PlantIn = Annotated[
-    ModeIn | ModesIn | PendulumIn | SpringMassIn | ScheduledIn,
+    ModeIn | ModesIn | PendulumIn | SpringMassIn | ScheduledIn | HoistingIn,
     Field(discriminator="kind", description="What swings."),
 ]

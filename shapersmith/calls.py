@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeVar
 
 from design.maps.map_case import Quantity
 from design.model.actuators.model import Model
+from design.moves.hoisting_moves import Retime
 from design.recommendations.requirements import Sign
 from schemas.actuators import ActuatorIn
 from schemas.impulses import ImpulsesWire
@@ -211,6 +212,7 @@ class Calls(ABC):
         distance_m: float | None = None,
         initial: AngleSwing | DeflectionSwing | Json | None = None,
         joint: bool = False,
+        retime: Retime | None = None,
         sample_time_s: float | None = None,
     ) -> Maneuver:
         """Design a whole move from rest to rest.
@@ -227,6 +229,8 @@ class Calls(ABC):
             Swing at the first step, to be cancelled; None for a load at rest.
         joint
             Whether start and stop are solved as one wherever that is faster.
+        retime
+            While a cable is hoisted: ``both`` start and stop are solved for that, or the ``stop``.
         sample_time_s
             Sample time of a program that a controller replays [s]; None for no program.
 
@@ -254,6 +258,7 @@ class Calls(ABC):
             distance_m=distance_m,
             initial=initial,
             joint=joint,
+            retime=retime,
             sample_time_s=sample_time_s,
         )
 

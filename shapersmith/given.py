@@ -144,6 +144,23 @@ class Pendulum(Given, plants.PendulumIn):
     kind: Literal["pendulum"] = "pendulum"
 
 
+class LengthCourse(Given, plants.LengthCourseIn):
+    """A length over time: linear between points, held before and after them."""
+
+
+class Hoisting(Given, plants.HoistingIn):
+    """A load on a cable that is hoisted or lowered meanwhile: in maneuvers and simulations.
+
+    Examples
+    --------
+    >>> course = LengthCourse(times_s=[0, 5], values=[0.8, 0.5])
+    >>> Hoisting(cable_length_m=course).damping_ratio
+    0.0
+    """
+
+    kind: Literal["hoisting"] = "hoisting"
+
+
 class SpringMass(Given, plants.SpringMassIn):
     """A load held by a spring."""
 

@@ -10,8 +10,8 @@ from design.model.plants.hoisting import Hoisting
 from design.response.hoisting_simulation import simulated_vibration
 
 METHOD = (
-    "state of actuator and load carried through time by collocation at Radau's nodes, the cable's "
-    "length of each moment; derivatives from the same with all frequencies a little higher and lower"
+    "state of actuator and load carried through time by collocation at nodes of Radau with the "
+    "length of each moment; derivatives from the same at frequencies beside its own"
 )
 
 
@@ -56,6 +56,17 @@ def certify_hoisting(
 
 
 def turn_rad(command: Impulses, plant: Hoisting) -> float:
-    """Return by how much the swing turns until command and hoisting are over, at most [rad]."""
+    """Return the turn of the swing until command and hoisting are over.
+
+    Parameters
+    ----------
+    command, plant
+        As of `certify_hoisting`.
+
+    Returns
+    -------
+    float
+        From time 0 on, at least that much [rad].
+    """
     later_s = max(0.0, float(command.times_s[-1]) - plant.end_s)
     return plant.hoisting_turn_rad + later_s * plant.last.mode.natural_frequency_rad_s

@@ -1,6 +1,6 @@
 """Whole moves from rest to rest while the cable is hoisted or lowered."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -10,9 +10,8 @@ from design.analysis.claims_found import claims_in_words, shortfall_of
 from design.analysis.drive_warnings import drive_warnings
 from design.analysis.hoisting_certificate import certify_hoisting
 from design.analysis.warnings import DesignWarning, actuator_ignored
-from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailedError
+from design.errors import InfeasibleDesignError, SolverFailedError
 from design.formulations.gaps import settling_gaps_rad
-from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.hoisting import Hoisting
@@ -20,16 +19,16 @@ from design.moves.designed_parts import designed_parts
 from design.moves.hoisting_times import HoistingTask, follow_times, solve_times
 from design.moves.maneuvers import Maneuver, direction_of, maneuver
 from design.moves.parts import Parts
+from design.moves.while_hoisting import require_no_limits, require_while_hoisting
 from design.response.closed_form import travel
 from design.response.hoisting_vibration import hoisting_residual
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
+from design.solvers.budget import Budget
 from design.types import FloatArray
 
 Retime = Literal["both", "stop"]
 """Which times are solved for the cable as it is hoisted: start and stop, or the stop alone."""
-
-RETIMES: tuple[Retime, ...] = ("both", "stop")
 
 NO_RESIDUAL = 1e-9
 """Up to it a start of the first length has no residual [-]."""
@@ -45,6 +44,7 @@ def hoisting_maneuver(
     distance_m: float | None = None,
     retime: Retime = "both",
     options: ShaperOptions | None = None,
+    budget: Budget | None = None,
 ) -> Maneuver:
     """Design a move with a cable that is hoisted, and prove it as a whole.
 
@@ -62,9 +62,11 @@ def hoisting_maneuver(
     speed_m_s, pulse_s, distance_m
         As of `design.moves.maneuvers.maneuver`.
     retime
-        With ``stop`` the start is that of the first length, and the stop cancels what it leaves.
+        With ``stop`` the start is that of the first length, and the stop cancels the rest.
     options
         Parameters of the shaper; its defaults if not given.
+    budget
+        What the search for the times may do; that of one design if not given.
 
     Returns
     -------
@@ -94,24 +96,15 @@ def hoisting_maneuver(
     (0.8, [0.0, 0.2946, 0.5851, 4.0019, 4.2373, 4.4721])
     """
     options = kind.options() if options is None else options
-    if isinstance(actuator, RateLimited):
-        raise InvalidInputError(
-            "actuator.kind",
-            actuator.kind,
-            "ideal, first_order or second_order while a cable is hoisted",
-            code="not_while_hoisting",
-        )
-    fastest = plant.at(min(zip(plant.cable_length_m.values, plant.cable_length_m.times_s))[1])
-    direction = direction_of(fastest.mode, speed_m_s, pulse_s, distance_m)
+    require_no_limits(actuator)
+    fastest = plant.shortest.mode
+    direction = direction_of(fastest, speed_m_s, pulse_s, distance_m)
     first = designed_parts(plant.at(0.0), actuator, kind, options)
-    if first.peak != 1:
-        raise InvalidInputError(
-            "shaper.max_velocity_ratio",
-            first.peak,
-            "1 while a cable is hoisted",
-            code="not_while_hoisting",
-        )
-    found = _Search(plant, actuator, kind, options, first, retime, pulse_s, distance_m, speed_m_s)
+    require_while_hoisting("shaper.max_velocity_ratio", first.peak, "1", holds=first.peak == 1)
+    budget = Budget() if budget is None else budget
+    found = _Search(
+        plant, actuator, kind, options, first, retime, pulse_s, distance_m, speed_m_s, budget
+    )
     command, joint = found.command()
     certificate, for_ideal, warnings = _judge(command, plant, actuator, first, kind.name)
     split = (command.times_s.size // 2) | 1 if joint else first.start.times_s.size
@@ -137,14 +130,15 @@ def hoisting_maneuver(
         joint=joint,
         ramps=None,
         lower_bound_s=None,
-        warnings=(*warnings, *drive_warnings(command, (fastest.mode,), actuator)),
+        warnings=(*warnings, *drive_warnings(command, (fastest,), actuator)),
     )
 
 
 def _start_warning(residual: float) -> DesignWarning:
     return DesignWarning(
         code="start_of_first_length",
-        detail=f"the start is that of the first length and leaves {100 * residual:.3g} % of a "
+        detail="the start is that of the first length, and its residual is "
+        f"{100 * residual:.3g} % of a "
         "step while the cable is hoisted: the payload swings until the stop cancels it",
     )
 
@@ -183,6 +177,7 @@ class _Search:
     pulse_s: float | None
     distance_m: float | None
     speed_m_s: float
+    budget: Budget
 
     def command(self) -> tuple[Impulses, bool]:
         """Return the steps of the move, and whether start and stop were solved as one.
@@ -205,7 +200,7 @@ class _Search:
         raise InfeasibleDesignError(
             f"no times of steps on levels 0 and 1 were found by {self.kind.name} for the cable as "
             f"it is hoisted: those for one length were followed to {100 * share:.3g} % of the "
-            f"hoisting{no_parts}",
+            f"hoisting{no_parts}{'; ' + self.budget.in_words if self.budget.spent else ''}",
             code="no_hoisting_move_found",
         )
 
@@ -220,7 +215,9 @@ class _Search:
         """The pulse, or one near that of the distance [s]."""
         return self._travel_s - self.first.lead_s()
 
-    def _task(self, amplitudes: FloatArray, start_steps: int, travel_s: float | None) -> HoistingTask:
+    def _task(
+        self, amplitudes: FloatArray, start_steps: int, travel_s: float | None
+    ) -> HoistingTask:
         return HoistingTask(
             plant=self.plant,
             drive=self.first.designed_for,
@@ -229,6 +226,7 @@ class _Search:
             amplitudes=amplitudes,
             start_steps=start_steps,
             travel_s=travel_s,
+            budget=self.budget,
         )
 
     def _shortest_s(self, steps: int) -> FloatArray:
@@ -238,68 +236,54 @@ class _Search:
 
     def _apart(self) -> Impulses | None:
         """Return start and stop, each solved for the cable as it is hoisted."""
-        pulse_s = self._pulse_s
-        of_stop = pulse_s + self.first.stop.duration_s / 2
-        later = self._parts_at(of_stop)
-        sooner = self._parts_at(self.first.start.duration_s / 2)
-        starts = self.first.start.times_s.size
-        for start, stop in ((sooner, later), (self.first, self.first)):
-            same_size = start.start.times_s.size == starts
-            if not same_size or stop.stop.times_s.size != self.first.stop.times_s.size:
+        pulse_s, first = self._pulse_s, self.first
+        sooner = self._parts_at(first.start.duration_s / 2) if self.retime == "both" else first
+        later = self._parts_at(pulse_s + first.stop.duration_s / 2)
+        sizes = first.start.times_s.size, first.stop.times_s.size
+        for start, stop in ((sooner, later), (first, first)):
+            if (start.start.times_s.size, stop.stop.times_s.size) != sizes:
                 continue
-            if self.retime == "stop":
-                start = self.first
             times = np.concatenate((start.start.times_s, pulse_s + stop.stop.times_s))
-            found = self._solve_apart(times, followed=stop is self.first)
+            found = self._solve_apart(times, followed=stop is first)
             if found is not None:
                 return found
         return None
 
     def _parts_at(self, time_s: float) -> Parts:
-        """Return start and stop for the length of a moment; those for the first if there are none."""
+        """Return start and stop for the length of a moment, or those for the first."""
         try:
             return designed_parts(self.plant.at(time_s), self.actuator, self.kind, self.options)
         except InfeasibleDesignError:  # the first length has both
             return self.first
 
     def _solve_apart(self, times_s: FloatArray, *, followed: bool) -> Impulses | None:
-        starts = self.first.start.times_s.size
-        amplitudes = np.concatenate((self.first.start.amplitudes, self.first.stop.amplitudes))
-        free = np.ones(times_s.size - 1, dtype=np.bool_)
-        by_distance = self.distance_m is not None
-        if self.retime == "stop":
-            free[: starts - 1] = False
-        fixed = np.diff(times_s)
-        # Gaps of the start, the pulse if the distance sets it, gaps of the stop.
-        def place(gaps_s: FloatArray) -> FloatArray:
-            every = fixed.copy()
-            pulse_s = times_s[starts]
-            head = 0 if self.retime == "stop" else starts - 1
-            every[: starts - 1] = gaps_s[:head] if head else fixed[: starts - 1]
+        starts, by_distance = self.first.start.times_s.size, self.distance_m is not None
+        head = 0 if self.retime == "stop" else starts - 1
+        # Unknown are the gaps of the start, the pulse if the distance sets it, those of the stop.
+        gaps = np.diff(times_s)
+        guess = np.concatenate((gaps[:head], times_s[starts:][:by_distance], gaps[starts:]))
+
+        def place(unknown_s: FloatArray) -> FloatArray:
+            placed = times_s.copy()
+            placed[1 : head + 1] = np.cumsum(unknown_s[:head])
             if by_distance:
-                pulse_s = gaps_s[head]
-            every[starts - 1] = pulse_s - every[: starts - 1].sum()
-            every[starts:] = gaps_s[head + int(by_distance) :]
-            placed: FloatArray = np.concatenate(([0.0], np.cumsum(every)))
-            placed[starts] = pulse_s
+                placed[starts] = unknown_s[head]
+            placed[starts + 1 :] = placed[starts] + np.cumsum(unknown_s[head + by_distance :])
             return placed
 
-        head = [] if self.retime == "stop" else fixed[: starts - 1]
-        guess = np.concatenate((head, times_s[starts : starts + int(by_distance)], fixed[starts:]))
+        amplitudes = np.concatenate((self.first.start.amplitudes, self.first.stop.amplitudes))
         task = self._task(
             amplitudes,
-            0 if self.retime == "stop" else starts,
+            starts if head else 0,
             self._travel_s if by_distance else None,
         )
         shortest = self._shortest_s(times_s.size)
-        gaps = (
-            follow_times(task, guess, place, shortest, self.plant.cable_length_m.values[0])[0]
-            if followed
-            else solve_times(task, guess, place, shortest)
-        )
-        if gaps is None:
-            return None
-        return Impulses(times_s=place(gaps), amplitudes=amplitudes)
+        if followed:
+            length_m = self.plant.cable_length_m.values[0]
+            found, _ = follow_times(task, guess, place, shortest, length_m)
+        else:
+            found = solve_times(task, guess, place, shortest)
+        return None if found is None else Impulses(times_s=place(found), amplitudes=amplitudes)
 
     def _as_one(self) -> tuple[Impulses | None, float]:
         """Return a move solved as one, from that of the middle length, and how far it was followed.

@@ -14,11 +14,12 @@ from design.model.plants.hoisting import Hoisting, LengthCourse
 from design.response.closed_form import travel
 from design.response.hoisting_kernel import HoistingKernel, hoisting_kernel
 from design.response.hoisting_vibration import hoisting_vibration
+from design.solvers.budget import Budget
 from design.solvers.continuation import follow
 from design.solvers.least_squares import least_squares
 from design.types import FloatArray
 
-MAX_ITERATIONS = 30
+MAX_ITERATIONS = 15
 """Of Newton's method, which converges in four to eight."""
 
 MET = 1e-14, 1e-10, 1e-13
@@ -28,7 +29,7 @@ Newton's method goes on below it as long as it gains."""
 NEARLY_MET = 100.0
 """Of `MET`, up to which rounding may have stopped it; the certificate has the last word [-]."""
 
-MAX_IDLE = 4
+MAX_IDLE = 2
 """Iterations without a gain after which it ends."""
 
 DIFFERENCE_RAD = 1e-6
@@ -36,6 +37,9 @@ DIFFERENCE_RAD = 1e-6
 
 LONGEST_STEP_RAD = 0.4
 """Of the phases in one iteration: farther on, it is another branch [rad]."""
+
+VIBRATION_WORK = 800
+"""Work of one vibration vector [units of `design.solvers.budget`]."""
 
 SHORTEST_SHARE = 1 / 512
 """Step of the share of the hoisting below which a path has ended [-]."""
@@ -58,6 +62,8 @@ class HoistingTask:
         whole must.
     travel_s
         Way of the whole over the speed; None where it follows from the times [s].
+    budget
+        What the search may do yet; each vibration vector is counted.
     """
 
     plant: Hoisting
@@ -67,10 +73,11 @@ class HoistingTask:
     amplitudes: FloatArray
     start_steps: int
     travel_s: float | None
+    budget: Budget
 
     @cached_property
     def kernels(self) -> tuple[tuple[float, HoistingKernel], ...]:
-        """Weights and kernels: of the vibration, then of its derivative by differences."""
+        """Ratios of all frequencies, and their kernels: 1, then two beside it."""
         return tuple((ratio, hoisting_kernel(self.plant, ratio)) for ratio in self._ratios)
 
     @property
@@ -107,6 +114,7 @@ class HoistingTask:
             Parts of the vibration vector and of its derivative, of the start and of the whole [-];
             the way, as a phase of the swing on the last cable [rad].
         """
+        self.budget.spend(VIBRATION_WORK * len(self._parts) * len(self.kernels))
         found: list[float] = []
         for count in self._parts:
             command = Impulses(times_s=times_s[:count], amplitudes=self.amplitudes[:count])
@@ -125,7 +133,18 @@ class HoistingTask:
         return np.array(found)
 
     def with_share(self, share: float, length_m: float) -> "HoistingTask":
-        """Return the task with a share of the hoisting about a length."""
+        """Return the task with a share of the hoisting about a length.
+
+        Parameters
+        ----------
+        share, length_m
+            What is left of every change from the length [-], [m].
+
+        Returns
+        -------
+        HoistingTask
+            With another course, else the same.
+        """
         course = self.plant.cable_length_m
         values = tuple(length_m + share * (one - length_m) for one in course.values)
         moved = LengthCourse(times_s=course.times_s, values=values)
@@ -161,7 +180,7 @@ def solve_times(
     now, best, nearest, idle = gaps_s.copy(), gaps_s, np.inf, 0
     for _ in range(MAX_ITERATIONS):
         times_s = place(now)
-        if not _ordered(times_s, 0 * shortest_s):
+        if task.budget.spent or not _ordered(times_s, 0 * shortest_s):
             break
         misses = task.misses(times_s)
         distance = float(np.abs(misses / task.met).max())

@@ -1,4 +1,4 @@
-"""What an acceleration at each moment leaves of a swing on a cable that is hoisted.
+"""What remains of an acceleration at each moment on a cable that is hoisted.
 
 The deflection that remains is linear in the acceleration v' of the trolley: ``V = integral of
 kernel(t) v'(t) dt``. The kernel is the solution of the adjoint equation, backward from the end of

@@ -56,10 +56,7 @@ def _radau() -> tuple[FloatArray, FloatArray]:
         nodes[:-1] -= legendre.legval(nodes[:-1], highest) / slope
     values = legendre.legvander(nodes, STAGES - 1)
     integrals = np.stack(
-        [
-            legendre.legval(nodes, legendre.legint(row, lbnd=-1)) / 2
-            for row in np.eye(STAGES)
-        ],
+        [legendre.legval(nodes, legendre.legint(row, lbnd=-1)) / 2 for row in np.eye(STAGES)],
         axis=1,
     )
     return (1 + nodes) / 2, integrals @ np.linalg.inv(values)
@@ -209,9 +206,7 @@ def _flows(
         # X_i = x + h sum_j a_ij A_j X_j at the nodes, for unit states x; the last node is the end.
         pulls = np.einsum("n,ij,njkl->nikjl", steps, INTEGRALS, matrices)
         coupled = np.eye(STAGES * size) - pulls.reshape(many, STAGES * size, STAGES * size)
-        units = np.broadcast_to(
-            np.tile(np.eye(size), (STAGES, 1)), (many, STAGES * size, size)
-        )
+        units = np.broadcast_to(np.tile(np.eye(size), (STAGES, 1)), (many, STAGES * size, size))
         found.append(np.linalg.solve(coupled, units)[:, -size:])
     return np.concatenate(found)
 
@@ -262,9 +257,7 @@ def _play(
     stretches = _stretches(command, plant, actuator, end_s)
     for stretch in stretches:
         if stretch.change:
-            state[: lags.size] = lags.changed(
-                state[: lags.size], stretch.column, stretch.change
-            )
+            state[: lags.size] = lags.changed(state[: lags.size], stretch.column, stretch.change)
         state[p] += (stretch.rate_m_s - rate_m_s) * state[y] / stretch.length_m
         rate_m_s = stretch.rate_m_s
         ends = _steps(stretch, lags, ratio**2 * plant.gravity_m_s2, at_s)
@@ -286,7 +279,7 @@ def _play(
 def simulated_vibration(
     command: Impulses, plant: Hoisting, actuator: Actuator, ratio: float = 1.0
 ) -> complex:
-    """Return the vibration of a command on a cable that is hoisted, step by step.
+    """Return the vibration on a cable that is hoisted, step by step.
 
     The second route to `design.response.hoisting_vibration`, but seen at another moment.
 

@@ -1,4 +1,4 @@
-"""What a command leaves of a swing on a cable that is hoisted, by the kernel of the swing.
+"""The vibration of a command on a cable that is hoisted, by the kernel of the swing.
 
 Between two changes of the command a lag moves freely, in closed form. Its acceleration times the
 kernel is integrated by Gauss and Legendre while the cable is hoisted, and in closed form after it.
@@ -74,9 +74,17 @@ def hoisting_vibration(
 
 
 def residual_reference_s(command: Impulses, plant: Hoisting, actuator: Actuator) -> float:
-    """Return the moment of which the residual is said [s].
+    """Return the moment of which the residual is said.
 
-    The last step, or the end of the hoisting if that is later.
+    Parameters
+    ----------
+    command, plant, actuator
+        As of `hoisting_vibration`.
+
+    Returns
+    -------
+    float
+        The last step, or the end of the hoisting if that is later [s].
     """
     return max(plant.end_s, float(command.times_s[-1]) + actuator.dead_time_s)
 
@@ -93,8 +101,8 @@ def hoisting_residual(command: Impulses, plant: Hoisting, actuator: Actuator) ->
     -------
     float
         Amplitude of the free swing on the last length, extrapolated back to the last step or to
-        the end of the hoisting, whichever is later, over that which a sudden step of the whole
-        speed leaves there, ``v / (w sqrt(1 - z^2))`` [-].
+        the end of the hoisting, whichever is later, over that of a sudden step of the whole speed
+        there, ``v / (w sqrt(1 - z^2))`` [-].
     """
     vector = hoisting_vibration(command, plant, actuator)
     decay = plant.last.mode.pole_rad_s.real

@@ -4,7 +4,7 @@ from math import tau
 
 from pydantic import TypeAdapter
 
-from schemas.plants import ModesIn, PendulumIn, PlantIn, ScheduledIn, SpringMassIn
+from schemas.plants import HoistingIn, ModesIn, PendulumIn, PlantIn, ScheduledIn, SpringMassIn
 
 PLANTS: TypeAdapter[PlantIn] = TypeAdapter(PlantIn)
 
@@ -36,6 +36,15 @@ def plant_lines(plant: PlantIn) -> list[str]:
             f"plant       {plant.plant.kind}, {plant.over} from {plant.from_:g} to {plant.to:g}, "
             f"{ends[0]:.5g} to {ends[1]:.5g} Hz, period {1 / ends[1]:.5g} to {1 / ends[0]:.5g} s"
         ]
+    if isinstance(plant, HoistingIn):
+        course, moved = plant.cable_length_m, plant.to_design()
+        ends = [
+            moved.at(time_s).mode.natural_frequency_rad_s / tau for time_s in (0.0, moved.end_s)
+        ]
+        return [
+            f"plant       cable hoisted from {course.values[0]:g} to {course.values[-1]:g} m until "
+            f"{course.times_s[-1]:g} s, {ends[0]:.5g} to {ends[1]:.5g} Hz"
+        ]
     what = ""
     if isinstance(plant, PendulumIn):
         what = f"cable {plant.cable_length_m:g} m, "
@@ -48,7 +57,7 @@ def plant_lines(plant: PlantIn) -> list[str]:
 
 def only_hertz(plant: PlantIn) -> float | None:
     """Return the natural frequency of a plant that has only one [Hz]."""
-    if isinstance(plant, ModesIn | ScheduledIn):
+    if isinstance(plant, ModesIn | ScheduledIn | HoistingIn):
         return None
     return plant.to_design().mode.natural_frequency_rad_s / tau
 

@@ -3,10 +3,15 @@
 from typing import TYPE_CHECKING
 
 from design.analysis.claims_found import zeros_of
+from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
+from design.model.plants.hoisting import Hoisting
 from design.model.plants.registry import Plant
+from design.moves.hoisting_moves import hoisting_maneuver
 from design.moves.maneuvers import Maneuver, maneuver
 from design.moves.programs import Program, program
+from design.moves.while_hoisting import require_while_hoisting
+from design.shapers.options import ShaperOptions
 from schemas.base import name_field
 from schemas.maneuvers import ManeuverRequest, ManeuverResponse
 from schemas.samples import continuous_options
@@ -86,6 +91,15 @@ def move_of(request: ManeuverRequest) -> tuple[Plant, Actuator, Maneuver]:
     if request.initial is not None:
         with name_field("initial"):
             initial = request.initial.to_design()
+    if isinstance(plant, Hoisting):
+        return plant, actuator, _hoisted(request, plant, actuator, options)
+    if request.retime is not None:
+        raise InvalidInputError(
+            "retime",
+            request.retime,
+            "left out where the plant is not of kind hoisting",
+            code="retime_without_hoisting",
+        )
     move = maneuver(
         plant,
         actuator,
@@ -98,6 +112,29 @@ def move_of(request: ManeuverRequest) -> tuple[Plant, Actuator, Maneuver]:
         options=options,
     )
     return plant, actuator, move
+
+
+def _hoisted(
+    request: ManeuverRequest, plant: Hoisting, actuator: Actuator, options: ShaperOptions | None
+) -> Maneuver:
+    """Design the move of a request while the cable is hoisted."""
+    for name, value in (
+        ("initial", request.initial),
+        ("joint", request.joint or None),
+        ("sample_time_s", request.sample_time_s),
+    ):
+        given = "a swing" if name == "initial" else value
+        require_while_hoisting(name, given, "left out", holds=value is None)
+    return hoisting_maneuver(
+        plant,
+        actuator,
+        request.shaper.shaper_kind(),
+        speed_m_s=request.speed_m_s,
+        pulse_s=request.pulse_s,
+        distance_m=request.distance_m,
+        retime=request.retime or "both",
+        options=options,
+    )
 
 
 def program_of(

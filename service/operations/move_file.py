@@ -3,6 +3,8 @@
 from typing import TYPE_CHECKING
 
 from design.errors import InvalidInputError
+from design.model.plants.hoisting import Hoisting
+from design.moves.while_hoisting import require_while_hoisting
 from schemas.maneuvers import ManeuverRequest
 from service.operations.maneuver import move_of, program_of
 from service.version import version
@@ -46,6 +48,12 @@ def move_file(request: ManeuverRequest, format_name: str, real: "Real" = "LREAL"
             "format", format_name, "one that plays moves", code="format_without_moves"
         )
     plant, actuator, move = move_of(request)
+    require_while_hoisting(
+        "format",
+        format_name,
+        "one of an answer, such as json,",
+        holds=not isinstance(plant, Hoisting),
+    )
     blocks = move_blocks(
         move,
         plant,

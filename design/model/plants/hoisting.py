@@ -127,8 +127,19 @@ class Hoisting:
         return self.at(self.end_s)
 
     @property
+    def shortest(self) -> Pendulum:
+        """The crane at its shortest cable."""
+        course = self.cable_length_m
+        return self.at(course.times_s[course.values.index(min(course.values))])
+
+    @property
+    def modes_of_moments(self) -> tuple[Mode, ...]:
+        """The swing on each length of the course, for figures about the plant."""
+        return tuple(self.at(time_s).mode for time_s in self.cable_length_m.times_s)
+
+    @property
     def hoisting_turn_rad(self) -> float:
-        """By how much the swing turns from time 0 to the end of the hoisting [rad]."""
+        """Turn of the swing from time 0 to the end of the hoisting [rad]."""
         course, root_g = self.cable_length_m, math.sqrt(self.gravity_m_s2)
         turn_rad = course.times_s[0] * root_g / math.sqrt(course.values[0])
         points = zip(course.times_s, course.values, strict=True)

@@ -1,9 +1,10 @@
 """All kinds of plants: what moves."""
 
+from design.model.plants.hoisting import Hoisting
 from design.model.plants.mode import Mode
 from design.model.plants.modes import Modes
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.scheduled import Scheduled
 from design.model.plants.spring_mass import SpringMass
 
-Plant = Mode | Pendulum | SpringMass | Modes | Scheduled
+Plant = Mode | Pendulum | SpringMass | Modes | Scheduled | Hoisting
