@@ -6,7 +6,7 @@ from design.model.actuators.registry import Actuator
 
 
 def require_while_hoisting(name: str, value: object, served: str, *, holds: bool) -> None:
-    """Check a field that is not served with every value while a cable is hoisted.
+    """Check a field of which a hoisted cable does not take every value.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from schemas.base import wire_names
 from schemas.design_request import DesignRequest
 from schemas.fits import FIELDS, FitIn
 from schemas.maps import AxisIn
-from schemas.plants import ModeIn, PlantIn, ScheduledIn
+from schemas.plants import LengthCourseIn, ModeIn, PlantIn, ScheduledIn
 from schemas.tables import TableAxis, TableRequest
 from schemas.units import MAX_NAME_CHARACTERS, STAND_INS, UNITS, all_in_si, other_names, reading_of
 from service.dispatch import answer
@@ -99,13 +99,19 @@ def test_a_field_may_be_given_in_another_unit_once(
     model: type[BaseModel], field: str, other: str
 ) -> None:
     end = max((end for end in IN_SI if other.endswith(end)), key=len)
-    in_list = get_origin(model.model_fields[field].annotation) is list
-    value = [VALUE] if in_list else VALUE
+    annotation = model.model_fields[field].annotation
+    in_list = get_origin(annotation) is list
+    over_time = annotation is LengthCourseIn
+    value: Any = [VALUE] if in_list or over_time else VALUE
+    if over_time:
+        value = {"times_s": [0.5], "values": value}
     given = {**example_of(model), other: value}
     given.pop(field, None)
     body = TypeAdapter(Any).dump_json(given)
     told = getattr(model.model_validate_json(body), field)
-    assert told == pytest.approx([IN_SI[end](VALUE)] if in_list else IN_SI[end](VALUE), rel=1e-15)
+    number = IN_SI[end](VALUE)
+    found = told.values if over_time else told
+    assert found == pytest.approx([number] if in_list or over_time else number, rel=1e-15)
     assert getattr(model.model_validate(given), field) == told
 
     with pytest.raises(ValidationError, match=f"{field}") as caught:

@@ -29,11 +29,22 @@ NOTHING = 1e-9
 
 
 def moved(
-    plant: Hoisting, actuator: Actuator = THESIS, kind: str = "numzv", retime: Retime = "both",
-    **way: float,
-) -> Maneuver:  # fmt: skip
+    plant: Hoisting,
+    actuator: Actuator = THESIS,
+    kind: str = "numzv",
+    *,
+    retime: Retime = "both",
+    pulse_s: float | None = None,
+    distance_m: float | None = None,
+) -> Maneuver:
     return hoisting_maneuver(
-        plant, actuator, SHAPERS[kind], speed_m_s=SPEED_M_S, retime=retime, **way
+        plant,
+        actuator,
+        SHAPERS[kind],
+        speed_m_s=SPEED_M_S,
+        pulse_s=pulse_s,
+        distance_m=distance_m,
+        retime=retime,
     )
 
 
