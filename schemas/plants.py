@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from design.errors import InvalidInputError
+from design.model.plants.free_body import FreeBody
 from design.model.plants.hoisting import MAX_POINTS, Hoisting, LengthCourse
 from design.model.plants.mode import Mode
 from design.model.plants.modes import MAX_MODES, Modes
@@ -62,11 +63,39 @@ class ModesIn(Wire):
 
     def to_design(self) -> Mode | Modes:
         """Build the design record."""
-        built = []
-        for number, one in enumerate(self.modes):
-            with name_field(f"modes.{number}"):
-                built.append(one.to_design())
-        return built[0] if len(built) == 1 else Modes(modes=tuple(built))
+        return modes_of(self.modes)
+
+
+def modes_of(modes: list[BareMode]) -> Mode | Modes:
+    """Build the record of one mode or of several."""
+    built = []
+    for number, one in enumerate(modes):
+        with name_field(f"modes.{number}"):
+            built.append(one.to_design())
+    return built[0] if len(built) == 1 else Modes(modes=tuple(built))
+
+
+class FreeBodyIn(Wire):
+    """A body that nothing holds, moved by an on-off force: in maneuvers, with force_n."""
+
+    ALSO: ClassVar[tuple[str, ...]] = (
+        "spacecraft",
+        "satellite",
+        "floating_oscillator",
+    )
+
+    kind: Literal["free_body"]
+    mass_kg: Annotated[
+        Positive, Field(description="Mass of the whole [kg]; for a turn its inertia [kg m^2].")
+    ]
+    modes: Annotated[
+        list[BareMode],
+        Field(min_length=1, max_length=MAX_MODES, description="Modes that the force excites."),
+    ]
+
+    def to_design(self) -> FreeBody:
+        """Build the design record."""
+        return FreeBody(mass_kg=self.mass_kg, vibration=modes_of(self.modes))
 
 
 class PendulumIn(WireOf[Pendulum]):
@@ -263,6 +292,6 @@ class HoistingIn(WireOf[Hoisting]):
 
 
 PlantIn = Annotated[
-    ModeIn | ModesIn | PendulumIn | SpringMassIn | ScheduledIn | HoistingIn,
+    ModeIn | ModesIn | PendulumIn | SpringMassIn | ScheduledIn | HoistingIn | FreeBodyIn,
     Field(discriminator="kind", description="What swings."),
 ]

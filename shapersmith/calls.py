@@ -206,10 +206,12 @@ class Calls(ABC):
         plant: Plant,
         actuator: Actuator,
         shaper: Shaper,
-        speed_m_s: float,
+        speed_m_s: float | None = None,
         *,
         pulse_s: float | None = None,
         distance_m: float | None = None,
+        force_n: float | None = None,
+        duration_s: float | None = None,
         initial: AngleSwing | DeflectionSwing | Json | None = None,
         joint: bool = False,
         retime: Retime | None = None,
@@ -222,9 +224,12 @@ class Calls(ABC):
         plant, actuator, shaper
             What moves, what drives it, and the kind of shaper.
         speed_m_s
-            Full speed [m/s].
+            Full speed [m/s]; None for a free body.
         pulse_s, distance_m
             One of both: the time from the start to the stop [s], or the distance [m].
+        force_n, duration_s
+            For a free body: the largest force [N], and a time in which it is on as shortly as may
+            be [s]; None for minimum time.
         initial
             Swing at the first step, to be cancelled; None for a load at rest.
         joint
@@ -256,6 +261,8 @@ class Calls(ABC):
             speed_m_s=speed_m_s,
             pulse_s=pulse_s,
             distance_m=distance_m,
+            force_n=force_n,
+            duration_s=duration_s,
             initial=initial,
             joint=joint,
             retime=retime,

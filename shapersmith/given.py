@@ -138,6 +138,12 @@ class Modes(Given, plants.ModesIn):
     kind: Literal["modes"] = "modes"
 
 
+class FreeBody(Given, plants.FreeBodyIn):
+    """A body that nothing holds, moved by an on-off force: in maneuvers, with force_n."""
+
+    kind: Literal["free_body"] = "free_body"
+
+
 class Pendulum(Given, plants.PendulumIn):
     """A load on a cable, at small angles."""
 

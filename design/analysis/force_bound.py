@@ -7,11 +7,11 @@ way``, and at most ``integral |q|`` if ``|u| <= 1``. So no time is enough up to 
 Every q proves a bound; how it was found does not matter.
 """
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
 from numpy.polynomial.legendre import leggauss
-from scipy.optimize import brentq, minimize_scalar
 
 from design.model.plants.mode import Mode
 from design.types import FloatArray
@@ -46,6 +46,8 @@ def least_duration_s(modes: tuple[Mode, ...], weights: FloatArray, way_s2: float
     float
         Every force from rest to rest that excites no mode takes longer [s].
     """
+    from scipy.optimize import brentq  # noqa: PLC0415 - takes longer to import than a design
+
     q = _sum(modes, weights)
     goal = float(weights[0]) * way_s2
     edge, reached, step = 0.0, 0.0, _panel_s(modes, way_s2)
@@ -82,9 +84,7 @@ def least_burn_s(
     q = _sum(modes, weights)
     panels = int(np.ceil(duration_s / _panel_s(modes, way_s2)))
     edges = np.linspace(0.0, duration_s, panels + 1).tolist()
-    beyond = sum(
-        _integral_beyond(q, low, high, 1.0) for low, high in zip(edges, edges[1:], strict=False)
-    )
+    beyond = sum(_integral_beyond(q, low, high, 1.0) for low, high in itertools.pairwise(edges))
     goal = float(weights[0]) * way_s2
     return max(0.0, goal - beyond - ROUNDING * (goal + beyond))
 
@@ -109,7 +109,8 @@ def _sum(modes: tuple[Mode, ...], weights: FloatArray) -> Callable[[FloatArray],
             for order in range(orders):
                 for wave in waves:
                     summed = summed + next(rest) * (w * left_s) ** order * wave
-        return summed
+        total: FloatArray = summed
+        return total
 
     return q
 
@@ -118,11 +119,16 @@ def _integral_beyond(
     q: Callable[[FloatArray], FloatArray], low_s: float, high_s: float, threshold: float
 ) -> float:
     """Integrate ``max(|q| - threshold, 0)`` over a panel, split where q crosses the threshold."""
+    from scipy.optimize import brentq, minimize_scalar  # noqa: PLC0415
+
     edges = [low_s]
     for level in sorted({threshold, -threshold}):
 
         def above(time_s: float, at: float = level) -> float:
             return float(q(np.array(time_s))) - at
+
+        def apart(time_s: float, above: Callable[[float], float] = above) -> float:
+            return abs(above(time_s))
 
         grid = np.linspace(low_s, high_s, POINTS)
         gaps = q(grid) - level
@@ -131,7 +137,7 @@ def _integral_beyond(
         (near,) = np.nonzero((sides[1:-1] <= sides[:-2]) & (sides[1:-1] <= sides[2:]))
         nearest = [
             minimize_scalar(
-                lambda t, sign=np.sign(gaps[one + 1]), above=above: sign * above(t),
+                apart,
                 bounds=(grid[one], grid[one + 2]),
                 method="bounded",
                 options={"xatol": 1e-9 * (high_s - low_s)},
@@ -141,12 +147,12 @@ def _integral_beyond(
         points = sorted({*grid.tolist(), *map(float, nearest)})
         edges += [
             float(brentq(above, one, other, xtol=1e-16, rtol=1e-15))
-            for one, other in zip(points, points[1:], strict=False)
+            for one, other in itertools.pairwise(points)
             if above(one) * above(other) < 0
         ]
     edges = [*sorted(edges), high_s]
     summed = 0.0
-    for begin, end in zip(edges, edges[1:], strict=False):
+    for begin, end in itertools.pairwise(edges):
         nodes = (begin + end) / 2 + (end - begin) / 2 * NODES
         summed += (end - begin) / 2 * float(WEIGHTS @ np.maximum(np.abs(q(nodes)) - threshold, 0))
     return summed

@@ -2,8 +2,8 @@
 
 The force u moves the body from rest to rest over a way, ``integral u = 0`` and ``integral (T - t) u
 = way``, and excites no mode, ``integral u exp(s (T - t)) = 0`` with derivatives by frequency. All
-are linear in u, and ``|u| <= 1``: the problem is convex. Its dual has a few unknowns, the weights of
-the functions above, and their sum q(t) says when to switch: ``u = sign(q)`` in minimum time, and
+are linear in u, and ``|u| <= 1``: the problem is convex. Its dual has a few unknowns, the weights
+of the functions above, and their sum q(t) says when to switch: ``u = sign(q)`` in minimum time, and
 ``u = sign(q)`` where ``|q| > 1``, else 0, of least force. It is solved by Newton's method; the
 times of the switches are then refined until the equations hold to rounding.
 """
@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import linprog
 
 from design.model.plants.mode import Mode
 from design.solvers.least_squares import least_squares
@@ -233,7 +232,8 @@ def _dual(
     beyond, moments, signs = _judge(task, now, end_s, threshold)
 
     def size(gradient: FloatArray) -> float:
-        return float(np.sqrt(max(0.0, gradient @ np.linalg.solve(metric, gradient)) / end_s))
+        square = float(gradient @ np.linalg.solve(metric, gradient))
+        return float(np.sqrt(max(0.0, square) / end_s))
 
     for _ in range(MAX_ITERATIONS):
         gradient = (moments - goal)[free]
@@ -266,6 +266,8 @@ def _on_cells(task: ForceTask, end_s: float, *, least: bool) -> tuple[FloatArray
     The optimum is the farthest way of a time or, where it is asked for, the least time under
     force. None if there is no such force on these cells.
     """
+    from scipy.optimize import linprog  # noqa: PLC0415 - takes longer to import than a design
+
     edges = end_s - np.linspace(0.0, end_s, CELLS + 1)
     pieces = -np.diff(task.integrals(edges), axis=1)
     scales = np.abs(pieces).sum(axis=1)

@@ -4,7 +4,16 @@ from math import tau
 
 from pydantic import TypeAdapter
 
-from schemas.plants import HoistingIn, ModesIn, PendulumIn, PlantIn, ScheduledIn, SpringMassIn
+from design.model.plants.free_body import FreeBody
+from schemas.plants import (
+    FreeBodyIn,
+    HoistingIn,
+    ModesIn,
+    PendulumIn,
+    PlantIn,
+    ScheduledIn,
+    SpringMassIn,
+)
 
 PLANTS: TypeAdapter[PlantIn] = TypeAdapter(PlantIn)
 
@@ -23,8 +32,9 @@ def plant_lines(plant: PlantIn) -> list[str]:
     >>> plant_lines(crane)
     ['plant       pendulum, cable 0.8 m, 0.55723 Hz, period 1.7946 s']
     """
-    if isinstance(plant, ModesIn):
-        modes = plant.to_design().modes
+    if isinstance(plant, ModesIn | FreeBodyIn):
+        made = plant.to_design()
+        modes = made.excited if isinstance(made, FreeBody) else made.modes
         return [
             f"mode {number:<7}{_swing(one.natural_frequency_rad_s, one.damping_ratio)}"
             for number, one in enumerate(modes, start=1)
@@ -57,7 +67,7 @@ def plant_lines(plant: PlantIn) -> list[str]:
 
 def only_hertz(plant: PlantIn) -> float | None:
     """Return the natural frequency of a plant that has only one [Hz]."""
-    if isinstance(plant, ModesIn | ScheduledIn | HoistingIn):
+    if isinstance(plant, ModesIn | FreeBodyIn | ScheduledIn | HoistingIn):
         return None
     return plant.to_design().mode.natural_frequency_rad_s / tau
 

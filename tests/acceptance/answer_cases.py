@@ -11,6 +11,7 @@ from design.model.actuators.ideal import Ideal
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
+from design.model.plants.free_body import FreeBody
 from design.model.plants.hoisting import Hoisting
 from design.model.plants.mode import Mode
 from design.model.plants.modes import Modes
@@ -63,6 +64,11 @@ def plant_as_json(plant: Plant) -> JSON:
             "damping_ratio": plant.damping_ratio,
             "gravity_m_s2": plant.gravity_m_s2,
         }
+    if isinstance(plant, FreeBody):
+        modes = [plant_as_json(mode) for mode in plant.excited]
+        for mode in modes:
+            del mode["kind"]
+        return {"kind": "free_body", "mass_kg": plant.mass_kg, "modes": modes}
     if isinstance(plant, Hoisting):
         return {
             "kind": "hoisting",

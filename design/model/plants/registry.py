@@ -1,5 +1,6 @@
 """All kinds of plants: what moves."""
 
+from design.model.plants.free_body import FreeBody
 from design.model.plants.hoisting import Hoisting
 from design.model.plants.mode import Mode
 from design.model.plants.modes import Modes
@@ -7,4 +8,4 @@ from design.model.plants.pendulum import Pendulum
 from design.model.plants.scheduled import Scheduled
 from design.model.plants.spring_mass import SpringMass
 
-Plant = Mode | Pendulum | SpringMass | Modes | Scheduled | Hoisting
+Plant = Mode | Pendulum | SpringMass | Modes | Scheduled | Hoisting | FreeBody
