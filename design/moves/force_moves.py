@@ -20,8 +20,9 @@ from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
 from design.solvers.force_pulses import ForceSteps, ForceTask, least_force, least_time
 
-MAX_PERIODS = 200.0
-"""Longest move, in periods of the fastest mode: up to it the slope stays clear of rounding [-]."""
+MAX_PERIODS = 60.0
+"""Longest move of a rigid body of the mass, in periods of the fastest mode: up to it the search
+found the switches of every random body [-]."""
 
 MAX_DURATION_SHARE = 20.0
 """Longest move over the fastest one [-]."""
@@ -86,7 +87,7 @@ def force_move(
     duration_s: float | None = None,
     options: ShaperOptions | None = None,
 ) -> ForceMove:
-    """Design a move of a free body by a force of -1, 0 and 1 times its largest.
+    """Design a move of a free body by an on-off force, and prove it.
 
     Parameters
     ----------

@@ -76,7 +76,7 @@ class ForceTask:
         return max(mode.natural_frequency_rad_s for mode in self.modes)
 
     def functions(self, left_s: FloatArray) -> FloatArray:
-        """Return the functions that u is integrated with, by the time that is left.
+        """Return the functions that u is integrated with, by the time left.
 
         Parameters
         ----------
@@ -334,7 +334,7 @@ def least_time(task: ForceTask) -> ForceSteps | None:
 
 
 def least_force(task: ForceTask, end_s: float) -> ForceSteps | None:
-    """Return the force that makes the way in a time with the shortest time under force.
+    """Return the force that makes the way in a time, on as shortly as may be.
 
     Parameters
     ----------

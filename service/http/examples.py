@@ -119,6 +119,20 @@ EXAMPLES: dict[str, dict[str, Example]] = {
             summary="The same while the cable is hoisted",
             value={**CRANE, "plant": HOISTING, "speed_m_s": 0.2, "distance_m": 1.0},
         ),
+        "free_body": Example(
+            summary="Two masses and a spring, moved by an on-off force in minimum time",
+            value={
+                "plant": {
+                    "kind": "free_body",
+                    "mass_kg": 2.0,
+                    "modes": [{"natural_frequency_rad_s": 1.4142135623730951}],
+                },
+                "actuator": IDEAL,
+                "shaper": {"kind": "umzv"},
+                "force_n": 1.0,
+                "distance_m": 1.0,
+            },
+        ),
     },
     "simulate": {
         "shaped_pulse": Example(

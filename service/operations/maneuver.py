@@ -1,6 +1,6 @@
 """A whole move from rest to rest."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from design.analysis.claims_found import zeros_of
 from design.errors import InvalidInputError
@@ -173,9 +173,7 @@ def _forced(request: ManeuverRequest, body: FreeBodyIn) -> tuple[FreeBody, Force
         ("sample_time_s", request.sample_time_s),
     ):
         if value is not None:
-            raise InvalidInputError(
-                name, value, "left out for a free body", code="not_for_free_body"
-            )
+            require_no_force(name, value)
     with name_field("shaper"):
         options = continuous_options(request.shaper, NO_MOVE_ON_SAMPLES)
     return plant, force_move(
@@ -187,6 +185,22 @@ def _forced(request: ManeuverRequest, body: FreeBodyIn) -> tuple[FreeBody, Force
         duration_s=request.duration_s,
         options=options,
     )
+
+
+def require_no_force(name: str, value: object) -> NoReturn:
+    """Raise that a field is not served for a free body.
+
+    Parameters
+    ----------
+    name, value
+        Field that the error names, and what it is.
+
+    Raises
+    ------
+    InvalidInputError
+        Always.
+    """
+    raise InvalidInputError(name, value, "left out for a free body", code="not_for_free_body")
 
 
 def _given(name: str, value: float | None) -> float:
