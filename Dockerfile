@@ -6,8 +6,8 @@ WORKDIR /source
 RUN python -m venv /opt/shapersmith \
     && python -m venv /opt/build \
     && /opt/build/bin/pip install --no-cache-dir hatchling
-COPY requirements.lock ./
-RUN /opt/shapersmith/bin/pip install --no-cache-dir --require-hashes -r requirements.lock
+COPY requirements-extras.lock ./
+RUN /opt/shapersmith/bin/pip install --no-cache-dir --require-hashes -r requirements-extras.lock
 COPY pyproject.toml README.md LICENSE ./
 COPY shapersmith shapersmith
 COPY design design

@@ -9,7 +9,7 @@ UV := $(shell command -v uv 2>/dev/null)
 INSTALL := $(if $(UV),$(UV) pip install --python $(BIN)/python,$(BIN)/python -m pip install --disable-pip-version-check)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup serve demo docs test acceptance check bench chaos lock clean
+.PHONY: help setup serve demo schemas docs test acceptance check bench chaos lock clean
 
 help: ## this list
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*##/ -/'
@@ -27,6 +27,9 @@ serve: $(STAMP) ## the service on http://127.0.0.1:8000
 
 demo: $(STAMP) ## serve, design the thesis's crane over HTTP, write pictures to demo-output/
 	$(BIN)/python -m service.cli.demo demo-output
+
+schemas: $(STAMP) ## JSON Schema of every request and response, in build/schemas/
+	$(BIN)/shapersmith schemas -o build/schemas
 
 docs: $(STAMP) ## the documentation as a site, in site/
 	$(BIN)/mkdocs build --clean --quiet
@@ -52,8 +55,9 @@ chaos: $(STAMP) ## what the service withstands: overload, kills, locks
 	$(BIN)/python -m benchmarks.chaos
 
 lock: ## resolve the dependencies anew (needs uv)
-	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 --extra dask --extra postgres pyproject.toml -o requirements.lock
-	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 -c requirements.lock --group dev pyproject.toml -o requirements-dev.lock
+	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 pyproject.toml -o requirements.lock
+	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 --extra dask --extra postgres -c requirements.lock pyproject.toml -o requirements-extras.lock
+	uv pip compile --universal --generate-hashes --no-emit-index-url --no-annotate --python-version 3.11 -c requirements-extras.lock --group dev pyproject.toml -o requirements-dev.lock
 
 clean: ## remove what the other targets made
 	rm -rf $(VENV) build dist site demo-output shapersmith-data *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

@@ -1,12 +1,12 @@
-"""Pages of the documentation that are made from the code when it is built."""
+"""What the documentation has from the code: pages that are made when it is built, and tables."""
 
 import argparse
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
-from mkdocs.structure.pages import Page
 from pydantic.fields import FieldInfo
 
 from schemas.catalogue import CatalogueEntry
@@ -26,10 +26,9 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     return files
 
 
-def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Return a page with its tables that are made here; MkDocs calls it."""
-    del page, config, files
-    return PLACE.sub(lambda found: TABLES[found[1]](), markdown)
+def with_tables(text: str) -> str:
+    """Return a page with the tables in it that are made here, as the code has them now."""
+    return PLACE.sub(lambda found: f"{found[1]}\n\n{TABLES[found[2]]()}\n\n{found[3]}", text)
 
 
 def _routes() -> str:
@@ -140,7 +139,7 @@ def _words(template: str) -> str:
     return template.replace("{}", "…") if " " in template else "…"
 
 
-def _table(head: tuple[str, ...], rows: list[tuple[object, ...]]) -> str:
+def _table(head: tuple[str, ...], rows: Sequence[tuple[object, ...]]) -> str:
     lines = [head, ("---",) * len(head), *rows]
     return "\n".join(f"| {' | '.join(map(_cell, line))} |" for line in lines)
 
@@ -152,4 +151,13 @@ def _cell(value: object) -> str:
 TABLES = {"routes": _routes, "settings": _settings}
 """Tables within pages that are otherwise written by hand."""
 
-PLACE = re.compile(rf"<!-- made from the code: ({'|'.join(TABLES)}) -->")
+PLACE = re.compile(
+    rf"(<!-- made from the code: ({'|'.join(TABLES)}) -->).*?(<!-- end -->)", re.DOTALL
+)
+"""Where one stands; `python -m docs.reference` writes it anew."""
+
+PAGES = [Path(__file__).with_name(f"{name}.md") for name in TABLES]
+
+if __name__ == "__main__":
+    for made in PAGES:
+        made.write_text(with_tables(made.read_text()))

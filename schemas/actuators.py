@@ -76,6 +76,7 @@ class FirstOrderIn(WireOf[FirstOrder]):
         "kind": "first_order",
         "accel_time_constant_s": 0.1,
         "decel_time_constant_s": 0.05,
+        "model": "switched",
     }
 
     kind: Literal["first_order"]
@@ -117,6 +118,7 @@ class SecondOrderIn(WireOf[SecondOrder]):
         "kind": "second_order",
         "accel": {"natural_frequency_rad_s": 20, "damping_ratio": 0.8},
         "decel": {"natural_frequency_rad_s": 50, "damping_ratio": 1.5},
+        "model": "switched",
     }
 
     kind: Literal["second_order"]

@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from design.errors import InvalidInputError
+from design.model.plants.double_pendulum import DoublePendulum
 from design.model.plants.free_body import FreeBody
 from design.model.plants.hoisting import MAX_POINTS, Hoisting, LengthCourse
 from design.model.plants.mode import Mode
@@ -52,7 +53,6 @@ class ModesIn(Wire):
         "multi_mode",
         "several_modes",
         "two_modes",
-        "double_pendulum",
     )
 
     kind: Literal["modes"]
@@ -115,6 +115,32 @@ class PendulumIn(WireOf[Pendulum]):
     kind: Literal["pendulum"]
     cable_length_m: Annotated[
         Positive, Field(description="Length from the suspension to the centre of the load [m].")
+    ]
+    damping_ratio: PlantDamping = 0.0
+    gravity_m_s2: Annotated[Positive, Field(description="Acceleration of free fall [m/s^2].")] = (
+        STANDARD_GRAVITY_M_S2
+    )
+
+
+class DoublePendulumIn(WireOf[DoublePendulum]):
+    """A load slung below a hook of some mass, at small angles: two modes."""
+
+    ALSO: ClassVar[tuple[str, ...]] = (
+        "two_pendulums",
+        "hook_and_load",
+        "slung_load",
+    )
+
+    RECORD = DoublePendulum
+
+    kind: Literal["double_pendulum"]
+    hook_mass_kg: Annotated[Positive, Field(description="Mass of the hook [kg].")]
+    load_mass_kg: Annotated[Positive, Field(description="Mass of the load [kg].")]
+    cable_length_m: Annotated[
+        Positive, Field(description="Length from the suspension to the hook [m].")
+    ]
+    load_length_m: Annotated[
+        Positive, Field(description="Length from the hook to the centre of the load [m].")
     ]
     damping_ratio: PlantDamping = 0.0
     gravity_m_s2: Annotated[Positive, Field(description="Acceleration of free fall [m/s^2].")] = (
@@ -292,6 +318,13 @@ class HoistingIn(WireOf[Hoisting]):
 
 
 PlantIn = Annotated[
-    ModeIn | ModesIn | PendulumIn | SpringMassIn | ScheduledIn | HoistingIn | FreeBodyIn,
+    ModeIn
+    | ModesIn
+    | PendulumIn
+    | DoublePendulumIn
+    | SpringMassIn
+    | ScheduledIn
+    | HoistingIn
+    | FreeBodyIn,
     Field(discriminator="kind", description="What swings."),
 ]

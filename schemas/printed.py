@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from schemas.base import Wire
-from schemas.plants import ModesIn, PendulumIn, PlantIn, ScheduledIn, SpringMassIn
+from schemas.plants import DoublePendulumIn, ModesIn, PendulumIn, PlantIn, ScheduledIn, SpringMassIn
 
 FirmwareName = Literal["klipper", "marlin", "rrf"]
 
@@ -28,6 +28,8 @@ class PrintedPlant:
         modes = self.plant.to_design().modes
         if isinstance(self.plant, ModesIn):
             where = [f"modes/{number}/{FREQUENCY}" for number, _ in enumerate(modes)]
+        elif isinstance(self.plant, DoublePendulumIn):
+            where = ["cable_length_m", "load_length_m"]
         elif isinstance(self.plant, PendulumIn):
             where = ["cable_length_m"]
         else:

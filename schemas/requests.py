@@ -11,6 +11,7 @@ MODELS = {
     "fit": ("fits", "FitRequest"),
     "maneuver": ("maneuvers", "ManeuverRequest"),
     "simulate": ("simulations", "SimulationRequest"),
+    "run": ("runs", "RunRequest"),
     "map": ("maps", "MapRequest"),
     "recommend": ("recommendations", "RecommendationRequest"),
     "table": ("tables", "TableRequest"),

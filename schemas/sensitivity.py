@@ -8,6 +8,7 @@ from design.analysis.sensitivity import Sensitivity
 from design.model.plants.mode import Mode
 from schemas.actuators import ActuatorIn
 from schemas.base import Wire, leave_out_none
+from schemas.drive_sensitivity import DriveIn, DriveOut
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
 from schemas.sensitivity_curves import SensitivityIn, SensitivityOut
@@ -20,6 +21,10 @@ class SensitivityRequest(SensitivityIn):
     impulses: Annotated[ImpulsesWire, Field(description="Command whose residual is asked for.")]
     plant: PlantIn
     actuator: ActuatorIn
+    drive: Annotated[
+        DriveIn | None,
+        Field(description="By how much the drive may be off; null for no such curve."),
+    ] = None
 
 
 class ModeOut(Wire):
@@ -79,4 +84,8 @@ class SensitivityResponse(Wire):
         float, Field(description="Residual vibration at the nominal frequency [-].")
     ]
     modes: OfModes
+    drive: Annotated[
+        DriveOut | None,
+        leave_out_none("Residual where the drive is off, where that is asked for."),
+    ]
     warnings: Warnings

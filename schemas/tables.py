@@ -13,12 +13,13 @@ from design.curve_fit.fit_range import plants_at_ends
 from design.errors import InvalidInputError
 from design.export.program import DEFAULT_TITLE
 from design.fields import Axis, EvenRange, LongAxis, Path, Spacing
+from design.tables.row_amplitudes import shared_amplitudes
 from design.tables.rows import Real, Subject, TableHead
 from design.tables.specification import (
     COLUMNS,
     COLUMNS_ON_SAMPLES,
+    COLUMNS_WITH_AMPLITUDES,
     DEFAULT_COLUMNS,
-    DEFAULT_COLUMNS_ON_SAMPLES,
     MAX_CHUNK_ROWS,
     MAX_ROWS,
     TableSpecification,
@@ -58,7 +59,20 @@ def _on_samples(given: dict[str, Any]) -> bool:
 
 
 def _columns(given: dict[str, Any]) -> list[str]:
-    return list(DEFAULT_COLUMNS_ON_SAMPLES if _on_samples(given) else DEFAULT_COLUMNS)
+    return list(COLUMNS_WITH_AMPLITUDES if _amplitudes_vary(given) else DEFAULT_COLUMNS)
+
+
+def _amplitudes_vary(given: dict[str, Any]) -> bool:
+    """Return whether each row has separate amplitudes, where that follows from the kind."""
+    design = given.get("design")
+    if _on_samples(given) or not isinstance(design, TableDesign):
+        return _on_samples(given)
+    try:
+        kind, options = design.shaper.shaper_kind(), design.shaper.options()
+        several = len(design.plant.to_design().modes) > 1
+    except InvalidInputError:  # which is said when the table is made
+        return False
+    return several or not shared_amplitudes(kind, options)
 
 
 def _chunk_rows(given: dict[str, Any]) -> int:
@@ -198,8 +212,8 @@ class TableRequest(Wire):
         Field(
             default_factory=_columns,
             description=f"One or more of {', '.join(COLUMNS)}; {', '.join(COLUMNS_ON_SAMPLES)} on "
-            f"samples only. If not given, {', '.join(DEFAULT_COLUMNS)}, on samples with "
-            "amplitudes.",
+            f"samples only. If not given, {', '.join(DEFAULT_COLUMNS)}, and amplitudes where "
+            "each row has its own.",
         ),
     ]
     chunk_rows: Annotated[

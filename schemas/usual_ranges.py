@@ -36,7 +36,18 @@ SLOWEST_DRIVE = 3.0
 """A lag of three periods passes 1 / (6 pi) of a step's vibration, 5.3 %, about the usual tolerance:
 few ask for a shaper behind it. From about 16 on it is refused [periods of the plant]."""
 
-PARTS = ("plant", "actuator", "speed_m_s", "fit", "x", "y", "axes", "designs", "printed")
+PARTS = (
+    "plant",
+    "actuator",
+    "speed_m_s",
+    "distance_m",
+    "fit",
+    "x",
+    "y",
+    "axes",
+    "designs",
+    "printed",
+)
 """Parts of a request that are looked at."""
 
 VARIED = ("fit", "x", "y", "axes", "designs")
@@ -61,6 +72,8 @@ USUAL_RANGES = {
     # Few cranes lower a load farther, and no bench is smaller: 0.3 m and more in millimetres are
     # found, and 10 m and less that were taken for millimetres.
     ("plant", "cable_length_m"): Range(0.01, 300.0, "m", "cable_length_mm"),
+    # Slings are shorter than cables, and of the same benches.
+    ("plant", "load_length_m"): Range(0.01, 300.0, "m", "load_length_mm"),
     # The Moon has 1.62, Jupiter 24.8.
     ("plant", "gravity_m_s2"): Range(1.0, 30.0, "m/s^2", "gravity_mm_s2"),
     # From a kilohertz of a machine tool to the longest cranes.
@@ -77,6 +90,8 @@ USUAL_RANGES = {
     # Faster than nearly all of these machines: what is in mm/s or m/min is found from 10 on.
     ("actuator", "speed_m_s"): Range(0.0, 10.0, "m/s", "speed_mm_s"),
     ("speed_m_s", "speed_m_s"): Range(0.0, 10.0, "m/s", "speed_mm_s"),
+    # The longest runways of cranes: what is in mm is found from 1 m on.
+    ("distance_m", "distance_m"): Range(0.0, 1000.0, "m", "distance_mm"),
     ("printed", "natural_frequency_rad_s"): PRINTED,
 }
 """Ranges by part of the request and name of the field; other fields have none."""

@@ -4,7 +4,8 @@ import os
 import sys
 from collections.abc import Sequence
 
-from service.cli.main import FAILED, OK, UsageError
+from service.cli.given_files import UsageError
+from service.cli.main import FAILED, OK
 from service.cli.main import main as run_command
 
 

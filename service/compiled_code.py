@@ -27,6 +27,18 @@ def keep_in(data_dir: str) -> None:
         os.environ[VARIABLE] = str(Path(data_dir).absolute() / "compiled")
 
 
+def holds_nothing() -> bool:
+    """Return whether no machine code is kept yet.
+
+    False where nobody knows the folder: numba has one of the user's then.
+    """
+    named = os.environ.get(VARIABLE)
+    if named is None and not _can_be_written(CODE / "__pycache__"):
+        return False
+    folder = CODE / "__pycache__" if named is None else Path(named)
+    return not any(folder.rglob("*.nbi"))
+
+
 def _can_be_written(folder: Path) -> bool:
     """Return whether files can be made in a folder; whoever may do all finds it out by trying."""
     try:

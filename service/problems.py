@@ -1,6 +1,7 @@
 """The one table from errors to problem documents, for HTTP and the command line alike."""
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
@@ -240,6 +241,7 @@ def problem_of_design(error: DesignError, body: bytes | str = b"null") -> Proble
         return invalid_fields(told, (FieldFault(pointer="", code=error.code, detail=told),))
     if isinstance(error, InvalidInputError):
         request = json.loads(body)
+        error = _without_made_modes(error, request)
         path = _as_given(error.path, request)
         told = refusal_of_design(error, path, request)
         fault = FieldFault(pointer=_shorten(json_pointer(path)), code=error.code, detail=told)
@@ -251,6 +253,10 @@ def problem_of_design(error: DesignError, body: bytes | str = b"null") -> Proble
             for name, detail in error.faults
         )
     return Problem(KIND_OF[type(error)], str(error), faults, code=error.code, trace=error.trace)
+
+
+THE_FIELDS = "; the fields are "
+"""Begins the list of what is expected at a place."""
 
 
 def problem_of_validation(
@@ -286,7 +292,7 @@ def problem_of_validation(
         are = "is" if len(strangers) == 1 else "are"
         told = f"this is a request of {owner}; {listed(strangers, 'and')}: {are} no field here"
         return invalid_fields(told, named)
-    told = "; ".join(map(_sentence, named))
+    told = _once("; ".join(map(_sentence, named)))
     if len(faults) > MAX_FAULTS:
         told += f"; and {len(faults) - MAX_FAULTS} more"
     return invalid_fields(told, named)
@@ -351,6 +357,20 @@ def _name_given(name: int | str, here: Any) -> int | str:  # noqa: ANN401 - any 
     return next((other for other in other_names(name) if other in here), name)
 
 
+def _without_made_modes(error: InvalidInputError, here: Any) -> InvalidInputError:  # noqa: ANN401
+    """Return a fault of modes as that of the plant whose fields make them, if it is one.
+
+    Only a plant of kind ``modes`` lists them.
+    """
+    for depth, name in enumerate(error.path):
+        if name == "modes" and isinstance(here, dict) and "modes" not in here and "kind" in here:
+            damped = error.path[-1] == "damping_ratio"
+            field = "damping_ratio" if damped else "kind"
+            return error.at((*error.path[:depth], field), error.value)
+        here = here.get(name) if isinstance(here, dict) else None
+    return error
+
+
 def _as_given(path: Path, here: Any) -> Path:  # noqa: ANN401
     """Return a path with the names by which the request has its fields."""
     parts: list[str] = []
@@ -378,6 +398,18 @@ def _fault(
         code=CODE_OF_TYPE.get(fault["type"], fault["type"]),
         detail=refusal(fault, model, names[-1] if names else "", request),
     )
+
+
+def _once(told: str) -> str:
+    """Return a text in which each list of fields stands once, where it is needed first."""
+    first, *others = re.split(f"(?={THE_FIELDS})", told)
+    lists: set[str] = set()
+    kept = [first]
+    for part in others:
+        listed_here, mark, rest = part.removeprefix(THE_FIELDS).partition(";")
+        kept.append(mark + rest if listed_here in lists else part)
+        lists.add(listed_here)
+    return "".join(kept)
 
 
 def _sentence(fault: FieldFault) -> str:

@@ -4,13 +4,14 @@ Longer than other modules: most of it says what each argument is, where an edito
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal, TypeVar
 
 from design.maps.map_case import Quantity
 from design.model.actuators.model import Model
 from design.moves.hoisting_moves import Retime
 from design.recommendations.requirements import Sign
+from design.rig.crane import HOOK_MASS_KG, CraneModel
 from schemas.actuators import ActuatorIn
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
@@ -23,6 +24,7 @@ from shapersmith.given import (
     DampingBand,
     DampingRange,
     DeflectionSwing,
+    DriveRange,
     FitRange,
     Json,
     Move,
@@ -36,6 +38,7 @@ from shapersmith.results import (
     Maneuver,
     Recommendation,
     Result,
+    Run,
     Sensitivity,
     Simulation,
 )
@@ -322,6 +325,89 @@ class Calls(ABC):
             points=points,
         )
 
+    def run(
+        self,
+        plant: Plant,
+        actuator: Actuator,
+        *,
+        speed_m_s: float,
+        events: Sequence[Json] | None = None,
+        shaping: Json | None = None,
+        model: CraneModel = "linear",
+        played: Json | None = None,
+        load: Json | None = None,
+        hook_mass_kg: float = HOOK_MASS_KG,
+        strokes: Json | None = None,
+        max_speed_m_s: float | None = None,
+        camera: Json | None = None,
+        encoder: Json | None = None,
+        until_s: float | None = None,
+        points: int = 2001,
+    ) -> Run:
+        """Drive the crane by events, and return its motion.
+
+        Parameters
+        ----------
+        plant, actuator
+            What swings, and what drives each axis.
+        speed_m_s
+            Full speed [m/s].
+        events
+            What happens when, each as JSON has it: ``{"at_s": 0.0, "direction": {"x": 1}}``.
+        shaping
+            ``{"mode": "delay_line", "shaper": {...}}``; nothing shapes the commands if not given.
+        model
+            Whether swings count as small, or as large as they are.
+        played
+            Courses of x and y in place of events: ``{"x": {"times_s": ..., "velocity_m_s": ...}}``.
+        load
+            What swings under the hook: ``{"mass_kg": ..., "length_m": ...}``.
+        hook_mass_kg
+            Mass of the hook [kg].
+        strokes
+            How far x and y can go: ``{"x": {"length_m": ..., "start_m": ..., "switch_m": ...}}``.
+        max_speed_m_s
+            Largest speed of axes and hoist; any if not given [m/s].
+        camera, encoder
+            Sensors, with their parameters; none if not given.
+        until_s
+            Last time; three periods after the last switch if not given [s].
+        points
+            Number of times.
+
+        Returns
+        -------
+        Run
+            The commands, the motion, and what remains.
+
+        Examples
+        --------
+        >>> import shapersmith
+        >>> crane = shapersmith.Pendulum(cable_length_m=0.8)
+        >>> press = {"at_s": 0.0, "direction": {"x": 1}}
+        >>> done = shapersmith.run(crane, shapersmith.Ideal(), speed_m_s=0.2, events=[press])
+        >>> round(done.residual, 9), done.log["deflection_m"].shape
+        (1.0, (2001,))
+        """
+        return self._ask(
+            Run,
+            plant=plant,
+            actuator=actuator,
+            speed_m_s=speed_m_s,
+            events=None if events is None else list(events),
+            shaping=shaping,
+            model=model,
+            played=played,
+            load=load,
+            hook_mass_kg=hook_mass_kg,
+            strokes=strokes,
+            max_speed_m_s=max_speed_m_s,
+            camera=camera,
+            encoder=encoder,
+            until_s=until_s,
+            points=points,
+        )
+
     def sensitivity(
         self,
         impulses: ImpulsesWire | Json,
@@ -333,6 +419,7 @@ class Calls(ABC):
         points: int = 201,
         tolerance: float = 0.05,
         damping: DampingRange | Json | None = None,
+        drive: DriveRange | Json | None = None,
     ) -> Sensitivity:
         """Return the sensitivity curve of any impulses.
 
@@ -348,6 +435,8 @@ class Calls(ABC):
             Residual of the insensitivity [-].
         damping
             Range of a curve over the damping ratio; None for none.
+        drive
+            By how much the drive may be off; None for no such curve.
 
         Returns
         -------
@@ -373,6 +462,7 @@ class Calls(ABC):
             points=points,
             tolerance=tolerance,
             damping=damping,
+            drive=drive,
         )
 
     def fit(self, plant: Plant, actuator: Actuator, shaper: Shaper, fit: FitRange | Json) -> Fit:

@@ -15,6 +15,7 @@ from pydantic import (
 from schemas import (
     actuators,
     damping,
+    drive_sensitivity,
     fits,
     impulses,
     maneuvers,
@@ -167,6 +168,21 @@ class Hoisting(Given, plants.HoistingIn):
     kind: Literal["hoisting"] = "hoisting"
 
 
+class DoublePendulum(Given, plants.DoublePendulumIn):
+    """A load slung below a hook of some mass, at small angles: two modes.
+
+    Examples
+    --------
+    >>> crane = DoublePendulum(
+    ...     hook_mass_kg=0.385, load_mass_kg=0.6, cable_length_m=0.8, load_length_m=0.25
+    ... )
+    >>> [round(mode.natural_frequency_rad_s, 4) for mode in crane.to_design().modes]
+    [3.1807, 11.0275]
+    """
+
+    kind: Literal["double_pendulum"] = "double_pendulum"
+
+
 class SpringMass(Given, plants.SpringMassIn):
     """A load held by a spring."""
 
@@ -224,6 +240,10 @@ class SensitivityRange(Given, sensitivity_curves.SensitivityIn):
 
 class DampingRange(Given, damping.DampingIn):
     """Range of a curve over the damping ratio."""
+
+
+class DriveRange(Given, drive_sensitivity.DriveIn):
+    """By how much the parameters of a drive may be off."""
 
 
 class DampingBand(Given, damping.DampingRangeIn):

@@ -39,6 +39,7 @@ design = HERE.design
 recommend = HERE.recommend
 maneuver = HERE.maneuver
 simulate = HERE.simulate
+run = HERE.run
 sensitivity = HERE.sensitivity
 fit = HERE.fit
 field_map = HERE.field_map

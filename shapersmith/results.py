@@ -15,6 +15,7 @@ from schemas.impulses import ImpulsesWire
 from schemas.maneuvers import ManeuverResponse
 from schemas.maps import MapResponse
 from schemas.recommendations import RecommendationResponse
+from schemas.runs import RunResponse
 from schemas.sensitivity import SensitivityResponse
 from schemas.simulations import SimulationResponse
 from schemas.table_jobs import TableJob
@@ -156,6 +157,19 @@ class Simulation(Result, SimulationResponse):
         return {name: np.array(values) for name, values in told.items() if values is not None}
 
 
+class Run(Result, RunResponse):
+    """The crane, driven by events."""
+
+    OPERATION = "run"
+
+    @property
+    def log(self) -> dict[str, FloatArray]:
+        """The columns of its log by name, times among them, each of shape (n,)."""
+        from service.cli.run_log import log_columns  # noqa: PLC0415
+
+        return {name: np.array(values) for name, values in log_columns(self).items()}
+
+
 class Sensitivity(Result, SensitivityResponse):
     """A sensitivity curve."""
 
@@ -167,23 +181,23 @@ class Fit(Result, FitOut):
 
     OPERATION = "fit"
 
-    def times_s(self, value: float) -> FloatArray:
+    def times_s(self, values: float | FloatArray) -> FloatArray:
         """Return the times of the impulses by the fitted curves.
 
         Parameters
         ----------
-        value
-            Of the field that was fitted over, in its SI unit.
+        values
+            One value of the field that was fitted over, or several, shape (m,), in its SI unit.
 
         Returns
         -------
         FloatArray
-            Shape (n,) [s].
+            Shape (n,), or (m, n) [s].
 
         Raises
         ------
         InvalidInputError
-            If the value is outside the range of the fit.
+            If a value is outside the range of the fit.
 
         Examples
         --------
@@ -200,15 +214,16 @@ class Fit(Result, FitOut):
 
         asked = FitRequest.model_validate_json(self._request)
         try:
-            return times_by_curves(
+            times_s = times_by_curves(
                 asked.plant.to_design(),
                 asked.actuator.to_design(),
                 asked.fit.to_design(asked.plant.kind),
                 np.array(self.coefficients),
-                value,
+                np.atleast_1d(np.asarray(values, dtype=np.float64)),
             )
         except DesignError as error:
             raise_problem(problem_of_design(error).document())
+        return times_s if np.ndim(values) else times_s[0]
 
 
 class FieldMap(Result, MapResponse):

@@ -130,10 +130,11 @@ def scl_text(text: bytes) -> str:
     Every variable of a block is a #, no other word is; a constant is a single value.
     """
     blocks = []
+    source = re.sub(r"(?s)\(\*.*?\*\)", "", text.decode())
     for found in re.finditer(
         r'^FUNCTION_BLOCK "(\w+)"\n\{ S7_Optimized_Access := \'TRUE\' \}\nVERSION : [\d.]+\n'
         r"(.*?)^BEGIN\n(.*?)^END_FUNCTION_BLOCK$",
-        text.decode(),
+        source,
         re.DOTALL | re.MULTILINE,
     ):
         name, declared, body = found.groups()
@@ -143,7 +144,9 @@ def scl_text(text: bytes) -> str:
         assert all(limit.isdigit() for both in limits for limit in both)
         names = set(re.findall(r"^    (\w+) :", declared, re.MULTILINE))
         assert set(re.findall(r"#(\w+)", body)) <= names
-        bare = set(re.findall(r"(?<![#.\w])([a-z]\w*)", body.replace("(row :=", "(")))
+        # A call names the variables of the other block, which have no #.
+        given = re.sub(r"(?s)(#\w+\()([^;]*)(\);)", _without_names, body)
+        bare = set(re.findall(r"(?<![#.\w])([a-z]\w*)", given))
         assert not bare & names, bare & names
         # Values of constants come first, as the interpreter wants them.
         sections = re.findall(r"(?s)VAR\w*(?: CONSTANT)?\n.*?END_VAR\n", declared)
@@ -151,5 +154,11 @@ def scl_text(text: bytes) -> str:
         plain = re.sub(r': "(\w+)";', r": \1;", "".join(sections))
         statements = body.replace("#", "")
         blocks.append(f"FUNCTION_BLOCK {name}\n{plain}{statements}END_FUNCTION_BLOCK\n")
-    assert text.decode().count("END_FUNCTION_BLOCK") == len(blocks)
+    assert source.count("END_FUNCTION_BLOCK") == len(blocks)
     return "\n".join(blocks)
+
+
+def _without_names(call: re.Match[str]) -> str:
+    named = re.sub(r"(?<![#.\w])\w+ :=", "", call[2])
+    assert "#" not in re.findall(r"(#?)\w+ :=", call[2]), call[0]
+    return f"{call[1]}{named}{call[3]}"

@@ -34,6 +34,7 @@ SHARES = {
     "si": 2,
     "multi_zv": 2,
     "multi_umzv": 2,
+    "num_multi": 1,
     "convolved": 1,
     "num_si": 1,
     "num_2ei": 1,

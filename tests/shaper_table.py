@@ -16,6 +16,7 @@ from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.shapers.ei import ToleranceOptions
 from design.shapers.negative import NegativeOptions
+from design.shapers.num_multi import SeveralModesOptions
 from design.shapers.numei import HumpOptions
 from design.shapers.numsi import UnityBandOptions
 from design.shapers.options import NoOptions
@@ -197,6 +198,12 @@ SHAPER_TABLE: dict[str, Row] = {
         options=(None, NoOptions()),
         impulses=3,
         for_ideal=EVERY_KIND - LIMITED_KIND,
+    ),
+    "num_multi": Row(
+        plants=PLANTS,
+        actuators=(IDEAL, FIRST_ORDER, THESIS, LIMITED),
+        options=(None, SeveralModesOptions(max_duration_periods=2.0)),
+        impulses=3,
     ),
     "convolved": _positive(2, ConvolvedOptions(base="zv")),
     "si": Row(

@@ -48,7 +48,8 @@ def drive_warnings(
             yield DesignWarning(
                 code="actuator_not_settled",
                 detail=f"the {name} set has made {100 * made[least]:.3g} % of switch {least} when "
-                f"the next one follows, {gaps[least - 1]:.4g} s after it{others}",
+                f"the next one follows, {gaps[least - 1]:.4g} s after it{others}; the design "
+                "counts on it, and is right where the model of the drive is",
             )
     fastest = max(mode.natural_frequency_rad_s for mode in modes)
     for name, corner in actuator.corner_frequencies_rad_s.items():

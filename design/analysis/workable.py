@@ -41,7 +41,7 @@ def require_workable(mode: Mode, actuator: Actuator) -> None:
         if slowness > SLOWEST:
             raise InvalidInputError(
                 f"actuator.{name}",
-                f"{slowness:.3g} times slower",
+                float(f"{slowness:.3g}"),
                 f"at most {SLOWEST:g} times slower than the plant",
                 code="actuator_too_slow",
             )

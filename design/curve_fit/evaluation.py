@@ -12,9 +12,9 @@ from design.types import FloatArray
 
 
 def times_by_curves(
-    plant: Plant, actuator: Actuator, wanted: FitRange, coefficients: FloatArray, value: float
+    plant: Plant, actuator: Actuator, wanted: FitRange, coefficients: FloatArray, values: FloatArray
 ) -> FloatArray:
-    """Return the times that fitted curves give at one value of the field.
+    """Return the times that fitted curves give at values of the field.
 
     Parameters
     ----------
@@ -22,30 +22,31 @@ def times_by_curves(
         What was fitted, and over which field.
     coefficients
         A row for each impulse, ascending powers of x, shape (n, degree + 1).
-    value
-        Of the field, in its own unit.
+    values
+        Of the field, in its own unit, shape (m,).
 
     Returns
     -------
     FloatArray
-        Shape (n,) [s].
+        Shape (m, n) [s].
 
     Raises
     ------
     InvalidInputError
-        If the value is outside the range of the fit: the residual there is not known.
+        If a value is outside the range of the fit: the residual there is not known.
     """
-    if not wanted.start <= value <= wanted.stop:
+    outside = values[~((values >= wanted.start) & (values <= wanted.stop))]
+    if outside.size:
         raise InvalidInputError(
             wanted.over,
-            value,
+            float(outside[0]),
             f"between {wanted.start:g} and {wanted.stop:g}, which the curves were fitted over",
             code="out_of_range",
         )
     axis = axis_of_fit(plant, actuator, wanted)
-    there: Plant = vary(plant, (wanted.over,), value)
-    frequency_rad_s = there.modes[0].natural_frequency_rad_s
+    there: list[Plant] = [vary(plant, (wanted.over,), value) for value in values.tolist()]
+    frequencies_rad_s = np.array([one.modes[0].natural_frequency_rad_s for one in there])
     unit = axis.frequency_unit_rad_s
-    x = value if unit is None else frequency_rad_s / unit
-    fitted: FloatArray = coefficients @ x ** np.arange(coefficients.shape[1])
-    return fitted / (frequency_rad_s if axis.in_phases else 1.0)
+    x = values if unit is None else frequencies_rad_s / unit
+    fitted: FloatArray = np.vander(x, coefficients.shape[1], increasing=True) @ coefficients.T
+    return fitted / frequencies_rad_s[:, None] if axis.in_phases else fitted

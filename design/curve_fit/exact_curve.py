@@ -14,6 +14,7 @@ from design.formulations.formulation import ClosedForm, Convolution, JointProble
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
+from design.formulations.steps_for_modes import StepsProblem
 from design.formulations.unequal_band import UnequalBandProblem
 from design.formulations.unequal_humps import UnequalHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
@@ -92,10 +93,10 @@ class ExactCurve:
                     "shaper.kind",
                     kind.name,
                     f"a kind whose amplitudes stay: {kind.name} cannot be fitted, its amplitudes "
-                    "and their number may change; a table holds both",
+                    "and their number may change",
                     code="fit_not_served",
                 )
-            self.formulations.append(form)
+            self.formulations.append(form.gaps if isinstance(form, StepsProblem) else form)
         self.amplitudes, last = (self._amplitudes_at(place) for place in (0, -1))
         if self.amplitudes.size != last.size:
             raise self._impulses_change(float(self.checked[-1]), last.size)

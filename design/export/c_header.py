@@ -9,10 +9,12 @@ import re
 from collections.abc import Iterable, Iterator
 from string import Template
 
+import numpy as np
+
 from design.curve_fit.polynomials import Fit
 from design.export.c_numbers import REAL, literal
 from design.export.kind import Export
-from design.export.lookup import constants, lookup_of, lookup_remarks, up
+from design.export.lookup import constants, lookup_of, lookup_remarks, rounding_remark, up
 from design.export.lookup_c import axes_in_c, lookup_in_c
 from design.export.move_c import move_in_c
 from design.export.program import (
@@ -37,10 +39,10 @@ SHAPER = Template("""\
    time and adds it by its amplitude. A delay between two samples takes the line between them.
    The caller owns the memory of the delay line: no allocation.
 
-     static shapersmith_real memory[1024];
+     static shapersmith_real memory[1024];  // cells: the last time over sample_time_s, and 2 more
      static ${NAME}_shaper shaper;
      ${NAME}_start(&shaper, memory, 1024, SHAPERSMITH_C(0.0));
-     ${NAME}_set(&shaper, ${NAME}_times[row], ${NAME}_amplitudes$OFROW, sample_time_s);
+$SET
      every sample: out = ${NAME}_step(&shaper, in); */
 typedef struct {
     shapersmith_real *line;
@@ -112,6 +114,22 @@ static inline shapersmith_real ${NAME}_step(${NAME}_shaper *shaper, shapersmith_
     return shaped;
 }
 """)
+
+SAME_NAMES = Template("""\
+#ifdef ${UPPER}_ROWS
+#error "two tables have the names of ${NAME}: give one of them another title"
+#endif
+
+""")
+
+SET_ROW = Template("""\
+     ${NAME}_set(&shaper, ${NAME}_times[row], ${NAME}_amplitudes$OFROW, sample_time_s);""")
+
+SET_EVALUATED = Template("""\
+     shapersmith_real times_s[${UPPER}_IMPULSES];
+     if (${NAME}_$CALL, times_s) == 0) {
+         ${NAME}_set(&shaper, times_s, ${NAME}_$AMPLITUDES, sample_time_s);
+     }""")
 
 EVALUATOR = Template("""\
 /* Times of the impulses [s] by polynomials in x = $MEANING,
@@ -189,7 +207,10 @@ def write_c(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     if sampled is None:
         more = lookup_remarks(found, name, in_single=False)
         if lookup is not None:
-            more.append(f"   in float at most {up(lookup.residual_in_single)}")
+            more += [
+                f"   in float at most {up(lookup.residual_in_single)}",
+                f"   {rounding_remark(lookup)}",
+            ]
         count = constants(rows, lookup)
         more.append(f"memory: {8 * count} bytes of constants in double, {4 * count} in float")
     # A title or a reason must not end the comment.
@@ -198,6 +219,7 @@ def write_c(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     # By the specification too: a second file of the same names is an error, it does not vanish.
     guard = f"{upper}_{head.specification_sha256[:HASH_DIGITS].upper()}_H"
     yield f"#ifndef {guard}\n#define {guard}\n\n".encode()
+    yield SAME_NAMES.substitute(NAME=name, UPPER=upper).encode()
     yield b"#include <math.h>\n#include <stddef.h>\n\n"
     axes = "" if lookup is None else axes_in_c(name, lookup)
     yield f"{REAL}\n{_columns(head, rows, upper)}{axes}\n".encode()
@@ -205,12 +227,11 @@ def write_c(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     if lookup is not None:
         yield lookup_in_c(name, lookup).encode()
     if head.fit is not None:
-        yield _evaluator(head, head.fit, name).encode()
+        yield _evaluator(head, rows, head.fit, name).encode()
     if sampled is not None:
         yield sampled_shaper_in_c(name, sampled).encode()
     else:
-        of_row = "[row]" if rows.shared_amplitudes is None else ""
-        yield SHAPER.substitute(NAME=name, UPPER=upper, OFROW=of_row).encode()
+        yield SHAPER.substitute(NAME=name, UPPER=upper, SET=_set(head, rows, name)).encode()
     yield b"\n#endif\n"
 
 
@@ -255,7 +276,29 @@ def _matrix(declared: str, values: FloatArray) -> str:
     return f"static const shapersmith_real {declared} = {{\n" + ",\n".join(lines) + "\n};\n"
 
 
-def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
+def _set(head: TableHead, rows: Listing, name: str) -> str:
+    """Return the lines that give a shaper its times: by the polynomials, or else of a row."""
+    if head.fit is None:
+        of_row = "[row]" if rows.shared_amplitudes is None else ""
+        return SET_ROW.substitute(NAME=name, OFROW=of_row)
+    call = "evaluate(x, natural_frequency_rad_s"
+    if head.fit.frequency_unit_rad_s is not None:
+        call = "evaluate_at(natural_frequency_rad_s"
+        if gravity_of(head) is not None:
+            call = "evaluate_at_length(cable_length_m"
+    return SET_EVALUATED.substitute(
+        NAME=name, UPPER=name.upper(), CALL=call, AMPLITUDES=_amplitudes_of_fit(rows, head.fit)
+    )
+
+
+def _amplitudes_of_fit(rows: Listing, fit: Fit) -> str:
+    """Return the array that holds the amplitudes of the polynomials: the rows', if these agree."""
+    shared = rows.shared_amplitudes
+    agree = shared is not None and bool(np.array_equal(shared, fit.checks.amplitudes))
+    return "amplitudes" if agree else "fit_amplitudes"
+
+
+def _evaluator(head: TableHead, rows: Listing, fit: Fit, name: str) -> str:
     first, last = range_of(fit)
     text = EVALUATOR.substitute(
         NAME=name,
@@ -277,6 +320,13 @@ def _evaluator(head: TableHead, fit: Fit, name: str) -> str:
     coefficients = _matrix(
         f"{name}_coefficients[{upper}_IMPULSES][{upper}_DEGREE + 1]", fit.coefficients
     )
+    own = _amplitudes_of_fit(rows, fit)
+    if own != "amplitudes":
+        numbers = ", ".join(map(literal, fit.checks.amplitudes.tolist()))
+        coefficients += (
+            "/* Of the polynomials, for all x. */\n"
+            f"static const shapersmith_real {name}_{own}[{upper}_IMPULSES] = {{{numbers}}};\n"
+        )
     return f"{coefficients}\n{text}\n"
 
 

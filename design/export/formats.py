@@ -44,3 +44,6 @@ FORMATS: dict[str, Format] = {
     "arduino": Format("arduino", is_program=True),
 }
 """Formats by their name on the wire."""
+
+LOG_FORMAT = "mat"
+"""Format of the log of a run, beside JSON and CSV; `log_mat` writes it."""

@@ -9,10 +9,10 @@ drive that follows its command; anything else is refused by name. Its impulses a
 from the numbers of each line, by `design.export.klipper_shapers`:
 
 - ``zv``, ``zvd`` and ``mzv`` must be those of the row, to rounding;
-- ``ei`` and the two with more humps are fits in Klipper. What these leave is judged as a design is:
-  the tolerance must hold over the whole band that the design claims, and where the design claims
-  zero no more than `READ_AS_ZERO` may be left. The tolerance of ``ei`` is lowered until it does,
-  ``ei(v_tol=...)``; what does not is refused, with the figure.
+- ``ei`` and the two with more humps are fits in Klipper. The tolerance must hold over the whole
+  band that the design claims, by the rule of recommendations: to `PLAYED_WITHIN`. The tolerance of
+  ``ei`` is lowered until it holds to the last digit, ``ei(v_tol=...)``; what does not hold is
+  refused, with the figure. Zeros within the band are not asked for: a remark says what is left.
 
 A name without brackets is read by every Klipper and by Kalico, which compute humps in other ways:
 it is written where all keep the claims. Brackets, even empty ones, are read by Klipper from
@@ -53,6 +53,7 @@ from design.model.actuators.ideal import Ideal
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.pipeline import design
+from design.recommendations.firmware import PLAYED_WITHIN
 from design.shapers.ei import ToleranceOptions
 from design.shapers.positive import MzvOptions
 from design.tables.columns import require_times, varied_paths
@@ -76,9 +77,6 @@ BRACKETS = "brackets behind a shaper's name need Klipper v0.13.0-642, of 4 May 2
 
 SAME = 1e-9
 """Impulses that differ by less are the same, as a share of their duration and of 1 [-]."""
-
-READ_AS_ZERO = 1e-3
-"""Residual of a fit where that of the design is zero: its coefficients have five digits [-]."""
 
 TOLERANCE_DECIMALS = 6
 """Klipper reads digits and a point in brackets, no exponent."""
@@ -172,6 +170,7 @@ class KlipperLine:
     damping_ratio: float
     remarks: list[str]  # What its fit leaves
     played: Impulses  # What Klipper of 2026 plays
+    without_brackets: tuple[Impulses, ...] = ()  # What versions play by the name alone
 
     @property
     def commands(self) -> tuple[str, ...]:
@@ -216,8 +215,11 @@ def klipper_line(
             f"at most {MAX_DAMPING_RATIOS[name]} for Klipper's {name}",
             code="too_damped_for_klipper",
         )
+    alone: tuple[Impulses, ...] = ()
     if isinstance(row.options, ToleranceOptions):
         shaper, remarks, played = _fit(row, name, shaped, where, keeps_claims=keeps_claims)
+        if "(" in shaper:
+            alone = _played_by_name_alone(name, mode)
     else:
         shaper, remarks, played = _exact(name, mode, row.options, shaped, where), [], shaped
     return KlipperLine(
@@ -226,7 +228,17 @@ def klipper_line(
         damping_ratio=mode.damping_ratio,
         remarks=remarks,
         played=played,
+        without_brackets=alone,
     )
+
+
+def _played_by_name_alone(name: str, mode: Mode) -> tuple[Impulses, ...]:
+    """Return what each version plays by a name without brackets; none where one plays rubbish."""
+    hertz, damping = _frequency_hz(mode), mode.damping_ratio
+    if name == "3hump_ei" and damping > 0:  # the missing comma
+        return ()
+    alone = klipper_impulses(name, hertz, damping)
+    return alone, older_klipper_impulses(name, hertz, damping)
 
 
 def _frequency_hz(mode: Mode) -> float:
@@ -280,7 +292,7 @@ def _line_read_by_most(row: Subject, name: str, told: float, claims: tuple[Claim
         "3hump_ei": damping == 0,  # else the missing comma matters
     }
     older = _measure_claims(older_klipper_impulses(name, hertz, damping), row, claims)
-    if plain[name] and all(claim.holds for claim in older):
+    if plain[name] and all(map(_is_kept, older)):
         return name
     return f"{name}(v_tol={text})" if name == "ei" else f"{name}()"
 
@@ -314,7 +326,7 @@ def _fit(
     for _ in range(LOWERINGS):
         played = klipper_impulses(name, hertz, damping, tolerance=told)
         judged = _measure_claims(played, row, claims)
-        if all(claim.holds for claim in judged):
+        if all(claim.holds if name == "ei" else _is_kept(claim) for claim in judged):
             return _line_read_by_most(row, name, told, claims), _remark_on_fit(judged), played
         # The residual of Klipper's fit is a little above its tolerance: a smaller one mends that.
         worst = max(claim.value / claim.limit for claim in judged)
@@ -323,22 +335,29 @@ def _fit(
             break
     if not keeps_claims and name != "ei":
         return f"{name}()", _remark_on_fit(judged), played
-    broken = [claim for claim in judged if not claim.holds]
+    broken = max(judged, key=lambda claim: claim.value / claim.limit)
+    place = _where(broken).replace("of it", "of the frequency")
     raise InvalidInputError(
         f"impulses of {where}",
-        ", ".join(_percent(claim) for claim in broken),
-        f"such that Klipper's {name} keeps what {row.kind.name} claims: "
-        + ", ".join(f"at most {100 * claim.limit:.4g} %" for claim in broken),
+        f"{100 * broken.value:.4g} %",
+        f"such that Klipper's {name} keeps what {row.kind.name} claims, at most "
+        f"{100 * broken.limit:.4g} % {place} and 1 % of that for its digits; recommend with "
+        "firmware klipper goes by the band that you ask for",
         code="klipper_breaks_claim",
     )
 
 
+def _is_kept(claim: Claim) -> bool:
+    return claim.value <= PLAYED_WITHIN * claim.limit
+
+
 def _measure_claims(played: Impulses, row: Subject, claims: tuple[Claim, ...]) -> tuple[Claim, ...]:
-    """Return what impulses leave where the design claims something."""
+    """Return what impulses leave where the design claims something: a zero as the tolerance."""
+    tolerance = cast(ToleranceOptions, row.options).tolerance
     promises = tuple(
         Promise(
             quantity=claim.quantity,
-            limit=READ_AS_ZERO if claim.is_zero else claim.limit,
+            limit=tolerance if claim.is_zero else claim.limit,
             mode=claim.mode,
             band=claim.band,
         )
@@ -352,10 +371,14 @@ def _remark_on_fit(judged: tuple[Claim, ...]) -> list[str]:
 
 
 def _percent(claim: Claim) -> str:
-    where = "at the frequency of the row"
-    if claim.band is not None:
-        where = f"at most from {claim.band[0]:.4g} to {claim.band[1]:.4g} of it"
-    return f"{100 * claim.value:.4g} % {where}"
+    most = "" if claim.band is None else "at most "
+    return f"{100 * claim.value:.4g} % {most}{_where(claim)}"
+
+
+def _where(claim: Claim) -> str:
+    if claim.band is None:
+        return "at the frequency of the row"
+    return f"from {claim.band[0]:.4g} to {claim.band[1]:.4g} of it"
 
 
 EXPORT = Export(

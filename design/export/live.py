@@ -80,14 +80,14 @@ def early_releases(
 
 
 def live_remarks(
-    first: Impulses, plant: Plant, drives: Sequence[Actuator], *, positive: bool
+    tried: Impulses, row: int, plant: Plant, drives: Sequence[Actuator], *, positive: bool
 ) -> list[str]:
     """Return the lines on live commands for the head of a program.
 
     Parameters
     ----------
-    first, plant
-        The first row that has a design, which is tried.
+    tried, row, plant
+        The first row that has a design, its number from 0, and its plant.
     drives
         Of the rows, its own first; one stands for all that are alike.
     positive
@@ -129,23 +129,27 @@ def live_remarks(
         ]
     else:
         lines += [
-            "behind this drive, whose sets differ, a start leaves what its row leaves, if the last",
-            "sequence is over by then; a release never does: a stop needs the shaper of the sets",
-            "in each other's place",
+            "behind this drive, which accelerates and brakes differently, a start has the residual",
+            "of its row, if the last sequence is over by then; a release never does. This delay",
+            "line is for starts only. For a joystick take a positive shaper, such as zvd, or the",
+            "start and stop blocks of a move",
         ]
     if limited:  # nothing is known of commands beyond 0 to 1, as these may be
         return lines
-    return [*lines, *_early_release_lines(first, plant.modes, held[0])]
+    return [*lines, *_early_release_lines(tried, row, plant.modes, held[0])]
 
 
-def _early_release_lines(row: Impulses, modes: tuple[Mode, ...], drive: Actuator) -> list[str]:
+def _early_release_lines(
+    tried: Impulses, row: int, modes: tuple[Mode, ...], drive: Actuator
+) -> list[str]:
     period_s = max(mode.period_s for mode in modes)
     presses_s = np.linspace(MIN_PRESS, MAX_PRESS, PRESSES) * period_s
-    early = early_releases(row, modes, drive, presses_s)
-    beyond = f"; {100 * early.beyond:.0f} % of them go beyond 0 to 1" if early.beyond else ""
-    return [
-        f"pulses of {presses_s[0]:.3g} to {presses_s[-1]:.3g} s at full speed through the first "
-        "row that has",
-        f"a design leave {100 * early.median:.3g} % in the median and {100 * early.most:.3g} % at "
-        f"most{beyond}",
+    early = early_releases(tried, modes, drive, presses_s)
+    lines = [
+        f"commands on for {presses_s[0]:.2g} to {presses_s[-1]:.2g} s, shaped by row {row}, leave "
+        f"{100 * early.most:.3g} % at worst,",
+        f"{100 * early.median:.3g} % in the median",
     ]
+    if early.beyond:
+        lines[-1] += f"; {100 * early.beyond:.0f} % of these commands go below 0 or above 1"
+    return lines

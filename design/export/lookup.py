@@ -5,7 +5,8 @@ a value along each axis, by Lagrange's weights in a coordinate in which the phas
 frequency that turns times into phases is the coordinate itself, up to a factor that falls out: a
 program needs one root at most, and no frequency.
 
-The residual is found at points between the rows, by the closed form; where it is largest, once more
+Its residual is bounded for all values between the rows by `design.tables.proven_bound`. Where that
+proves nothing it is found at points, by the closed form. Where it is largest it is found once more
 by the certificate's matrix exponentials. Single precision is played here, operation by operation,
 as the program does it.
 """
@@ -33,6 +34,8 @@ from design.tables.coordinates import (
     values_at,
 )
 from design.tables.interpolation import Interpolant, actuator_at, interpolant, mode_of
+from design.tables.proven_bound.bound import residual_bound
+from design.tables.proven_bound.stencils import GridAxis
 from design.tables.rows import Rows, TableHead
 from design.tables.stencil import first_of_stencil
 from design.types import BoolArray, FloatArray
@@ -50,7 +53,8 @@ POINTS_BY_CERTIFICATE = 50
 """Those of the largest residual, at which the certificate's route finds it once more."""
 
 MARGIN = 1.25
-"""Over the largest residual at these points: `design.tables.interpolation` has the reasons [-]."""
+"""Over the largest residual at these points, where a cell has no proof:
+`design.tables.interpolation` has the reasons [-]."""
 
 ROUNDING_MARGIN = 2.0
 """Over the largest change by single precision at these points: rounding has no pattern [-]."""
@@ -109,8 +113,11 @@ class Lookup:
         Of the rows, shape (rows, n) [s].
     usable
         Which cells are interpolated, one less along each axis than it has values.
+    unproven
+        Cells of these without a proof of the residual, of the same shape.
     residual, residual_in_single
-        Bounds of the residual of interpolated times, in double and in single precision [-].
+        Bounds of the residual of interpolated times, in double and in single precision [-]. The
+        first is proven except in cells without a proof; what single precision adds is sampled.
     tried
         Points at which it was found.
     """
@@ -119,6 +126,7 @@ class Lookup:
     amplitudes: FloatArray
     times_s: FloatArray
     usable: BoolArray
+    unproven: BoolArray
     residual: float
     residual_in_single: float
     tried: int
@@ -166,12 +174,24 @@ def lookup_of(head: TableHead, rows: Rows) -> Lookup | str:
     in_single = times_by_lookup(axes, times_s, points, np.float32)
     rounded = np.abs(made.residuals(points, in_single) - residuals).max()
     largest = max(float(residuals.max()), _by_certificate(made, points, residuals))
-    bound = max(made.residual_bound, MARGIN * largest)
+    proven = residual_bound(
+        [GridAxis(field=axis.field, values=axis.values) for axis in axes],
+        times_s,
+        usable,
+        made.plant,
+        made.actuator,
+        made.amplitudes,
+        found=largest,
+    )
+    bound = max(proven.largest, largest)
+    if proven.unproven.any():
+        bound = max(proven.largest, made.residual_bound, MARGIN * largest)
     return Lookup(
         axes=axes,
         amplitudes=made.amplitudes,
         times_s=times_s,
         usable=usable,
+        unproven=proven.unproven,
         residual=bound,
         residual_in_single=bound + ROUNDING_MARGIN * float(rounded),
         tried=len(points),
@@ -244,15 +264,39 @@ def lookup_remarks(found: Lookup | str, name: str, *, in_single: bool) -> list[s
     inputs = " and ".join(
         f"{axis.name} from {axis.values[0]:.6g} to {axis.values[-1]:.6g}" for axis in found.axes
     )
-    margin = f"{MARGIN:g} times the largest"
-    rounding = f", and {ROUNDING_MARGIN:g} times what rounding adds there" if in_single else ""
-    return [
+    said = [
         f"{name}_lookup, {inputs}: residual at most {up(bound)} of an unshaped step",
-        f"   found at {found.tried} points between the rows, and more beside the worst: {margin}",
-        f"   there{rounding}; at the worst {min(POINTS_BY_CERTIFICATE, found.tried)} once more by "
-        "the certificate's matrix exponentials",
-        "   it is sampled, not proved between these points",
+        *(f"   {line}" for line in _how_it_is_known(found)),
     ]
+    return [*said, f"   {rounding_remark(found)}"] if in_single else said
+
+
+def _how_it_is_known(found: Lookup) -> list[str]:
+    """Return what is proven of a bound, and what is sampled."""
+    cells, open_cells = int(found.usable.sum()), int(found.unproven.sum())
+    sampled = [
+        f"found at {found.tried} points between the rows, and more beside the worst: {MARGIN:g} "
+        "times the",
+        f"largest there; at the worst {min(POINTS_BY_CERTIFICATE, found.tried)} once more by the "
+        "certificate's matrix exponentials",
+    ]
+    if not open_cells:
+        return ["it is proven for every value there, with what rounding to double precision adds"]
+    if open_cells == cells:
+        return [*sampled, "it is sampled, not proven between these points"]
+    return [
+        f"it is proven in {cells - open_cells} of {cells} cells between rows, and sampled in the "
+        "others:",
+        *sampled,
+    ]
+
+
+def rounding_remark(found: Lookup) -> str:
+    """Return what the head of a program says of single precision."""
+    return (
+        f"what single precision adds is sampled: {ROUNDING_MARGIN:g} times the largest at "
+        f"{found.tried} points"
+    )
 
 
 def constants(rows: Listing, lookup: Lookup | None) -> int:

@@ -15,6 +15,7 @@ import numpy as np
 from design.errors import InvalidInputError
 from design.export.header import FACTS, facts, head_of, short_names
 from design.export.kind import Export
+from design.export.mat_header import HEADER_START, HEADER_TEXT_BYTES, header_text
 from design.tables.columns import names_of
 from design.tables.rows import STATUSES, Rows, TableHead
 from design.types import FloatArray
@@ -30,10 +31,6 @@ MATRICES = {"t": "times_s", "a": "amplitudes", "phase": "phases_rad", "n": "samp
 
 BESIDES = 2
 """Columns besides those of numbers: the status, and room for names and reasons."""
-
-HEADER_START = b"MATLAB 5.0 MAT-file"
-HEADER_TEXT_BYTES = 116
-"""Of the text that starts a file; SciPy writes the date into it."""
 
 
 def check_mat(head: TableHead) -> None:
@@ -92,8 +89,7 @@ def write_mat(head: TableHead, runs: Iterable[Rows]) -> Iterator[bytes]:
     }
     file = io.BytesIO()
     savemat(file, {NAME: table}, format="5", do_compression=False, long_field_names=True)
-    text = f"{HEADER_START.decode()}, {json.loads(facts(head)['tool'])}".ljust(HEADER_TEXT_BYTES)
-    yield text[:HEADER_TEXT_BYTES].encode("ascii", errors="replace")
+    yield header_text(json.loads(facts(head)["tool"]))
     yield file.getbuffer()[HEADER_TEXT_BYTES:].tobytes()
 
 

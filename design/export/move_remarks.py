@@ -6,8 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from design.analysis.residual import residual_vibration
-from design.model.actuators.ideal import Ideal
-from design.model.actuators.rate_limited import RateLimited
+from design.model.actuators.in_words import drive_line
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
@@ -55,7 +54,7 @@ def move_remarks(
         f"plant: {cable}{1 / mode.period_s:.5g} Hz, period {mode.period_s:.5g} s, damping ratio "
         f"{mode.damping_ratio:g}"
     )
-    yield from _lines(f"drive: {_drive_in_words(actuator)}")
+    yield from _lines(f"drive: {drive_line(actuator)}")
     steps = f"{move.start.times_s.size} steps up, {move.stop.times_s.size} steps down"
     yield (
         f"move: {move.distance_m:.9g} m at {move.speed_m_s:g} m/s in {move.duration_s:.9g} s by "
@@ -214,16 +213,6 @@ def _rounded(command: Impulses, of: Real) -> Impulses:
 
 def _jitter_in_words(told: PlayedInCycles) -> str:
     return f"calls up to {1000 * told.jitter_s:g} ms early or late: at most {told.with_jitter:.2g}"
-
-
-def _drive_in_words(actuator: Actuator) -> str:
-    name, parameters = actuator.in_words
-    parts = [name, *parameters.splitlines()]
-    if not isinstance(actuator.then if isinstance(actuator, RateLimited) else actuator, Ideal):
-        parts.append(actuator.model)
-    if actuator.dead_time_s:
-        parts.append(f"dead time {actuator.dead_time_s:g} s")
-    return ", ".join(parts).replace("²", "^2").replace("³", "^3")
 
 
 def _certificate_in_words(move: Maneuver) -> str:

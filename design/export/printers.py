@@ -14,7 +14,7 @@ from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
-from design.recommendations.firmware import Firmware, Played
+from design.recommendations.firmware import Firmware, ForOlder, Played
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
 from design.tables.rows import Subject
@@ -30,6 +30,7 @@ class Printer:
     """Firmware of printers; `design.recommendations.firmware.Firmware` says what each part is."""
 
     title: str
+    comment: str = ";"  # Of G-code
     kinds: tuple[str, ...]
     made_of: Play
     fixed: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
@@ -111,9 +112,7 @@ def _klipper(subject: Subject, shaper: Impulses) -> Played:
         [f"{name}_{axis}: {value}" for name, value in zip(names, values, strict=True)]
         for axis in "xy"
     )
-    remarks = [f"# {remark.replace(' of the row', '')}" for remark in line.remarks]
-    if "(" in line.shaper:
-        remarks.append(f"# {BRACKETS}")
+    remarks = [f"# {BRACKETS}"] if "(" in line.shaper else []
     # Y is no part of it until somebody says so: it has another mode, most often.
     section = (
         "# printer.cfg, if this is the mode of X:",
@@ -123,7 +122,13 @@ def _klipper(subject: Subject, shaper: Impulses) -> Played:
         *(f"# {one}" for one in of_y),
     )
     at_once = (f"# at once: {command}" for command in line.commands)
-    return Played(lines=(*remarks, *section, *at_once), impulses=line.played)
+    older = None
+    if line.without_brackets:
+        plain = line.shaper.partition("(")[0]
+        older = ForOlder(
+            line=f"shaper_type_x: {plain}, or shaper_type_y: {plain}", played=line.without_brackets
+        )
+    return Played(lines=(*remarks, *section, *at_once), impulses=line.played, for_older=older)
 
 
 def _marlin(subject: Subject, shaper: Impulses) -> Played:
@@ -141,6 +146,7 @@ def _reprap(subject: Subject, shaper: Impulses) -> Played:
 PRINTERS: dict[str, Firmware] = {
     "klipper": Printer(
         title="Klipper",
+        comment="#",
         kinds=tuple(NAMES),
         made_of=_klipper,
         fixed={name: {"tolerance": USUAL_TOLERANCE} for name in ("two_hump_ei", "three_hump_ei")},

@@ -281,6 +281,7 @@ def _of_live_commands(head: TableHead, rows: Listing) -> list[str]:
     held = ~np.isnan(rows.times_s[first])
     return live_remarks(
         Impulses(times_s=rows.times_s[first, held], amplitudes=rows.amplitudes[first, held]),
+        first,
         plant,
         drives,
         positive=not bool((rows.amplitudes[designed] <= 0).any()),

@@ -24,9 +24,19 @@ from design.export.text_blocks import (
     TextProgram,
     TextVariable,
     move_program,
+    sections_of,
     text_program,
 )
 from design.tables.rows import Rows, TableHead
+
+EXAMPLE = re.compile(
+    r"^PROGRAM (?P<name>\w+)\n(?P<declared>(?:VAR.*?^END_VAR\n)+)(?P<body>.*?)^END_PROGRAM$",
+    re.DOTALL | re.MULTILINE,
+)
+"""A call in the head of Structured Text."""
+
+IN_A_TASK, IN_AN_INTERRUPT = "from a task of", "from a block that a cyclic interrupt calls every"
+"""Where the blocks are called."""
 
 ELEMENTARY = ("BOOL", "SINT", "DINT", "REAL", "LREAL")
 """Types that are not blocks, whose names stand in quotes."""
@@ -75,11 +85,28 @@ def move_in_scl(blocks: MoveBlocks) -> bytes:
 
 
 def _source(program: TextProgram) -> str:
-    top = re.sub(r"\n\nHow to call it.*", "", program.remark, flags=re.DOTALL)
+    top = EXAMPLE.sub(_example, program.remark).replace(IN_A_TASK, IN_AN_INTERRUPT)
     return f"(* {top} *)\n\n{''.join(map(_block, program.blocks))}"
 
 
+def _example(found: re.Match[str]) -> str:
+    """Return a program that calls the blocks as a block, which is what a cyclic interrupt calls."""
+    block = TextBlock(
+        name=found["name"],
+        remark="",
+        declared=found["declared"],
+        body=found["body"],
+        sections=sections_of(found["declared"]),
+    )
+    return _bare(block).rstrip("\n")
+
+
 def _block(block: TextBlock) -> str:
+    return f"(* {block.remark} *)\n{_bare(block)}"
+
+
+def _bare(block: TextBlock) -> str:
+    """Return a block without the comment above it."""
     constants = {
         variable.name: variable.values[0]
         for section in block.sections
@@ -96,9 +123,9 @@ def _block(block: TextBlock) -> str:
             is_single = section.constant and variable.bounds is None
             (single if is_single else declared[section.kind]).append(text)
     sections = {**declared, "VAR CONSTANT": single}
-    own = re.compile(rf"(?<![.\w])(?:{'|'.join(names)})\b")
+    # A block's own variables; what a call gives has the name of the other block's variable.
+    own = re.compile(rf"(?<![.\w])(?!(?:(?<=\()|(?<=, ))\w+ :=)(?:{'|'.join(names)})\b")
     return (
-        f"(* {block.remark} *)\n"
         f'FUNCTION_BLOCK "{block.name}"\n'
         "{ S7_Optimized_Access := 'TRUE' }\n"
         "VERSION : 0.1\n"

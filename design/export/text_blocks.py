@@ -116,11 +116,16 @@ def parts_of(text: str) -> TextProgram:
                 remark=match["remark"],
                 declared=match["declared"],
                 body=match["body"],
-                sections=tuple(_section(one) for one in SECTION.finditer(match["declared"])),
+                sections=sections_of(match["declared"]),
             )
             for match in found
         ),
     )
+
+
+def sections_of(declared: str) -> tuple[TextSection, ...]:
+    """Return the sections of the variables of a block or a program."""
+    return tuple(_section(one) for one in SECTION.finditer(declared))
 
 
 def _section(match: re.Match[str]) -> TextSection:

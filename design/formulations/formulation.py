@@ -9,6 +9,7 @@ from design.formulations.equations import GapProblem
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
+from design.formulations.steps_for_modes import StepsProblem
 from design.formulations.unequal_band import UnequalBandProblem
 from design.formulations.unequal_humps import UnequalHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
@@ -98,6 +99,7 @@ Formulation = (
     | BandProblem
     | BandSearch
     | JointProblem
+    | StepsProblem
     | RampedProblem
     | RampedBandProblem
     | RampedHumpsProblem

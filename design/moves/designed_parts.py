@@ -73,7 +73,8 @@ def designed_parts(
         raise InvalidInputError(
             "shaper.kind",
             kind.name,
-            "one of unity magnitude without residual: moves are solved on levels 0 and 1",
+            "one of unity magnitude without residual, as umzv, numzv or numzvd: moves are "
+            "solved on levels 0 and 1",
             code="move_not_served",
         )
     if no_start is not None and (peak != 1 or not isinstance(formulation, GapProblem)):

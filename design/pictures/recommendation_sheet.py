@@ -104,7 +104,7 @@ def recommendation_sheet(
         left = figure.add_axes((CURVES[0] / WIDTH_IN, bottom, wide / WIDTH_IN, top - bottom))
         _draw_curves(left, found)
         add_hertz(left, found.question.nominal, (top - bottom) * height)
-        width = BARS[0] - max(len(one.name) for one in shown) * CHARACTER_IN
+        width = BARS[0] - max(len(_names_of(found, one)) for one in shown) * CHARACTER_IN
         right = figure.add_axes((
             1 - (width + BARS[1]) / WIDTH_IN,
             bottom,
@@ -168,6 +168,12 @@ def worst_curve(
     )
     curves = [sensitivity(impulses, mode, question.actuator, wanted) for mode in _may_be(question)]
     return curves[0].frequency_ratios, np.max([curve.residuals for curve in curves], axis=0)
+
+
+def _names_of(found: Recommendation, one: Candidate) -> str:
+    """Return the name of a shaper, and of others whose impulses are the same."""
+    every = (*found.candidates, *found.others)
+    return ", ".join([one.name, *(other.name for other in every if other.same_as == one.name)])
 
 
 def _may_be(question: Question) -> list[Mode]:
@@ -271,7 +277,7 @@ def _draw_bars(axes: Axes, found: Recommendation, shown: list[Candidate], width:
             most, color=LIMIT, linewidth=1.4, linestyle=(0, (5, 2)), zorder=0.9,
             label=f"longest asked, {most:.4g} s", gid="longest",
         )  # fmt: skip
-    axes.set_yticks(range(len(shown)), [one.name for one in shown])
+    axes.set_yticks(range(len(shown)), [_names_of(found, one) for one in shown])
     axes.tick_params(axis="y", colors=INK, length=0)
     axes.set_ylim(len(shown) - 0.4, -0.6)
     axes.set_xlim(0, longest)

@@ -251,7 +251,7 @@ def _shrunk(vectors: int) -> float:
 
 def _free_places(corners: ComplexArray, apart: float) -> list[complex | None]:
     """Return a place for each arrow's number: on it, beside it if it is short; None without one."""
-    taken: list[complex] = []
+    taken: list[complex] = [complex(corners[0]), complex(corners[-1])]  # Dots, drawn over numbers
     places: list[complex | None] = []
     for tail, head in pairwise(corners.tolist()):
         length = abs(head - tail)

@@ -37,12 +37,20 @@ class Choice:
     @property
     def name(self) -> str:
         """The kind, with what distinguishes it from others of that kind."""
-        told = [f"{name} {self.options[name]}" for name in TELLING if name in self.options]
+        told = [
+            name if self.options[name] is True else f"{name} {self.options[name]}"
+            for name in TELLING
+            if name in self.options
+        ]
         return f"{self.kind.name} ({', '.join(told)})" if told else self.kind.name
 
 
-TELLING = ("base", "amplitudes", "max_velocity_ratio")
+TELLING = ("base", "amplitudes", "max_velocity_ratio", "slope")
 """Parameters of which several values are tried."""
+
+
+MAX_MODES_WITH_SLOPE = 3
+"""Modes up to which slopes are tried: with more, few designs are found, in seconds each."""
 
 
 def serves(kind: ShaperKind, question: Question) -> bool:
@@ -105,6 +113,8 @@ def choices(kind: ShaperKind, question: Question) -> Iterator[Choice]:
         variants = [{}, {"amplitudes": "negative", **commands}]
     if "max_velocity_ratio" in names and asked.highest_command > 1:
         variants = [{}, {"max_velocity_ratio": asked.highest_command}]
+    if "slope" in names and len(question.nominal) <= MAX_MODES_WITH_SLOPE:
+        variants = [{}, {"slope": True}]
     if "base" in names:
         variants = [_of_base(base, asked.tolerance) for base in get_args(names["base"].type)]
     for variant in variants:

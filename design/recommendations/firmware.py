@@ -10,6 +10,18 @@ from design.model.plants.registry import Plant
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
 
+PLAYED_WITHIN = 1.01
+"""Margin of a tolerance as a firmware plays a shaper: its clock and its fits of five digits move
+the residual by less than this, and no machine shows it [-]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ForOlder:
+    """The same shaper for versions that do not read the lines of another one."""
+
+    line: str
+    played: tuple[Impulses, ...]  # What the versions that read it play
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Played:
@@ -17,6 +29,7 @@ class Played:
 
     lines: tuple[str, ...]  # Its configuration, ready to use
     impulses: Impulses  # What it plays then
+    for_older: ForOlder | None = None  # None where every version reads the lines
 
 
 class Firmware(Protocol):
@@ -25,6 +38,10 @@ class Firmware(Protocol):
     @property
     def title(self) -> str:
         """What it is called."""
+
+    @property
+    def comment(self) -> str:
+        """What begins a comment in its configuration."""
 
     @property
     def kinds(self) -> tuple[str, ...]:

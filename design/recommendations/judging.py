@@ -17,15 +17,11 @@ from design.model.impulses import Impulses
 from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
 from design.recommendations.candidates import WITHIN, Designed, worst_residual
-from design.recommendations.firmware import Firmware, Played
+from design.recommendations.firmware import PLAYED_WITHIN, Firmware, Played
 from design.recommendations.requirements import Question
 
 MAX_SHOWN_AMPLITUDES = 4
 """Amplitudes that a reason repeats."""
-
-PLAYED_WITHIN = 1.01
-"""Margin of a tolerance as a firmware plays a shaper: its clock and its fits of five digits move
-the residual by less than this, and no machine shows it [-]."""
 
 ROUNDING = 1e-9
 """What amplitudes, sums and times may be off by, over one or over themselves [-]."""
@@ -184,7 +180,7 @@ def play(
     Returns
     -------
     Played or None
-        None where it cannot.
+        With lines that say what is left where it is asked; None where it cannot.
     Verdict
         With the residual as it is played.
     """
@@ -202,7 +198,19 @@ def play(
         )
     worst = worst_residual(played.impulses, question)
     met = worst <= PLAYED_WITHIN * asked.tolerance
-    return played, Verdict(
+    lines = [
+        f"{firmware.comment} asked: {percent(asked.tolerance)} {ranges(question)}; as "
+        f"{firmware.title} plays it {100 * worst:.4g} %",
+        *played.lines,
+    ]
+    if played.for_older is not None:
+        older = max(worst_residual(one, question) for one in played.for_older.played)
+        lines += [
+            f"{firmware.comment} in a {firmware.title} that refuses the line: {100 * older:.4g} % "
+            "there by",
+            f"{firmware.comment} {played.for_older.line}",
+        ]
+    return replace(played, lines=tuple(lines)), Verdict(
         requirement="firmware",
         met=met,
         value=worst,

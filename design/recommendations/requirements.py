@@ -9,8 +9,7 @@ from design.checks import MAX_VALUE, require_between, require_scale
 from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import MAX_DAMPING_RATIO, Mode
-from design.model.plants.modes import Modes
-from design.model.plants.registry import Plant
+from design.model.plants.registry import Plant, SeveralModes
 from design.model.plants.scheduled import Scheduled
 from design.recommendations.firmware import Firmware
 
@@ -218,7 +217,7 @@ def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) ->
                 code="requirement_said_by_plant",
             )
         band = plant.band
-    if isinstance(plant, Modes) and requirements.damping is not None:
+    if isinstance(plant, SeveralModes) and requirements.damping is not None:
         raise InvalidInputError(
             "damping",
             requirements.damping,

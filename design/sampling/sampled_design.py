@@ -260,9 +260,9 @@ def require_one_mode(modes: tuple[Mode, ...], sample_time_s: float) -> None:
         raise InvalidInputError(
             "sample_time_s",
             sample_time_s,
-            "left out for convolved unity magnitude, and for any of several modes behind limits, "
-            "which have no amplitudes to solve for: multi_umzv without limits has, between 0 and "
-            "1, and so have multi_zv and convolved of positive shapers",
+            "left out for num_multi, for convolved unity magnitude, and for any of several modes "
+            "behind limits, which have no amplitudes to solve for: multi_umzv without limits has, "
+            "between 0 and 1, and so have multi_zv and convolved of positive shapers",
             code="samples_of_one_mode",
         )
 

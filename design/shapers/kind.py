@@ -95,8 +95,8 @@ class KindOf(Generic[Options]):
             raise InvalidInputError(
                 "plant.modes",
                 f"{len(case.modes)} modes",
-                f"a list of one: {self.name} serves a single mode; multi_zv, multi_umzv and "
-                "convolved serve several",
+                f"of one mode: {self.name} serves a single mode; multi_zv, multi_umzv, "
+                "num_multi and convolved serve several",
                 code="kind_of_one_mode",
             )
         if self.damping is not EVERY_PLANT:

@@ -81,13 +81,24 @@ def branches(problem: GapProblem, tried: int, budget: Budget) -> Iterator[Soluti
             start = problem.start(seed.gaps_rad)
             yield from attempt(problem, start, seed.name, tried, budget)
     raise InfeasibleDesignError(
-        _describe_search(searched, spread, tried) + _describe_early_end(problem, budget),
+        describe_search(searched, spread, tried) + describe_early_end(problem, budget),
         code="no_solution_found",
     )
 
 
-def _describe_early_end(problem: GapProblem, budget: Budget) -> str:
-    """Say that a search ended before its end, if it did."""
+def describe_early_end(problem: GapProblem, budget: Budget) -> str:
+    """Say that a search ended before its end, if it did.
+
+    Parameters
+    ----------
+    problem, budget
+        The problem, and what its search might do.
+
+    Returns
+    -------
+    str
+        To be added to `describe_search`; empty where the search came to its end.
+    """
     if not budget.spent:
         return ""
     return (
@@ -178,8 +189,19 @@ def fastest_first(problem: GapProblem, ends: newton.Roots) -> Iterator[FloatArra
             yield ends.unknowns[index]
 
 
-def _describe_search(problem: GapProblem, ends: newton.Roots | None, starts: int) -> str:
-    """Say how far was searched, and what came nearest; nothing did where there was no start."""
+def describe_search(problem: GapProblem, ends: newton.Roots | None, starts: int) -> str:
+    """Say how far was searched, and what came nearest.
+
+    Parameters
+    ----------
+    problem, ends, starts
+        The problem, where the starts searched last ended, and how many there were in all.
+
+    Returns
+    -------
+    str
+        A sentence without its stop.
+    """
     period = 2 * np.pi
     report = (
         f"no ordered solution with duration <= {problem.horizon_rad / period:g} periods "

@@ -15,8 +15,8 @@ class SolverReport:
     Attributes
     ----------
     name
-        ``ipopt``, ``clarabel``, ``highs``, ``slsqp``, ``closed_form``, or ``newton``: followed from
-        a closed form.
+        ``ipopt``, ``clarabel``, ``highs``, ``slsqp``, ``closed_form``, or ``newton``: from a
+        closed form or from many starts.
     status
         How the run ended.
     iterations

@@ -11,6 +11,7 @@ from design.formulations.formulation import ClosedForm, Convolution, JointProble
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
+from design.formulations.steps_for_modes import StepsProblem
 from design.formulations.unequal_band import UnequalBandProblem
 from design.formulations.unequal_humps import UnequalHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
@@ -23,6 +24,7 @@ SOLVERS: dict[type, str] = {
     BandSearch: "design.solvers.unity_band.search:solve",
     BandProblem: "design.solving.optima:solve_over_band",
     JointProblem: "design.solving.optima:solve_jointly",
+    StepsProblem: "design.solvers.steps_for_modes:solve_steps",
     RampedProblem: "design.solving.ramps:solve_behind_limits",
     RampedBandProblem: "design.solving.ramps:solve_band_behind_limits",
     RampedHumpsProblem: "design.solving.ramped_humps:solve_humps_behind_limits",

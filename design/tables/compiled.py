@@ -1,8 +1,7 @@
 """How the loops over rows are compiled: by numba, cached on disk where that can be written."""
 
 import zlib
-from collections.abc import Callable
-from pathlib import Path
+from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 import numba
@@ -39,11 +38,30 @@ def inlined(function: Function) -> Function:
     return _compile(function, forceinline=True)
 
 
-def is_kept(function: Callable[..., Any]) -> bool:
-    """Return whether the machine code of a compiled function is on disk."""
+def is_kept(function: Callable[..., Any], arguments: Iterable[Any]) -> bool:
+    """Return whether machine code for arguments of such types is on disk.
+
+    Parameters
+    ----------
+    function
+        A compiled function.
+    arguments
+        Arguments of the types that matter.
+
+    Returns
+    -------
+    bool
+        Whether this machine would run the function without compiling it. False where nothing can be
+        kept on disk.
+    """
     dispatcher: Any = function
-    folder = Path(dispatcher.stats.cache_path or "")
-    return any(folder.glob(f"*{dispatcher.py_func.__qualname__}-*.nbi"))
+    # Numba has no public word for its index: a test of each kind of table holds this against it.
+    index = getattr(dispatcher._cache, "_cache_file", None)
+    if index is None:
+        return False
+    types = tuple(map(dispatcher.typeof_pyval, arguments))
+    key = dispatcher._cache._index_key(types, dispatcher.targetctx.codegen())
+    return key in index._load_index()
 
 
 def _compile(function: Function, *, forceinline: bool) -> Function:

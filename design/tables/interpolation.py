@@ -51,6 +51,8 @@ CLOSED_ABOVE = 0.05
 """Residual in its middles that closes a cell: more than shapers are commonly allowed. There the
 rows around are of two branches, or too far apart for an error to be of first order [-]."""
 
+OneMode = Mode | Pendulum | SpringMass
+"""Plants of one mode and one frequency."""
 
 POINTS_AT_ONCE = 10_000
 """Points that are tried together, of a slab at least; their numbers fit into memory."""
@@ -76,14 +78,15 @@ class Interpolant:
         Cells that are not interpolated, one less along each axis than it has points.
     residual_bound
         What the interpolated times leave at most in all other cells, from their middles, with a
-        margin; sampled, not proved. Not a number if there is no such cell [-].
+        margin; sampled. Of one or two fields `design.tables.proven_bound` proves one. Not a number
+        if there is no such cell [-].
     """
 
     names: tuple[str, ...]
     axes: tuple[FloatArray, ...]
     phases: FloatArray
     amplitudes: FloatArray
-    plant: Plant
+    plant: OneMode
     actuator: Actuator
     closed: BoolArray
     residual_bound: float
@@ -133,9 +136,7 @@ class Interpolant:
 
 
 def interpolant(head: TableHead, rows: Rows) -> Interpolant:
-    """Make an interpolant of a table over a grid, and try it in every cell.
-
-    It is tried in the middle of each.
+    """Make an interpolant of a table over a grid, tried in every cell.
 
     Parameters
     ----------
@@ -168,7 +169,7 @@ def interpolant(head: TableHead, rows: Rows) -> Interpolant:
         subject.actuator.require_straight_ramps()
     if not names:
         raise InvalidInputError("fields", [], "one or more, to interpolate", code="no_fields")
-    if not isinstance(subject.plant, Mode | Pendulum | SpringMass):
+    if not isinstance(subject.plant, OneMode):
         raise InvalidInputError(
             "plant",
             subject.plant,

@@ -9,7 +9,9 @@ units of the plant's frequency [-], [rad].
 
 import functools
 import math
+from collections.abc import Callable, Iterator
 from decimal import Decimal
+from typing import Any
 
 import numpy as np
 
@@ -179,6 +181,50 @@ def solve_rows(rows: FloatArray, impulses: int, *, switched: bool) -> tuple[Floa
                     ends[m] = FOUND
                 break
     return gaps, ends
+
+
+def calls_of_rows(
+    impulses: int, *, switched: bool, settle: bool, closed: bool, solved: bool
+) -> Iterator[tuple[Callable[..., Any], tuple[Any, ...]]]:
+    """Yield the compiled functions that rows call at once.
+
+    Rows whose seeds lead to no root call those of `calls_of_searches` as well.
+
+    Parameters
+    ----------
+    impulses, switched
+        As in `solve_rows`.
+    settle
+        As in `rows_of_problems`.
+    closed, solved
+        Whether there are rows for `closed_triangles`, and whether there are others.
+
+    Yields
+    ------
+    tuple
+        A compiled function, and its arguments for no rows.
+    """
+    rows, gaps = np.empty((0, 8)), np.empty((0, impulses - 1))
+    ends = np.empty(0, dtype=np.int8)
+    if settle:
+        yield _settle, (rows, 0.0, 0.0)
+    if closed:
+        yield _close_triangles, (rows, gaps, ends)
+    if solved:
+        model: Switched = True if switched else None
+        yield nearest_to_seeds, ((0,) * (impulses - 1), ZV, model, rows, gaps, ends)
+
+
+def calls_of_searches() -> Iterator[tuple[Callable[..., Any], tuple[Any, ...]]]:
+    """Yield the compiled search for each size and model, with arguments.
+
+    Few rows come to it, and nobody knows beforehand which.
+    """
+    models: tuple[Switched, ...] = (None, True)
+    for model in models:
+        for table in (ZV, ZVD):
+            size = len(table)
+            yield fastest, ((0,) * size, model, np.ones(8), _starts(size)[:0], 0.0, np.empty(size))
 
 
 def _horizons(row: FloatArray, size: int) -> list[float]:

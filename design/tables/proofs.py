@@ -285,7 +285,7 @@ def prove_rows(
     times: FloatArray,
     out: FloatArray,
 ) -> None:
-    """Write the figures of each row: the last that is compiled of a table.
+    """Write the figures of each row.
 
     Parameters
     ----------

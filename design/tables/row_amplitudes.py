@@ -8,6 +8,7 @@ from design.formulations.formulation import ClosedForm, Convolution, JointProble
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
+from design.formulations.steps_for_modes import StepsProblem
 from design.formulations.unequal_band import UnequalBandProblem
 from design.formulations.unequal_humps import UnequalHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
@@ -15,8 +16,7 @@ from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
-from design.model.plants.modes import Modes
-from design.model.plants.registry import Plant
+from design.model.plants.registry import Plant, SeveralModes
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
 from design.shapers.several_modes import BASES, ConvolvedOptions
@@ -83,7 +83,8 @@ def amplitudes_of(
         )
     if isinstance(formulation, ClosedForm):
         return tuple(formulation.impulses.amplitudes.tolist())
-    return tuple(formulation.amplitudes.tolist())
+    steps = formulation.gaps if isinstance(formulation, StepsProblem) else formulation
+    return tuple(steps.amplitudes.tolist())
 
 
 def impulses_of(plant: Plant, kind: ShaperKind, options: ShaperOptions | None) -> int:
@@ -113,12 +114,15 @@ def impulses_of(plant: Plant, kind: ShaperKind, options: ShaperOptions | None) -
         base = BASES[options.base]
         of_one = len(amplitudes_of(base, base.options()))
         return math.prod(of_one for _ in plant.modes)
-    if isinstance(plant, Modes):
+    if isinstance(plant, SeveralModes):
+        formulation = kind.formulate(kind.case(plant.modes, Ideal(), options))
+        if isinstance(formulation, StepsProblem):
+            return int(formulation.gaps.amplitudes.size)
         raise InvalidInputError(
             "design.shaper.kind",
             kind.name,
             "one with the same number of impulses in every row: of those for several modes, "
-            "convolved",
+            "num_multi and convolved",
             code="joint_kind_in_table",
         )
     return len(amplitudes_of(kind, options))

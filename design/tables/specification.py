@@ -1,5 +1,6 @@
 """What a table is of: a design, the fields that vary, and the columns wanted."""
 
+import json
 import math
 from dataclasses import dataclass, field
 from typing import Any
@@ -11,7 +12,7 @@ from design.errors import InvalidInputError
 from design.fields import Axis, LongAxis, Path, vary
 from design.model.actuators.registry import Actuator
 from design.model.plants.modes import Modes
-from design.model.plants.registry import Plant
+from design.model.plants.registry import Plant, SeveralModes
 from design.model.plants.scheduled import Scheduled
 from design.sampling.on_grid import SampleGrid, require_served
 from design.shapers.kind import ShaperKind
@@ -36,8 +37,10 @@ COLUMNS = (
 
 DEFAULT_COLUMNS = ("times_s", "residual")
 
-DEFAULT_COLUMNS_ON_SAMPLES = ("times_s", "amplitudes", "residual")
-"""On samples each row has separate amplitudes."""
+COLUMNS_WITH_AMPLITUDES = ("times_s", "amplitudes", "residual")
+"""Where each row has separate amplitudes: on samples, and of most kinds but unity magnitude."""
+
+WITH_AMPLITUDES = f"amplitudes, as {json.dumps(COLUMNS_WITH_AMPLITUDES)}"
 
 
 MAX_ROWS = 10_000_000_000
@@ -143,11 +146,11 @@ class TableSpecification:
 
     def _check_shaper(self) -> None:
         """Check that all rows have as many impulses, and note how many where the kind says."""
-        several = isinstance(self.plant, Modes)
+        several = isinstance(self.plant, SeveralModes)
         if several and not self.kind.serves_several:
             raise InvalidInputError(
                 "design.plant.kind",
-                "modes",
+                "modes" if isinstance(self.plant, Modes) else "double_pendulum",
                 f"a plant of one mode for {self.kind.name}",
                 code="kind_of_one_mode_in_table",
             )
@@ -198,7 +201,7 @@ class TableSpecification:
                     "left out without sample_time_s in the shaper of the design",
                     code="column_without_samples",
                 )
-        if "phases_rad" in self.columns and isinstance(self.plant, Modes | Scheduled):
+        if "phases_rad" in self.columns and isinstance(self.plant, SeveralModes | Scheduled):
             raise InvalidInputError(
                 "columns",
                 "phases_rad",
@@ -212,9 +215,12 @@ class TableSpecification:
             raise InvalidInputError(
                 "columns",
                 list(self.columns),
-                f"with amplitudes: those of {self.kind.name} depend on the damping, or on a field"
-                if self.grid is None
-                else "with amplitudes: on samples each row has its own",
+                f"with {WITH_AMPLITUDES}: "
+                + (
+                    f"those of {self.kind.name} depend on the damping, or on a field"
+                    if self.grid is None
+                    else "on samples each row has its own"
+                ),
                 code="amplitudes_missing",
             )
 
@@ -269,7 +275,7 @@ class TableSpecification:
     @property
     def shared_amplitudes(self) -> tuple[float, ...]:
         """The amplitudes of all rows [-]; none where each row has its own."""
-        if isinstance(self.plant, Modes) or self.grid is not None:
+        if isinstance(self.plant, SeveralModes) or self.grid is not None:
             return ()
         options = [self.options]
         for number, path in enumerate(self.fields):

@@ -1,11 +1,17 @@
 """Whether a table waits for code that is compiled at its first use on a machine."""
 
 import time
+from functools import cached_property
 
+from design.tables.specification import TableSpecification
+from service.compiled_code import holds_nothing
 from service.jobs.records import NewJob
 
-ASKED_AFTER_S = 0.8
-"""Before, nobody wonders: to ask imports numba, whose time the workers need [s]."""
+ASKED_AFTER_S = 0.4
+"""Where code is on disk, nobody asks sooner: that imports numba, whose time workers need [s]."""
+
+LOOKS_EVERY_S = 0.1
+"""Between two looks at what is on disk [s]."""
 
 
 class Compiling:
@@ -20,29 +26,38 @@ class Compiling:
     def __init__(self, job: NewJob) -> None:
         self._job = job
         self._began_s = time.monotonic()
-        self._rows_are_compiled: bool | None = None
+        self._looks_s = self._began_s
+        self._answer = False
 
     def __call__(self) -> bool:
-        """Return whether they compile now."""
-        if time.monotonic() - self._began_s < ASKED_AFTER_S:
+        """Return whether they compile, as it was at the last look."""
+        now = time.monotonic()
+        if now >= self._looks_s:
+            self._answer = self._look(now - self._began_s)
+            self._looks_s = now + LOOKS_EVERY_S
+        return self._answer
+
+    def _look(self, since_s: float) -> bool:
+        if not self._rows_are_compiled:
             return False
-        if self._rows_are_compiled is None:
-            self._rows_are_compiled = are_compiled(self._job)
-        return self._rows_are_compiled and not is_compiled()
+        if holds_nothing():
+            return True
+        if since_s < ASKED_AFTER_S:
+            return False
+        from design.tables.needed_code import code_is_kept  # noqa: PLC0415 - it imports numba
 
+        return not code_is_kept(self._specification)
 
-def are_compiled(job: NewJob) -> bool:
-    """Return whether the rows of a table are computed by compiled code."""
-    from design.tables.compute import compiled_rows_of  # noqa: PLC0415 - most tables are quick
-    from service.jobs.plan import specification_of  # noqa: PLC0415
+    @cached_property
+    def _specification(self) -> TableSpecification:
+        from service.jobs.plan import specification_of  # noqa: PLC0415 - most tables are quick
 
-    specification = specification_of(job.specification, job.impulses)
-    return specification.grid is None and compiled_rows_of(specification) is not None
+        return specification_of(self._job.specification, self._job.impulses)
 
+    @cached_property
+    def _rows_are_compiled(self) -> bool:
+        """Whether the rows are computed by compiled code."""
+        from design.tables.compute import compiled_rows_of  # noqa: PLC0415
 
-def is_compiled() -> bool:
-    """Return whether that code is on disk by now: its last function is."""
-    from design.tables.compiled import is_kept  # noqa: PLC0415 - numba takes half a second
-    from design.tables.proofs import prove_rows  # noqa: PLC0415
-
-    return is_kept(prove_rows)
+        specification = self._specification
+        return specification.grid is None and compiled_rows_of(specification) is not None

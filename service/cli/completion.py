@@ -7,6 +7,9 @@ import shtab
 FILES = ("FILE", "REQUEST", "SPEC")
 """What the help calls arguments that are files."""
 
+FOLDER = "FOLDER"
+"""What it calls one that is a folder."""
+
 
 def completion_of(parser: argparse.ArgumentParser, shell: str) -> str:
     """Return the script that completes the words of a command.
@@ -35,3 +38,5 @@ def _name_files(parser: argparse.ArgumentParser) -> None:
                 _name_files(command)
         elif action.metavar in FILES:
             action.complete = shtab.FILE  # type: ignore[attr-defined]
+        elif action.metavar == FOLDER:
+            action.complete = shtab.DIRECTORY  # type: ignore[attr-defined]

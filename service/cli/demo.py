@@ -15,7 +15,7 @@ from schemas.design_request import DesignRequest
 from schemas.designs import DesignResponse
 from schemas.problems import ProblemDocument
 from service.catalogue import THESIS_CRANE
-from service.cli.main import PICTURES
+from service.cli.given_files import PICTURES
 from service.cli.rendering import as_table
 from service.files import write_whole
 from service.operations.design_picture import design_picture
@@ -79,7 +79,7 @@ def _wait_until_ready(address: str, server: "subprocess.Popen[bytes]") -> None:
         if waited > START_WAIT_S:
             raise DemoError(f"the service was not ready in {waited:.0f} s: {reason}")
         if waited > SLOW_START_S and not slow:
-            _say(f"The service is slow to start ({reason}); waiting up to {START_WAIT_S:.0f} s.")
+            _say(f"The service is starting; waiting up to {START_WAIT_S:.0f} s.")
             slow = True
         time.sleep(0.1)
 
@@ -110,7 +110,7 @@ def _show(address: str, kind: str, folder: Path) -> None:
         f"{address}/v1/designs", body, {"content-type": "application/json"}
     )
     response = DesignResponse.model_validate_json(_ask(request))
-    _say(f"{kind} for the thesis's crane:\n\n{as_table(response, body)}")
+    _say(f"{kind} for the crane of Kim's thesis (2011):\n\n{as_table(response, body)}")
     figure = design_picture(DesignRequest.model_validate_json(body))
     for suffix, image_format in PICTURES.items():
         picture = folder / f"{kind}{suffix}"

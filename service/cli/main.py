@@ -9,10 +9,18 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
-from design.export.formats import FORMATS
+from design.export.formats import FORMATS, LOG_FORMAT
 from service.cli import streams
+from service.cli.given_files import (
+    PICTURES,
+    UsageError,
+    is_same_file,
+    read_file,
+    require_file,
+    require_picture,
+)
 from service.operations.table import TABLE as OPERATIONS
 from service.operations.table import load
 
@@ -28,6 +36,7 @@ COMMANDS = {row.command: name for name, row in OPERATIONS.items()}
 """Names of the operations, by command."""
 
 TABLE_HELP = "a table of designs over axes or a list, into a file (POST /v1/tables)"
+SCHEMAS_HELP = "JSON Schema of every request and response, a file each (GET /v1/schemas)"
 PROGRAMS = {
     "design": tuple(name for name, row in FORMATS.items() if row.is_program),
     "maneuver": tuple(name for name, row in FORMATS.items() if row.plays_moves),
@@ -45,18 +54,7 @@ IN_REAL = tuple(name for name, row in FORMATS.items() if row.has_real)
 
 MAX_WORKERS = 1024
 
-PICTURES: dict[str, Literal["png", "svg", "html"]] = {
-    ".png": "png",
-    ".svg": "svg",
-    ".html": "html",
-}
-"""Formats of a picture, by the end of its file's name."""
-
 PLOT_HELP = "draw the answer: FILE.png, FILE.svg or FILE.html"
-
-
-class UsageError(Exception):
-    """The command line asks for what cannot be."""
 
 
 class _Completion(argparse.Action):
@@ -112,6 +110,10 @@ def main(arguments: Sequence[str] | None, serve: Callable[[str, int], int]) -> i
             return serve(options.host, options.port)
         if options.command == "shapers":
             return _shapers(options)
+        if options.command == "schemas":
+            from service.cli.schema_files import write_into  # noqa: PLC0415
+
+            return write_into(options.output)
         if options.command == "table":
             return _table(options)
         return _answer(options)
@@ -167,6 +169,13 @@ def command_parser() -> argparse.ArgumentParser:
             help="the request, .json or .toml; - reads JSON from stdin",
         )
         _add_format(command, operation)
+        if operation == "run":
+            command.add_argument(
+                "--play",
+                metavar="FILE",
+                type=Path,
+                help="play this CSV: times_s and x_velocity_m_s or x_position_m, the same for y",
+            )
         if operation == "design":
             command.add_argument(
                 "--trace",
@@ -176,6 +185,15 @@ def command_parser() -> argparse.ArgumentParser:
         command.add_argument("--plot", metavar="FILE", type=Path, help=PLOT_HELP)
     _add_format(commands.add_parser("shapers", help="every kind of shaper (GET /v1/shapers)"))
     _add_table(commands.add_parser("table", help=TABLE_HELP, description=TABLE_HELP))
+    schemas = commands.add_parser("schemas", help=SCHEMAS_HELP, description=SCHEMAS_HELP)
+    schemas.add_argument(
+        "-o",
+        "--output",
+        metavar="FOLDER",
+        type=Path,
+        default=Path("shapersmith-schemas"),
+        help="folder to write to, %(default)s if not given",
+    )
     serve = commands.add_parser("serve", help="serve over HTTP")
     serve.add_argument("--host", default="127.0.0.1", help="address to bind (%(default)s)")
     serve.add_argument("--port", default=8000, type=int, help="port to bind (%(default)s)")
@@ -191,9 +209,10 @@ def _add_format(command: argparse.ArgumentParser, operation: str = "") -> None:
     programs = f"; {', '.join(more)}: {PROGRAM_HELP[operation]}" if more else ""
     command.add_argument(
         "--format",
-        choices=("json", "table", "csv", *more),
+        choices=("json", "table", "csv", *more, *((LOG_FORMAT,) if operation == "run" else ())),
         help="format of the answer, json if not given; if given, json also holds for errors"
-        + programs,
+        + programs
+        + (f"; {LOG_FORMAT}: the log for MATLAB" if operation == "run" else ""),
     )
     if more:
         command.add_argument(
@@ -241,9 +260,9 @@ def _table(options: argparse.Namespace) -> int:
         raise UsageError("table needs -o FILE to write, or --check FILE")
     if options.workers is not None and not 1 <= options.workers <= MAX_WORKERS:
         raise UsageError(f"--workers must be between 1 and {MAX_WORKERS}, got {options.workers}")
-    content, read = _read(options.request)
+    content, read = read_file(options.request)
     if options.check is None:
-        _require_file(options.output, read, "the specification itself")
+        require_file(options.output, read, "the specification itself")
 
     from service.compiled_code import keep_in  # noqa: PLC0415
     from service.jobs import executors  # noqa: PLC0415
@@ -265,12 +284,12 @@ def _table(options: argparse.Namespace) -> int:
 
 def _answer(options: argparse.Namespace) -> int:
     plot: Path | None = options.plot
-    content, read = _read(options.request)
+    content, read = read_file(options.request)
     if plot is not None:
-        _require_picture(plot, read)
+        require_picture(plot, read)
     if options.output is not None:
-        _require_file(options.output, read, "the request itself")
-        if plot is not None and _same_file(options.output, plot):
+        require_file(options.output, read, "the request itself")
+        if plot is not None and is_same_file(options.output, plot):
             raise UsageError(f"--output and --plot are both {plot}")
 
     # --help must not wait for it
@@ -280,6 +299,10 @@ def _answer(options: argparse.Namespace) -> int:
 
     try:
         body = read_request(content, toml=options.request.lower().endswith(".toml"))
+        if getattr(options, "play", None) is not None:
+            from service.cli.played_file import with_played  # noqa: PLC0415
+
+            body = with_played(body, options.play.name, read_file(str(options.play))[0])
     except ReadingError as error:
         return _tell(error.problem, options, as_json=options.format == "json")
     operation = COMMANDS[options.command]
@@ -291,7 +314,8 @@ def _answer(options: argparse.Namespace) -> int:
         written = FILES[operation](body, options.format, options.real or "LREAL")
         if isinstance(written, Problem):
             return _tell(written, options, as_json=False)
-        _write(written, options)
+        streams.warn(written.warnings)
+        _write(written.content, options)
         return OK
     asked = {"trace": True} if getattr(options, "trace", False) else {}
     response = respond(operation, body, asked)
@@ -304,51 +328,22 @@ def _answer(options: argparse.Namespace) -> int:
         case = load(operation)
         request = case.request.model_validate_json(body).model_copy(update=asked)
         write_whole(plot, figure_bytes(case.draw(request), PICTURES[plot.suffix]))
+    if options.format == LOG_FORMAT:
+        from service.cli.run_log import as_mat  # noqa: PLC0415
+
+        _write(as_mat(response), options)  # type: ignore[arg-type]
+        return OK
     _print(response, options, body)  # type: ignore[arg-type]
     return OK
 
 
 def _shapers(options: argparse.Namespace) -> int:
     if options.output is not None:
-        _require_file(options.output, None, "")
+        require_file(options.output, None, "")
     from service.catalogue import shaper_catalogue  # noqa: PLC0415
 
     _print(shaper_catalogue(), options)
     return OK
-
-
-def _read(name: str) -> tuple[bytes, os.stat_result]:
-    """Return what a file holds, or standard input, and which file it is."""
-    if name == "-":
-        return sys.stdin.buffer.read(), os.fstat(sys.stdin.fileno())
-    try:
-        with Path(name).open("rb") as file:
-            return file.read(), os.fstat(file.fileno())
-    except OSError as error:
-        raise UsageError(f"cannot read {name}: {error.strerror}") from None
-
-
-def _require_picture(path: Path, read: os.stat_result) -> None:
-    """Refuse a picture that could not be written, before the work is done."""
-    if path.suffix not in PICTURES:
-        ends = ", ".join(PICTURES)
-        raise UsageError(f"--plot takes a name ending in one of {ends}, got {str(path)!r}")
-    _require_file(path, read, "the request itself")
-
-
-def _require_file(path: Path, read: os.stat_result | None, what: str) -> None:
-    """Refuse an output that could not be written, or would overwrite what was read."""
-    from service.files import NotReplaceableError, require_not_input, require_replaceable  # noqa: PLC0415
-
-    try:
-        require_not_input(path, read, what)
-        require_replaceable(path)
-    except NotReplaceableError as error:
-        raise UsageError(str(error)) from None
-    if not path.parent.is_dir():
-        raise UsageError(f"cannot write {path}: there is no folder {path.parent}")
-    if not os.access(path.parent, os.W_OK):
-        raise UsageError(f"cannot write {path}: the folder {path.parent} is read-only")
 
 
 def _print(response: "Response", options: argparse.Namespace, request: bytes = b"") -> None:
@@ -361,6 +356,7 @@ def _print(response: "Response", options: argparse.Namespace, request: bytes = b
     if options.format == "table":
         _write(rendering.as_table(response, request), options)
     else:
+        streams.warn(getattr(getattr(response, "recommended", response), "warnings", ()))
         _write(rendering.as_csv(response), options)
 
 
@@ -379,10 +375,6 @@ def _write(answer: str | bytes, options: argparse.Namespace) -> None:
     else:
         sys.stdout.write(answer)
     sys.stdout.flush()
-
-
-def _same_file(one: Path, other: Path) -> bool:
-    return one.resolve() == other.resolve()
 
 
 def _tell(problem: "Problem", options: argparse.Namespace, *, as_json: bool) -> int:

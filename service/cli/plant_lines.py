@@ -1,11 +1,14 @@
-"""The plant of a request in the words of those who measure it: hertz, periods, lengths."""
+"""Plant and drive of a request in the words of those who measure them: hertz, periods, lengths."""
 
 from math import tau
 
 from pydantic import TypeAdapter
 
+from design.model.actuators.in_words import drive_line, has_sets
 from design.model.plants.free_body import FreeBody
+from schemas.actuators import ActuatorIn
 from schemas.plants import (
+    DoublePendulumIn,
     FreeBodyIn,
     HoistingIn,
     ModesIn,
@@ -16,6 +19,9 @@ from schemas.plants import (
 )
 
 PLANTS: TypeAdapter[PlantIn] = TypeAdapter(PlantIn)
+DRIVES: TypeAdapter[ActuatorIn] = TypeAdapter(ActuatorIn)
+
+ASK_FOR_MODEL = 'no model was given; a drive with one speed is better described by "switched"'
 
 
 def plant_lines(plant: PlantIn) -> list[str]:
@@ -32,7 +38,7 @@ def plant_lines(plant: PlantIn) -> list[str]:
     >>> plant_lines(crane)
     ['plant       pendulum, cable 0.8 m, 0.55723 Hz, period 1.7946 s']
     """
-    if isinstance(plant, ModesIn | FreeBodyIn):
+    if isinstance(plant, ModesIn | DoublePendulumIn | FreeBodyIn):
         made = plant.to_design()
         modes = made.excited if isinstance(made, FreeBody) else made.modes
         return [
@@ -65,9 +71,37 @@ def plant_lines(plant: PlantIn) -> list[str]:
     return [f"plant       {plant.kind}, {what}{swing}"]
 
 
+def drive_lines(actuator: ActuatorIn) -> list[str]:
+    r"""Return a line for the drive, and one that asks for its model.
+
+    Parameters
+    ----------
+    actuator
+        The drive.
+
+    Returns
+    -------
+    list of str
+        The second line only where none was given and the two sets differ.
+
+    Examples
+    --------
+    >>> lag = {"kind": "first_order", "accel_time_constant_s": 0.1, "decel_time_constant_s": 0.05}
+    >>> print("\n".join(drive_lines(DRIVES.validate_python(lag))))
+    drive       first order, accel time constant 0.1 s, decel time constant 0.05 s, superposed
+                no model was given; a drive with one speed is better described by "switched"
+    """
+    drive = actuator.to_design()
+    lines = [f"drive       {drive_line(drive)}"]
+    given = {*actuator.model_fields_set, *getattr(actuator, "then", actuator).model_fields_set}
+    if has_sets(drive) and "model" not in given and drive.accel_lag != drive.decel_lag:
+        lines.append(f"            {ASK_FOR_MODEL}")
+    return lines
+
+
 def only_hertz(plant: PlantIn) -> float | None:
     """Return the natural frequency of a plant that has only one [Hz]."""
-    if isinstance(plant, ModesIn | FreeBodyIn | ScheduledIn | HoistingIn):
+    if isinstance(plant, ModesIn | DoublePendulumIn | FreeBodyIn | ScheduledIn | HoistingIn):
         return None
     return plant.to_design().mode.natural_frequency_rad_s / tau
 

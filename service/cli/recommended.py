@@ -49,10 +49,30 @@ def _columns(response: RecommendationResponse) -> list[Column]:
         ),
         Column(
             "misses",
-            "limits that it does not meet",
-            lambda one: " ".join(told.requirement for told in one.requirements if not told.met),
+            f"limits that it does not meet{_as_played(response)}",
+            lambda one: " ".join(_missed(one)),
         ),
     ]
+
+
+def _missed(one: CandidateOut) -> Iterator[str]:
+    """Yield the limits that a shaper misses: of a firmware only what is not missed without it."""
+    missed = [told for told in one.requirements if not told.met]
+    beyond = any(told.requirement == "tolerance" for told in missed)
+    for told in missed:
+        if told.requirement != "firmware":
+            yield told.requirement
+        elif told.value is None:
+            yield "not_in_firmware"
+        elif not beyond:
+            yield "tolerance_as_played"
+
+
+def _as_played(response: RecommendationResponse) -> str:
+    asked = [told.requirement for told in response.recommended.requirements]
+    if "firmware" not in asked:
+        return ""
+    return "; tolerance_as_played: only as the firmware plays it; not_in_firmware: it has none such"
 
 
 def _edges(response: RecommendationResponse) -> list[Column]:

@@ -8,27 +8,31 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from schemas.catalogue import Catalogue
-from schemas.certificates import CertificateOut
+from schemas.certificates import CertificateOut, ClaimOut
+from schemas.designed_shaper import ShaperOut
 from schemas.designs import DesignResponse
 from schemas.fits import FitOut
 from schemas.insensitivity import InsensitivityOut
 from schemas.maneuvers import ManeuverResponse, ProgramOut
 from schemas.maps import MapResponse
 from schemas.recommendations import CandidateOut, RecommendationResponse
+from schemas.runs import RunResponse
 from schemas.sensitivity import SensitivityResponse
 from schemas.sensitivity_curves import SensitivityOut
 from schemas.simulations import SimulationResponse
 from schemas.solver import SolverOut
 from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut
-from service.cli.plant_lines import PLANTS, only_hertz, plant_lines
+from service.cli.plant_lines import DRIVES, PLANTS, drive_lines, only_hertz, plant_lines
 from service.cli.recommended import legend, next_command, shown_rows
+from service.cli.run_log import run_lines, run_rows
 
 Response = (
     DesignResponse
     | SensitivityResponse
     | FitOut
     | SimulationResponse
+    | RunResponse
     | ManeuverResponse
     | MapResponse
     | RecommendationResponse
@@ -36,7 +40,7 @@ Response = (
 )
 
 
-HISTORIES = (SensitivityResponse, SimulationResponse, ManeuverResponse)
+HISTORIES = (SensitivityResponse, SimulationResponse, RunResponse, ManeuverResponse)
 """Answers whose table is a curve or a motion, which nobody reads line by line."""
 
 MAX_TEXT_ROWS = 40
@@ -141,6 +145,8 @@ def _rows(response: Response) -> Iterable[Sequence[object]]:
         told = [name for name in columns if getattr(response, name) is not None]
         yield told
         yield from zip(*(getattr(response, name) for name in told), strict=True)
+    elif isinstance(response, RunResponse):
+        yield from run_rows(response)
     elif isinstance(response, ManeuverResponse):
         yield from _move_rows(response)
     elif isinstance(response, MapResponse):
@@ -249,11 +255,13 @@ def _findings(response: Response, request: bytes) -> list[str]:
     plant = PLANTS.validate_json(json.dumps(asked["plant"])) if "plant" in asked else None
     hertz = None if plant is None else only_hertz(plant)
     about = [] if plant is None else plant_lines(plant)
+    if "actuator" in asked:
+        about += drive_lines(DRIVES.validate_json(json.dumps(asked["actuator"])))
     if isinstance(response, DesignResponse):
         return [
             "",
             *about,
-            f"shaper      {response.shaper.kind}, {response.shaper.duration_s:.9g} s",
+            _shaper(response.shaper),
             _certificate(response.certificate),
             *_shortest(response.solver),
             f"residual    {100 * response.residual:.4g} % with the actuator given",
@@ -285,6 +293,8 @@ def _findings(response: Response, request: bytes) -> list[str]:
         ]
     if isinstance(response, SimulationResponse):
         return ["", *about, *_swings(response), *_warnings(response.warnings)]
+    if isinstance(response, RunResponse):
+        return ["", *about, *run_lines(response), *_warnings(response.warnings)]
     if isinstance(response, RecommendationResponse):
         told = [f"why         {reason}" for reason in response.why]
         return [
@@ -306,13 +316,20 @@ def _findings(response: Response, request: bytes) -> list[str]:
 def _certificate(certificate: CertificateOut) -> str:
     """Say what is proven, and for which drive."""
     claims = ", ".join(
-        f"{claim.quantity} {claim.value:.2g} <= {claim.limit:.2g}" for claim in certificate.claims
+        f"{_claimed(claim)} {claim.value:.2g} <= {claim.limit:.2g}" for claim in certificate.claims
     )
     if not certificate.verified:
         return f"certificate NOT VERIFIED: {claims}"
     if certificate.actuator == "ideal":
         return f"certificate verified for an ideal actuator only, not for the one given: {claims}"
     return f"certificate verified: {claims}"
+
+
+def _claimed(claim: ClaimOut) -> str:
+    """Return what is claimed: of a band its ends, of a mode after the first its number."""
+    mode = "" if claim.mode is None else f" of mode {claim.mode + 1}"
+    band = "" if claim.band is None else f" {claim.band[0]:.4g} to {claim.band[1]:.4g}:"
+    return f"{claim.quantity}{mode}{band}"
 
 
 def _warnings(warnings: Iterable[WarningOut]) -> list[str]:
@@ -334,6 +351,12 @@ def _program_lines(program: ProgramOut | None) -> list[str]:
     if program is None:
         return []
     return [f"program     {100 * program.residual:.4g} % as it is played on its samples"]
+
+
+def _shaper(shaper: ShaperOut) -> str:
+    end_s = shaper.ramp_end_s
+    ends = "" if end_s is None else f", its last ramp ends at {end_s:.9g} s"
+    return f"shaper      {shaper.kind}, {shaper.duration_s:.9g} s{ends}"
 
 
 def _shortest(solver: SolverOut) -> list[str]:

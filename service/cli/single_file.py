@@ -1,6 +1,7 @@
 """From bytes to a file of one design or one move."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TypeVar
 
 from pydantic import ValidationError
@@ -10,14 +11,32 @@ from design.tables.rows import Real
 from schemas.base import Wire
 from schemas.design_request import DesignRequest
 from schemas.maneuvers import ManeuverRequest
+from schemas.warnings import WarningOut
+from service.implausible import implausible_values
+from service.implausible_words import warnings_of
 from service.operations.design_file import design_file as file_of_design
 from service.operations.move_file import move_file as file_of_move
-from service.problems import Problem, problem_of_design, problem_of_validation
+from service.problems import (
+    Problem,
+    problem_of_design,
+    problem_of_repetition,
+    problem_of_validation,
+)
+from service.repeated_names import RepeatedNameError
+from service.strict_json import loads
 
 Request = TypeVar("Request", bound=Wire)
 
 
-def design_file(body: bytes, format_name: str, real: Real = "LREAL") -> bytes | Problem:
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A file, and what is hardly meant in the request for it."""
+
+    content: bytes
+    warnings: tuple[WarningOut, ...]
+
+
+def design_file(body: bytes, format_name: str, real: Real = "LREAL") -> Written | Problem:
     """Validate a request for a design and return its shaper as a file.
 
     Parameters
@@ -31,13 +50,13 @@ def design_file(body: bytes, format_name: str, real: Real = "LREAL") -> bytes | 
 
     Returns
     -------
-    bytes or Problem
+    Written or Problem
         The file, or what is wrong.
     """
     return _file(body, DesignRequest, lambda asked: file_of_design(asked, format_name, real))
 
 
-def move_file(body: bytes, format_name: str, real: Real = "LREAL") -> bytes | Problem:
+def move_file(body: bytes, format_name: str, real: Real = "LREAL") -> Written | Problem:
     """Validate a request for a move and return it as a file.
 
     Parameters
@@ -51,7 +70,7 @@ def move_file(body: bytes, format_name: str, real: Real = "LREAL") -> bytes | Pr
 
     Returns
     -------
-    bytes or Problem
+    Written or Problem
         The file, or what is wrong.
     """
     return _file(body, ManeuverRequest, lambda asked: file_of_move(asked, format_name, real))
@@ -59,18 +78,23 @@ def move_file(body: bytes, format_name: str, real: Real = "LREAL") -> bytes | Pr
 
 def _file(
     body: bytes, model: type[Request], written: Callable[[Request], bytes]
-) -> bytes | Problem:
+) -> Written | Problem:
     try:
         request = model.model_validate_json(body)
     except ValidationError as error:
         return problem_of_validation(error, body, model)
     try:
-        return written(request)
+        loads(body)  # every name stands once
+    except RepeatedNameError as error:
+        return problem_of_repetition(error)
+    try:
+        content = written(request)
     except DesignError as error:
         return problem_of_design(error, body)
+    return Written(content, tuple(warnings_of(implausible_values(request), body)))
 
 
-FILES: dict[str, Callable[[bytes, str, Real], bytes | Problem]] = {
+FILES: dict[str, Callable[[bytes, str, Real], Written | Problem]] = {
     "design": design_file,
     "maneuver": move_file,
 }

@@ -5,6 +5,11 @@ import io
 import json
 import os
 import sys
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from schemas.warnings import WarningOut
 
 ESCAPED = "shapersmith-escaped"
 """Python's name of what takes the place of a letter that an encoding lacks."""
@@ -31,3 +36,15 @@ def _escaped(error: UnicodeError) -> tuple[str, int]:
     if not isinstance(error, UnicodeEncodeError):
         raise error
     return json.dumps(error.object[error.start : error.end])[1:-1], error.end
+
+
+def warn(warnings: Iterable["WarningOut"]) -> None:
+    """Print warnings beside an answer that has no place for them.
+
+    Parameters
+    ----------
+    warnings
+        Each is a line on standard error.
+    """
+    for one in warnings:
+        print(f"shapersmith: warning: {one.code}: {one.detail}", file=sys.stderr)  # noqa: T201

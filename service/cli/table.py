@@ -19,6 +19,7 @@ from service.cli.checks import drifts_of_file, drifts_of_text, file_named_in, re
 from service.cli.compiling import Compiling
 from service.cli.progress import Progress
 from service.cli.reading import ReadingError, Source, read_source
+from service.cli.streams import warn
 from service.files import (
     LockedError,
     NotReplaceableError,
@@ -40,6 +41,9 @@ DRIFTED = 5
 
 STALLED_S = 30.0
 """Of the command's own store, which no other process uses while its lock is held [s]."""
+
+C_ENDINGS = (".c", ".cpp", ".hpp", ".cc")
+"""What a file of C may be called elsewhere."""
 
 PAUSE_S = 0.02
 """Between two looks at a job whose last chunks are being computed [s]."""
@@ -79,8 +83,7 @@ def run_table(options: argparse.Namespace, content: bytes) -> int | Problem:
         require_taken(plan.job, name)
     except DesignError as error:
         return problem_of_design(error)
-    for warning in plan.warnings:
-        _say(f"warning: {warning.code}: {warning.detail}")
+    warn(plan.warnings)
     if check is None:
         try:
             require_not_input(path, source.read, f"{source.file}, which lists the designs")
@@ -125,9 +128,13 @@ def _format_of(path: Path) -> str:
     for export in EXPORTS.values():
         if path.suffix.lower() == export.suffix:
             return export.name
-    endings = ", ".join(export.suffix for export in EXPORTS.values())
+    endings = ", ".join(f"{export.suffix} ({name})" for name, export in EXPORTS.items())
+    meant = "; C is written as a header, .h" if path.suffix.lower() in C_ENDINGS else ""
     raise InvalidInputError(
-        "format", path.name, f"given, or the file's name end in {endings}", code="format_unknown"
+        "format",
+        path.name,
+        f"given, or the file's name end in {endings}{meant}",
+        code="format_unknown",
     )
 
 

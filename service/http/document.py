@@ -30,6 +30,7 @@ TAGS = [
     {"name": "moves", "description": "Whole moves, and the response to any command."},
     {"name": "analysis", "description": "What given impulses or shapers do on other plants."},
     {"name": "tables", "description": "Jobs that compute many designs, and their files."},
+    {"name": "schemas", "description": "JSON Schemas of all bodies, for editors and programs."},
     {"name": "health", "description": "Whether the service answers."},
 ]
 """Groups of routes, in the order in which they are shown."""

@@ -149,6 +149,39 @@ EXAMPLES: dict[str, dict[str, Example]] = {
             value={**THESIS_CRANE, "command": {"kind": "step"}, "points": 201},
         ),
     },
+    "run": {
+        "square": Example(
+            summary="A square of 42 cm through a delay line, swings as large as they are",
+            value={
+                "plant": CRANE["plant"],
+                "actuator": CRANE["actuator"],
+                "speed_m_s": 0.2,
+                "shaping": {"mode": "delay_line", "shaper": {"kind": "zv"}},
+                "model": "nonlinear",
+                "events": [
+                    {"at_s": 0.0, "move": {"x_m": 0.42}},
+                    {"at_s": 4.0, "move": {"y_m": 0.42}},
+                    {"at_s": 8.0, "move": {"x_m": -0.42}},
+                    {"at_s": 12.0, "move": {"y_m": -0.42}},
+                ],
+                "points": 201,
+            },
+        ),
+        "hoist": Example(
+            summary="A press while the hook is hoisted",
+            value={
+                "plant": CRANE["plant"],
+                "actuator": CRANE["actuator"],
+                "speed_m_s": 0.2,
+                "model": "nonlinear",
+                "events": [
+                    {"at_s": 0.0, "direction": {"x": 1}, "for_s": 3.0},
+                    {"at_s": 0.5, "cable_length_m": 0.5, "over_s": 2.0},
+                ],
+                "points": 201,
+            },
+        ),
+    },
     "map": {
         "residual": Example(
             summary="Residual of one shaper over length and damping",

@@ -123,9 +123,13 @@ FILES: dict[int | str, Json] = {
     304: {"description": "The client has the file already", "headers": _ETAG},
 }
 
+IF_NONE_MATCH = _header(
+    "If-None-Match", "Entity tags of files that the client has: 304 if one is current."
+)
+
 FILE_HEADERS = [
     _header("Range", "Part of the file that is wanted, such as bytes=0-1023."),
     _header("If-Range", "Entity tag: a part is sent only of that file, else the whole."),
-    _header("If-None-Match", "Entity tags of files that the client has: 304 if one is current."),
+    IF_NONE_MATCH,
 ]
 """Of a request for a file. What is no range is ignored."""

@@ -17,6 +17,7 @@ from schemas.tables import TableRequest
 from schemas.warnings import WarningOut
 from service.http.bodies import client_of, read_body, while_connected
 from service.http.byte_ranges import file_response
+from service.http.entity_tags import held_tags
 from service.http.openapi import TABLE_TEXTS, body_of, problems
 from service.http.table_answers import (
     BEGUN,
@@ -265,7 +266,7 @@ async def result(
     except InvalidInputError as error:
         raise ProblemError(problem_of_design(error)) from None
     tag = f'"{job.sha256[:32]}-{job.version}-{format}"'
-    held = _tags(request.headers.get("if-none-match", ""))
+    held = held_tags(request)
     if tag in held:
         return Response(status_code=304, headers={"etag": tag})
     path = jobs.path_of(id, format)
@@ -299,8 +300,3 @@ async def _make_file(request: Request, job: Job, name: str, path: Path) -> None:
     problem: Problem | None = await while_connected(request, work)
     if problem is not None:
         raise ProblemError(problem)
-
-
-def _tags(header: str) -> set[str]:
-    """Return the entity tags that a header lists; weak ones count here (RFC 9110, 13.1.2)."""
-    return {tag.strip().removeprefix("W/") for tag in header.split(",")}

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from design.analysis.drive_sensitivity import drive_sensitivity
 from design.analysis.residual import residual_vibration
 from design.analysis.sensitivity import Sensitivity, sensitivity
 from design.analysis.warnings import sum_warnings
@@ -11,6 +12,7 @@ from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.registry import Plant
 from schemas.base import name_field
+from schemas.drive_sensitivity import DriveOut
 from schemas.sensitivity import SensitivityRequest, SensitivityResponse
 from schemas.sensitivity_curves import SensitivityOut
 from schemas.warnings import WarningOut
@@ -27,10 +29,17 @@ def sensitivity_curve(request: SensitivityRequest) -> SensitivityResponse:
     """Return the sensitivity curve of any impulses."""
     found = _curves_of(request)
     several = len(found.residuals) > 1
+    drive = None
+    if request.drive is not None:
+        off = drive_sensitivity(
+            found.impulses, found.plant.modes, found.actuator, request.drive.to_design()
+        )
+        drive = DriveOut.from_design(off)
     return SensitivityResponse(
         sensitivity=SensitivityOut.from_design(worst_of(found.curves)),
         residual=max(found.residuals),
         modes=of_modes(found.plant.modes, found.residuals, found.curves) if several else None,
+        drive=drive,
         warnings=[WarningOut.from_design(one) for one in sum_warnings(found.impulses)],
     )
 

@@ -44,7 +44,7 @@ TABLE: dict[str, Row] = {
         "/v1/designs",
         "Design one shaper, prove it, add its sensitivity curve and curve coefficients",
         "The shaper is solved for the plant and the actuator. Its certificate recomputes each "
-        "promise without the solver. A design that keeps no promise is never answered. Equal "
+        "promise without the solver. A design that breaks a promise is never returned. Equal "
         "requests get equal bytes.",
         "designs",
         "design",
@@ -85,6 +85,16 @@ TABLE: dict[str, Row] = {
         "moves",
         "simulate",
         "response to a command over time",
+    ),
+    "run": Row(
+        "/v1/runs",
+        "The crane driven by events: presses, moves, hoists and played courses",
+        "The crane is integrated through every event, with swings small or as large as they are. "
+        "Strokes, limit switches and speeds are those of the machine. Commands go to the drives "
+        "as they are, or through a shaper in a delay line.",
+        "moves",
+        "run",
+        "the crane driven by events",
     ),
     "map": Row(
         "/v1/maps",

@@ -11,6 +11,7 @@ from design.model.actuators.ideal import Ideal
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
+from design.model.plants.double_pendulum import DoublePendulum
 from design.model.plants.free_body import FreeBody
 from design.model.plants.hoisting import Hoisting
 from design.model.plants.mode import Mode
@@ -50,6 +51,8 @@ def plant_as_json(plant: Plant) -> JSON:
             "over": "mass_kg",
             **ends,
         }
+    if isinstance(plant, DoublePendulum):
+        return {"kind": "double_pendulum", **dataclasses.asdict(plant)}
     if isinstance(plant, SpringMass):
         return {
             "kind": "spring_mass",

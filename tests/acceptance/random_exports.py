@@ -23,10 +23,10 @@ import numpy as np
 import pyarrow as pa
 from pyarrow import parquet
 
-from design.analysis.certificate import Claim, certify_modes
+from design.analysis.certificate import certify_modes
 from design.claims import Promise
 from design.errors import DesignError, InvalidInputError
-from design.export.klipper import NAMES, READ_AS_ZERO
+from design.export.klipper import NAMES
 from design.export.registry import EXPORTS
 from design.export.single import single_table
 from design.model.actuators.ideal import Ideal
@@ -68,6 +68,9 @@ LINES_CLOSE = 5.1e-10
 """Half of the ninth decimal, in lines for RepRapFirmware."""
 
 OLDER = re.compile(r"^; 3.4 to 3.5: (.*)$", re.MULTILINE)
+
+KLIPPERS_DIGITS = 1.01
+"""What Klipper's fits of humps may leave over a tolerance [-]."""
 
 KLIPPER_CLOSE = 1e-8
 """Of impulses that Klipper computes: a tenth of what any digit does that is changed here [-]."""
@@ -206,7 +209,13 @@ def _difference_in_klipper(written: Written, played: Impulses) -> str:
         late = np.abs(played.times_s - wanted.times_s).max() / wanted.duration_s
         high = np.abs(played.amplitudes - wanted.amplitudes).max()
         return "" if max(late, high) <= KLIPPER_CLOSE else f"apart by {late:.3g}, {high:.3g}"
-    promises = tuple(_promise(claim) for claim in made.certificate.claims)
+    # A tolerance, over its band; fits of five digits without a parameter have 1 % of it.
+    digits = 1.0 if written.subject.kind.name == "ei" else KLIPPERS_DIGITS
+    limit = digits * max(claim.limit for claim in made.certificate.claims)
+    promises = tuple(
+        Promise(quantity=claim.quantity, limit=limit, mode=claim.mode, band=claim.band)
+        for claim in made.certificate.claims
+    )
     broken = [
         claim
         for claim in certify_modes(played, subject.plant.modes, Ideal(), promises).claims
@@ -228,11 +237,6 @@ def _difference_in_marlin(written: Written, held: Held) -> str:
         if late > MARLIN_CLOSE or high > HEIGHT_OF_MARLIN:
             return f"apart by {late:.3g}, {high:.3g}"
     return ""
-
-
-def _promise(claim: Claim) -> Promise:
-    limit = READ_AS_ZERO if claim.is_zero else claim.limit
-    return Promise(quantity=claim.quantity, limit=limit, mode=claim.mode, band=claim.band)
 
 
 PLAIN = r"-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?"

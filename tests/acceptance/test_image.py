@@ -20,7 +20,7 @@ import yaml
 from service.http.server import SHUTDOWN_MARGIN_S
 from service.settings import Settings
 from tests.conftest import CRANE, free_port
-from tests.pages.reading import ROOT
+from tests.pages.reading import ROOT, blocks
 from tests.patience import PATIENT_S
 from tests.processes import until
 from tests.service.http.test_tables_over_http import TABLE, ended
@@ -173,6 +173,17 @@ def test_the_image_has_both_extras_and_no_tool_of_the_build(image: Image) -> Non
     folder = image.root / "opt" / "shapersmith"
     names = {path.name for path in folder.glob("lib/python*/site-packages/*")}
     assert not names & {"pip", "hatchling", "pytest", "cvxpy"}
+
+
+def test_a_build_server_checks_a_table_in_it(image: Image, tmp_path: Path) -> None:
+    files = {block.file: block.text for block in blocks("docs/ci.md") if block.file}
+    (script,) = yaml.safe_load(files["image-job.yml"])["tables"]["script"]
+    (tmp_path / "shaper.json").write_text(files["shaper.json"])
+    image.run(f"cd {tmp_path} && shapersmith table shaper.json -o shaper.csv")
+    image.run(f"cd {tmp_path} && {script}")
+    table = tmp_path / "shaper.csv"
+    table.write_text(table.read_text().replace("1.968930", "1.968931"))
+    image.run(f"cd {tmp_path} && ! {script}")
 
 
 def test_it_is_published_on_the_loopback_and_has_its_time_to_end() -> None:

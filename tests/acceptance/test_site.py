@@ -55,7 +55,7 @@ def test_the_reference_has_every_route_with_its_command(site: Path) -> None:
         for method in methods:
             assert f"<td>{method.upper()} {path}</td>" in routes, (method, path)
     commands = set(re.findall(r"<td>shapersmith (\w+)</td>", routes))
-    assert commands == {*COMMANDS, "table", "shapers"}
+    assert commands == {*COMMANDS, "table", "shapers", "schemas"}
 
 
 def test_the_reference_has_every_setting_with_its_default(site: Path) -> None:

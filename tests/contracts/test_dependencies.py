@@ -57,6 +57,22 @@ def test_the_metadata_name_each_python_that_is_tested_and_no_address_that_is_non
     assert "urls" not in PROJECT
 
 
+def pins(lock: str) -> set[str]:
+    """Return the packages that a lock pins, with version and marker."""
+    rows = (ROOT / lock).read_text().splitlines()
+    return {row.rstrip(" \\") for row in rows if row and not row.startswith((" ", "#"))}
+
+
+def test_the_locks_pin_the_same_and_extras_stand_in_their_own() -> None:
+    users, extras = pins("requirements.lock"), pins("requirements-extras.lock")
+    assert users < extras
+    more = {re.split(r"\W", pin)[0] for pin in extras - users}
+    assert {"distributed", "psycopg"} <= more
+    names = {pin.partition("==")[0] for pin in extras}
+    also = {pin for pin in pins("requirements-dev.lock") if pin.partition("==")[0] in names}
+    assert also <= extras
+
+
 def test_the_source_distribution_holds_the_packages_and_no_tests(tmp_path: Path) -> None:
     build = [sys.executable, "-m", "build", "--sdist", "--no-isolation", "--outdir", str(tmp_path)]
     subprocess.run([*build, str(ROOT)], check=True, capture_output=True)

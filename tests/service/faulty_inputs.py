@@ -120,7 +120,7 @@ FIELDS = [
 
 CHOICES = [
     with_fault("kind", "/shaper", {"kind": "numzdv"}, KIND, "'numzdv'", "mean numzv, numzvd or"),
-    with_fault("kind", "/plant", {"kind": "pendulam"}, KIND, "'pendulam'", "mean pendulum?"),
+    with_fault("kind", "/plant", {"kind": "pendulam"}, KIND, "'pendulam'", "mean pendulum or"),
     with_fault("kind", "/actuator", {"kind": "second-order"}, KIND, "got", "mean second_order?"),
     with_fault("kind", "/shaper", {"kind": "posicast"}, KIND, "the kinds are", "zv"),
     with_fault("kind", "/plant", {}, "no_kind", "must have a kind: mode, modes, pend"),

@@ -85,8 +85,8 @@ def respond_to_fields(operation: str, request: Any) -> Problem | None:
 @pytest.mark.parametrize(
     ("request_", "told"),
     [
-        ({**BARE, "speed_m_s": 0.5}, "speed_m_s belongs to maneuver, simulate or map"),
-        ({**BARE, "speed_mm_s": 500}, "speed_mm_s belongs to maneuver, simulate or map"),
+        ({**BARE, "speed_m_s": 0.5}, "speed_m_s belongs to maneuver, simulate, run or map"),
+        ({**BARE, "speed_mm_s": 500}, "speed_mm_s belongs to maneuver, simulate, run or map"),
         ({**BARE, "half_width": 0.1}, "half_width belongs to recommend"),
         (
             {**BARE, "actuator": {**LAG, "speed_m_s": 1}},

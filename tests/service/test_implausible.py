@@ -127,6 +127,14 @@ def test_a_move_backwards_is_as_usual_as_one_forwards() -> None:
         assert implausible(request, "maneuver") == found
 
 
+def test_a_distance_is_looked_at_as_a_speed_is() -> None:
+    for distance_m, found in ((-500, []), (999, []), (-2000, ["/distance_m -2000"])):
+        request = {**CRANE, "speed_m_s": 0.2, "distance_m": distance_m}
+        assert implausible(request, "maneuver") == found
+    request = {**CRANE, "speed_m_s": 800, "distance_m": 10000}
+    assert implausible(request, "maneuver") == ["/speed_m_s 800", "/distance_m 10000"]
+
+
 LENGTH = {"field": "/plant/cable_length_m"}
 PERIOD = {"field": "/plant/period_s"}
 

@@ -11,6 +11,7 @@ from typing import Any, get_args
 import pytest
 from pydantic_core.core_schema import ErrorType
 
+from schemas.designs import DesignResponse
 from schemas.units import other_names
 from service.catalogue import EXAMPLE_ACTUATORS, shaper_catalogue
 from service.dispatch import respond
@@ -118,7 +119,8 @@ def test_an_unknown_kind_is_answered_with_every_kind() -> None:
     assert "got 'numzdv'; did you mean numzv, numzvd or" in detail
     problem = refused("design", with_value(CRANE, ("plant",), {}))
     assert problem.errors[0].detail == (
-        "must have a kind: mode, modes, pendulum, spring_mass, scheduled, hoisting or free_body"
+        "must have a kind: mode, modes, pendulum, double_pendulum, spring_mass, scheduled, "
+        "hoisting or free_body"
     )
 
 
@@ -283,3 +285,20 @@ def test_an_axis_of_a_table_is_answered_as_other_fields_are() -> None:
     problem = plan_table(json.dumps({"design": design, "axes": [axis]}).encode())
     assert isinstance(problem, Problem)
     assert "did you mean cable_length_m or cable_length_mm?" in problem.detail
+
+
+def test_what_is_expected_stands_once_where_many_fields_are_unknown() -> None:
+    answer = respond("design", json.dumps(CRANE).encode())
+    assert isinstance(answer, DesignResponse)
+    problem = refused("sensitivity", answer.model_dump_json().encode())
+    assert problem.detail.count("the fields are") == 1
+    assert len(problem.detail) < 800
+    strangers = [one for one in problem.errors if one.code == "extra_forbidden"]
+    assert len(strangers) > 5
+    assert all("is no field here" in one.detail for one in strangers)
+    # Each place has a list that is its own.
+    two = json.loads(with_value(CRANE, ("plant", "colour"), 1))
+    assert (
+        refused("design", with_value(two, ("actuator", "colour"), 1)).detail.count("the fields are")
+        == 2
+    )

@@ -18,6 +18,19 @@ REQUESTS: dict[str, dict[str, Any]] = {
     },
     "maneuver": {**CRANE, "speed_m_s": 0.2, "distance_m": 0.6, "sample_time_s": 0.02},
     "simulation": {**CRANE, "command": {"kind": "pulse", "pulse_s": 3.0}, "points": 11},
+    "run": {
+        **DRIVEN,
+        "speed_m_s": 0.2,
+        "model": "nonlinear",
+        "shaping": {"mode": "delay_line", "shaper": {"kind": "zv"}},
+        "events": [
+            {"at_s": 0.0, "move": {"x_m": 0.3}},
+            {"at_s": 0.5, "cable_length_m": 0.6, "over_s": 1.5},
+            {"at_s": 1.0, "direction": {"y": -1}, "for_s": 0.5},
+        ],
+        "encoder": {},
+        "points": 11,
+    },
     "map": {**CRANE, "x": LENGTHS, "y": {"field": "/plant/damping_ratio", "values": [0, 0.1]}},
     "recommendation": {**DRIVEN, "half_width": 0.1, "sign": "unity"},
 }

@@ -157,7 +157,10 @@ def test_fitted_curves_give_times_at_any_value(
 ) -> None:
     field = shapersmith.FitRange(over=over, from_=start, to=stop, degree=5, form=form)
     fitted = shapersmith.fit(plant, drive, "numzv", field)
-    for value in (start, 0.3 * start + 0.7 * stop, stop):
+    values = [start, 0.3 * start + 0.7 * stop, stop]
+    one_by_one = [fitted.times_s(value) for value in values]
+    np.testing.assert_allclose(fitted.times_s(np.array(values)), one_by_one, rtol=1e-13)
+    for value in values:
         there: dict[str, Any] = {**plant.model_dump(), over.rpartition("/")[2]: value}
         exact = shapersmith.design(there, drive, "numzv", sensitivity=None).times_s
         error = np.abs(fitted.times_s(value) - exact).max()

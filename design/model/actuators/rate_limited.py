@@ -113,9 +113,10 @@ class RateLimited:
             raise InvalidInputError(
                 "actuator.jerk_limit_m_s3",
                 self.jerk_limit_m_s3,
-                "left out here: behind it umzv, umzvd, numzv, numzvd, multi_umzv, num_si, num_ei, "
-                "num_2ei and moves are designed, where one lag follows, nothing has to settle and "
-                "no number of impulses is asked for; they are not fitted or interpolated",
+                "left out here: behind it umzv, umzvd, numzv, numzvd, multi_umzv, num_multi, "
+                "num_si, num_ei, num_2ei and moves are designed, where one lag follows, nothing "
+                "has to settle and no number of impulses is asked for; they are not fitted or "
+                "interpolated",
                 code="jerk_not_served",
             )
 

@@ -58,5 +58,5 @@ class Modes:
     def mode(self) -> Mode:
         """Raise InvalidInputError: there is more than one."""
         raise InvalidInputError(
-            "plant.modes", f"{len(self.modes)} modes", "a list of one here", code="single_mode_only"
+            "plant.modes", f"{len(self.modes)} modes", "of one mode here", code="single_mode_only"
         )

@@ -272,3 +272,65 @@ def test_a_table_that_a_program_cannot_hold_is_refused() -> None:
     without = replace(head, columns=(head.columns[0], *head.columns[-3:]))
     with refused("column_missing", "columns"):
         C.checks(without)
+
+
+CALLED = """
+#include "table.h"
+int main(void)
+{
+    const shapersmith_real cable_length_m = SHAPERSMITH_C(0.8);
+    const shapersmith_real in = SHAPERSMITH_C(1.0), sample_time_s = SHAPERSMITH_C(0.004);
+    const int row = 1;
+    shapersmith_real out;
+    @USAGE@
+    for (int k = 0; k < 900; ++k) {
+        out = crane_numzvd_step(&shaper, in);
+    }
+    (void)cable_length_m, (void)row;
+    return out == SHAPERSMITH_C(1.0) && shaper.whole[4] > 0 ? 0 : 1;
+}
+"""
+"""Whether the lines of a head compile, and shape: five impulses that add up to 1."""
+
+
+@pytest.mark.parametrize("by", ["rows", "polynomials", "polynomials of other amplitudes"])
+def test_the_example_of_the_head_runs(
+    table: tuple[TableHead, Rows], polynomials: Fit, tmp_path: Path, by: str
+) -> None:
+    head, rows = table
+    if by != "rows":
+        head = designed_table(CRANE, {"plant.cable_length_m": LENGTHS_M}, fit=polynomials)[0]
+    if by == "polynomials of other amplitudes":
+        head = replace(head, amplitudes=(0.5, -0.5, 0.5, -0.5, 1.0))
+    header = b"".join(C.write(head, [rows]))
+    usage = header.decode().partition("     static shapersmith_real memory")[2]
+    usage = "static shapersmith_real memory" + usage.partition("     every sample")[0]
+    wanted = {
+        "rows": "crane_numzvd_amplitudes,",
+        "polynomials": "times_s, crane_numzvd_amplitudes,",
+        "polynomials of other amplitudes": "times_s, crane_numzvd_fit_amplitudes,",
+    }
+    assert wanted[by] in usage
+    binary = compile_program(tmp_path, header, CALLED.replace("@USAGE@", usage))
+    assert subprocess.run([binary], check=False).returncode == 0
+
+
+def test_two_tables_of_one_name_do_not_compile_together(
+    table: tuple[TableHead, Rows], tmp_path: Path
+) -> None:
+    head, rows = table
+    for number, digest in enumerate((head.specification_sha256, "0" * 64)):
+        other = replace(head, specification_sha256=digest)
+        (tmp_path / f"{number}.h").write_bytes(b"".join(C.write(other, [rows])))
+    for files, fails in ((("0.h", "0.h"), False), (("0.h", "1.h"), True)):
+        text = "".join(f'#include "{file}"\n' for file in files)
+        (tmp_path / "both.c").write_text(f"{text}int main(void) {{ return 0; }}\n")
+        ran = subprocess.run(
+            ["gcc", "-fsyntax-only", "both.c"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert (ran.returncode != 0) is fails
+        assert ("two tables have the names of crane_numzvd" in ran.stderr) is fails

@@ -1,5 +1,7 @@
 """What programs say of commands that change before the last sequence is over."""
 
+import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,10 +12,14 @@ from design.export.registry import EXPORTS
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder, SecondOrderSet
+from design.model.commands import convolve
+from design.model.impulses import Impulses
 from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
 from design.shapers.registry import SHAPERS
+from design.tables.columns import amplitudes_of, times_of
 from tests.designed_tables import CRANE, designed_table
+from tests.expm_route import outcome
 
 ACCEL = SecondOrderSet(natural_frequency_rad_s=20.0, damping_ratio=0.8)
 DECEL = SecondOrderSet(natural_frequency_rad_s=50.0, damping_ratio=1.5)
@@ -119,3 +125,41 @@ def test_what_is_said_to_be_exact_at_any_time_is(kind: str, drive: str) -> None:
         return
     # A start and a stop leave what the start does, twice at most.
     assert early.most <= 2 * found.residual + 1e-9
+
+
+WORST = re.compile(
+    r"commands on for (\S+) to (\S+) s, shaped by row (\d+), leave (\S+) % at worst, "
+    r"(\S+) % in the median"
+)
+
+
+@pytest.mark.parametrize(("kind", "joystick"), [("numzv", False), ("zvd", True)])
+def test_the_head_says_what_a_joystick_leaves_and_of_which_row(kind: str, joystick: bool) -> None:
+    """Held against matrix exponentials, which share no code with the closed form of the head."""
+    request = {
+        "plant": CRANE["plant"],
+        "actuator": {**CRANE["actuator"], "model": "switched"},
+        "shaper": {"kind": kind},
+    }
+    lengths_m = [0.8, 1.0]
+    head, rows = designed_table(request, {"plant.cable_length_m": lengths_m})
+    results, status = rows.results.copy(), rows.status.copy()
+    results[0], status[0] = np.nan, 1  # the first row has no design
+    rows = replace(rows, results=results, status=status, reasons={0: "none"})
+    text = b"".join(EXPORTS["st"].write(head, [rows])).decode()
+    comment = " ".join(text.partition("*)")[0].split())
+    found = WORST.search(comment)
+    assert found is not None
+    shortest_s, longest_s, row, worst, median = map(float, found.groups())
+    assert row == 1
+    plant = Pendulum(cable_length_m=lengths_m[1], gravity_m_s2=9.81)
+    period_s = plant.mode.period_s
+    assert (shortest_s, longest_s) == pytest.approx((period_s / 40, 1.25 * period_s), rel=0.05)
+    shaper = Impulses(times_s=times_of(head, rows)[1], amplitudes=amplitudes_of(head, rows)[1])
+    left = []
+    for press_s in np.linspace(period_s / 40, 1.25 * period_s, 40):
+        pulse = Impulses(times_s=np.array([0.0, press_s]), amplitudes=np.array([1.0, -1.0]))
+        left.append(outcome(convolve(pulse, shaper), plant.mode, SWITCHED).residual)
+    assert 100 * max(left) == pytest.approx(worst, rel=0.006)
+    assert 100 * np.median(left) == pytest.approx(median, rel=0.006)
+    assert ("This delay line is for starts only" in comment) is not joystick

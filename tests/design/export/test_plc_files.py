@@ -15,9 +15,12 @@ from design.export.scl import EXPORT as SCL
 from design.export.structured_text import EXPORT as STRUCTURED_TEXT
 from design.export.text_blocks import TextBlock, text_program
 from design.export.twincat import EXPORT as TWINCAT
+from design.model.actuators.first_order import FirstOrder
+from design.model.plants.pendulum import Pendulum
 from service.cli.checks import file_named_in
 from tests.design.export.test_lookup import TABLES, by_text, random_values, table, written
 from tests.designed_tables import CRANE, designed_table
+from tests.played_moves import case
 from tests.played_tables import computed, random_request
 from tests.plc_files import plcopen_again, plcopen_project, plcopen_text, scl_text, twincat_text
 from tests.structured_text import Block, tokens_of
@@ -148,3 +151,24 @@ def test_a_file_says_by_which_name_it_was_written(name: str, tmp_path: Path) -> 
     path = tmp_path / "renamed"
     path.write_bytes(b"".join(READ[name][0].write(replace(head, title="hoist"), [rows])))
     assert file_named_in(path).name == "hoist"
+
+
+@pytest.mark.parametrize("which", ["length", "a move"])
+def test_a_source_of_scl_has_the_calls_of_the_structured_text(which: str) -> None:
+    if which == "length":
+        text, source = written(STRUCTURED_TEXT, table(which)), written(SCL, table(which))
+    else:
+        drive = FirstOrder(accel_time_constant_s=0.3, decel_time_constant_s=0.15)
+        made = case(Pendulum(cable_length_m=9.0), drive, "numzv", speed_m_s=1.0, distance_m=12.0)
+        text, source = made.written("st").decode(), made.written("scl").decode()
+    programs = re.findall(r"(?ms)^PROGRAM (\w+)$(.*?)^END_PROGRAM", text)
+    assert len(programs) == (1 if which == "length" else 2)
+    head = source.partition("*)")[0]
+    assert "from a block that a cyclic interrupt calls every" in head
+    found = blocks_of(scl_text(head.rstrip().encode()))
+    assert list(found) == [name for name, _ in programs]
+    for name, wanted in programs:
+        assert statements_of(found[name])[:-1] == statements_of(wanted)
+        assert [tokens_of(one) for one in sections_of(found[name])] == [
+            tokens_of(one) for one in sections_of(wanted)
+        ]

@@ -181,8 +181,9 @@ def test_klipper_takes_no_rows_on_samples() -> None:
 @pytest.mark.parametrize("kind", ["zvd", "numzv"])
 def test_a_single_design_is_played_as_it_was_verified(tmp_path: Path, name: str, kind: str) -> None:
     design = {**ROWS["design"], "shaper": {"kind": kind, "sample_time_s": 0.02}}
-    text = design_file(json.dumps(design).encode(), name)
-    assert not isinstance(text, Problem)
+    written = design_file(json.dumps(design).encode(), name)
+    assert not isinstance(written, Problem)
+    text = written.content
     table = computed({**ROWS, "design": design, "axes": [{**ROWS["axes"][0], "values": [0.02]}]})
     played = played_by_c(text, tmp_path) if name == "c" else played_by_text(text)
     assert difference(table, played) == ""

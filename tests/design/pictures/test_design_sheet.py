@@ -37,10 +37,11 @@ from design.pictures.files import figure_bytes
 from design.pictures.sensitivity_panel import draw_sensitivity
 from design.pictures.style import AMBER, PROVEN, percent
 from design.pictures.time_panels import draw_payload
-from design.pictures.vector_panel import lie_on_one_another, vibration_vectors
+from design.pictures.vector_panel import draw_vectors, lie_on_one_another, vibration_vectors
 from design.pictures.words import actuator_in_words, plant_in_words
 from design.pipeline import Design, design
 from design.response.closed_form import history
+from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import POSITIVE, SHAPERS
 from design.shapers.specified_insensitivity import BandOptions
 from tests.design.model.actuators.test_rate_limited import random_case
@@ -443,6 +444,31 @@ def test_vectors_that_fold_back_are_set_apart_and_keep_their_direction() -> None
     apart = arrows[:-1, 1, 1] - arrows[1:, 0, 1]
     np.testing.assert_allclose(apart, apart[0], rtol=1e-9)
     assert apart[0] > 8
+
+
+@pytest.mark.parametrize("actuator", [Ideal(), CRANE_DRIVE], ids=["ideal", "drive"])
+def test_no_dot_hides_the_number_of_a_vector(actuator: Actuator) -> None:
+    options = UnityBandOptions(half_width=0.05)
+    made = design(CRANE, actuator, SHAPERS["num_si"], options)
+    figure = Figure(figsize=(4.5, 3.6))
+    axes = figure.add_axes((0.15, 0.1, 0.8, 0.8))
+    draw_vectors(axes, made.impulses, CRANE, actuator)
+    figure.canvas.draw()
+    numbers = [
+        axes.transData.transform(one.get_position())
+        for one in axes.texts
+        if one.get_text().isdigit()
+    ]
+    dots = [
+        axes.transData.transform(point)
+        for one in axes.lines
+        if one.get_marker() == "o"
+        for point in np.column_stack(one.get_data())
+    ]
+    assert len(numbers) == made.impulses.times_s.size
+    assert dots
+    radius = 9 * figure.dpi / 72  # of a number in its circle, and of a dot [px]
+    assert min(np.hypot(*(one - dot)) for one in numbers for dot in dots) > radius
 
 
 def test_a_chain_that_turns_slowly_is_a_polygon() -> None:

@@ -142,6 +142,15 @@ def test_a_bar_is_as_long_as_its_shaper_and_empty_where_that_misses(name: str) -
 
 
 @pytest.mark.parametrize("name", REQUESTS)
+def test_every_shaper_of_the_answer_is_named_beside_a_bar(name: str) -> None:
+    answer, figure = drawn(name)
+    ticks = panel(figure, "durations").get_yticklabels()
+    named = [one for tick in ticks for one in tick.get_text().split(", ")]
+    every = [answer.recommended, *answer.runners_up, *answer.others]
+    assert sorted(named) == sorted(one.name for one in every)
+
+
+@pytest.mark.parametrize("name", REQUESTS)
 def test_no_text_meets_another_or_leaves_the_page(name: str) -> None:
     _, figure = drawn(name)
     assert collisions(figure) == []

@@ -9,14 +9,16 @@ import pytest
 
 from design.analysis.residual import residual_vibration
 from design.errors import InfeasibleDesignError
+from design.export.klipper import klipper_line
 from design.export.marlin import marlin_impulses, marlin_numbers
 from design.export.printers import PRINTERS
 from design.model.actuators.first_order import FirstOrder
 from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
 from design.pipeline import design
-from design.recommendations.judging import PLAYED_WITHIN
+from design.recommendations.firmware import PLAYED_WITHIN
 from design.shapers.registry import SHAPERS
+from design.tables.rows import Subject
 from tests.design.recommendations.recommended import TWO_MODES, asked, everything
 from tests.firmware import klipper_reads, marlin_reads, reprap_36_reads
 from tests.refusals import refused
@@ -135,3 +137,55 @@ def test_the_reasons_say_what_the_firmware_leaves() -> None:
     found = asked(PRINTER, IDEAL, **WANTED["klipper"], firmware=PRINTERS["klipper"])
     assert any("as Klipper plays it" in reason for reason in found.why)
     assert not any("plays it" in reason for reason in asked(PRINTER, IDEAL).why)
+
+
+@pytest.mark.parametrize("kind", ["two_hump_ei", "ei", "zvd"])
+def test_what_is_recommended_is_written_for_the_same_firmware(kind: str) -> None:
+    """One rule for both: a tolerance is kept to one in a hundred, as fits of five digits are."""
+    wanted = {"two_hump_ei": 0.3, "ei": 0.19, "zvd": 0.14}
+    found = asked(PRINTER, IDEAL, half_width=wanted[kind], firmware=PRINTERS["klipper"])
+    candidate = everything(found)[kind]
+    assert not candidate.missed
+    assert candidate.played is not None
+    subject = Subject(
+        plant=PRINTER, actuator=IDEAL, kind=SHAPERS[kind], options=SHAPERS[kind].options()
+    )
+    line = klipper_line(subject, candidate.impulses, "row 0")
+    assert set(line.commands) <= {one.removeprefix("# at once: ") for one in candidate.played.lines}
+
+
+ASKED = re.compile(r"[#;] asked: 5 % from (\S+) to (\S+) of .*; as \w+ plays it (\S+) %")
+OLDER = re.compile(r"# in a Klipper that refuses the line: (\S+) % there by")
+
+
+@pytest.mark.parametrize("name", ["klipper", "rrf"])
+def test_the_lines_say_what_is_left_in_the_band_that_was_asked(name: str) -> None:
+    found = asked(PRINTER, IDEAL, half_width=0.2, firmware=PRINTERS[name])
+    played = found.recommended.played
+    assert played is not None
+    said = ASKED.fullmatch(played.lines[0])
+    assert said is not None
+    assert (float(said[1]), float(said[2])) == (0.8, 1.2)
+    left = largest(READERS[name](commands(played.lines)[0]), 0.8, 1.2)
+    assert 100 * left == pytest.approx(float(said[3]), rel=2e-3)
+
+
+def test_an_older_klipper_has_a_line_of_its_own_with_what_it_leaves() -> None:
+    found = asked(PRINTER, IDEAL, half_width=0.2, firmware=PRINTERS["klipper"])
+    assert found.recommended.name == "ei"
+    assert found.recommended.played is not None
+    *_, says, line = found.recommended.played.lines
+    assert line == "# shaper_type_x: ei, or shaper_type_y: ei"
+    said = OLDER.fullmatch(says)
+    assert said is not None
+    command = f"SET_INPUT_SHAPER SHAPER_TYPE_X=ei SHAPER_FREQ_X={45.0!r} DAMPING_RATIO_X=0.06"
+    left = max(largest(klipper_reads(command, older=older), 0.8, 1.2) for older in (False, True))
+    assert 100 * left == pytest.approx(float(said[1]), rel=2e-3)
+
+
+def largest(impulses: Impulses, low: float, high: float) -> float:
+    """Return the largest residual over a band, by the closed form at many frequencies."""
+    return max(
+        residual_vibration(impulses, _times(PRINTER, ratio), IDEAL)
+        for ratio in np.linspace(low, high, 401)
+    )

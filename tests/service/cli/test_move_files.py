@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from design.export.registry import EXPORTS
-from service.cli.single_file import move_file
+from service.cli.single_file import Written, move_file
 from service.problems import Problem
 from tests.plc_files import plcopen_text, scl_text, twincat_text
 from tests.service.cli.commands import shapersmith
@@ -39,7 +39,9 @@ def test_a_move_is_written(tmp_path: Path, name: str) -> None:
     path = tmp_path / f"move{EXPORTS[name].suffix}"
     done = shapersmith("maneuver", "-", "--format", name, "-o", path, given=REQUEST)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert path.read_bytes() == move_file(json.dumps(REQUEST).encode(), name)
+    written = move_file(json.dumps(REQUEST).encode(), name)
+    assert isinstance(written, Written)
+    assert path.read_bytes() == written.content
     texts = {"plcopen": plcopen_text, "twincat": twincat_text, "scl": scl_text}
     if name != "c":
         told = texts[name](path.read_bytes()) if name in texts else path.read_text()

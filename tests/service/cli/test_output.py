@@ -9,10 +9,13 @@ from typing import Any
 
 import pytest
 
+from design.tables import needed_code
 from design.tables.compute import compute_rows
+from design.tables.proofs import prove_rows
 from service.cli import compiling
 from service.cli.progress import Progress
-from service.jobs.plan import Plan, plan_table
+from service.compiled_code import VARIABLE
+from service.jobs.plan import Plan, plan_table, specification_of
 from service.jobs.records import Job
 from service.operations.table import TABLE
 from tests.conftest import CRANE
@@ -20,7 +23,6 @@ from tests.patience import PATIENT_S
 from tests.service.cli.commands import shapersmith
 from tests.service.cli.table_runs import SMALL
 from tests.shapersmith.requests import REQUESTS
-from tests.table_cases import random_table
 
 COMMANDS = [(row.command, REQUESTS[name]) for name, row in TABLE.items()]
 
@@ -136,17 +138,26 @@ def test_that_a_table_compiles_is_said_at_once_and_once(
     assert capsys.readouterr().err == "0 of 40 rows, compiling, first use only\n"
 
 
-def test_a_table_compiles_until_its_last_function_is_on_disk(
+def test_a_table_compiles_until_all_that_it_needs_is_on_disk(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    compute_rows(random_table(1, 1, order=2), 0, 1)  # whatever came before: now it is compiled
-    assert compiling.is_compiled()
-    by_kernel, by_design = (_plan({**SMALL, **changed}) for changed in ({}, BY_DESIGN))
-    assert compiling.are_compiled(by_kernel.job)
-    assert not compiling.are_compiled(by_design.job)
     monkeypatch.setattr(compiling, "ASKED_AFTER_S", 0.0)
+    by_kernel, by_design = (_plan({**SMALL, **changed}) for changed in ({}, BY_DESIGN))
+    job = by_kernel.job
+    compute_rows(specification_of(job.specification, job.impulses), 0, 1)
+    assert not compiling.Compiling(job)()
+    monkeypatch.setattr(needed_code, "is_kept", lambda function, _: function is prove_rows)
+    assert compiling.Compiling(job)()
+    assert not compiling.Compiling(by_design.job)()
+
+
+def test_that_no_code_is_there_at_all_is_seen_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    by_kernel, by_design = (_plan({**SMALL, **changed}) for changed in ({}, BY_DESIGN))
+    monkeypatch.setattr(compiling, "ASKED_AFTER_S", PATIENT_S)
     assert not compiling.Compiling(by_kernel.job)()
-    monkeypatch.setattr(compiling, "is_compiled", lambda: False)
+    monkeypatch.setenv(VARIABLE, str(tmp_path))
     assert compiling.Compiling(by_kernel.job)()
     assert not compiling.Compiling(by_design.job)()
 

@@ -150,3 +150,12 @@ def test_the_last_line_designs_the_recommended_shaper(request_: dict[str, Any]) 
     for name, values in best["impulses"].items():
         assert designed["shaper"]["impulses"][name] == pytest.approx(values, abs=1e-9)
     assert shapersmith(*arguments, given=body).returncode == 0
+
+
+def test_a_certificate_says_of_which_mode_and_band_each_claim_is() -> None:
+    request = {"plant": TWO, "actuator": IDEAL, "shaper": {"kind": "multi_zv"}}
+    told = re.findall(r"(?m)^certificate .*$", text("design", request))[0]
+    assert "residual " in told
+    assert "residual of mode 2 " in told
+    request = {"plant": CRANE["plant"], "actuator": IDEAL, "shaper": {"kind": "si"}}
+    assert "certificate verified: band 0.85 to 1.15: 0.05 <= 0.05\n" in text("design", request)

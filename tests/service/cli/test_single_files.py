@@ -12,7 +12,7 @@ import pytest
 from design.export.registry import EXPORTS
 from design.tables.compute import compute_rows
 from schemas.design_request import DesignRequest
-from service.cli.single_file import design_file
+from service.cli.single_file import Written, design_file
 from service.jobs.plan import Plan, head_of, plan_table, specification_of
 from service.operations.design import design_shaper
 from service.problems import Problem
@@ -26,6 +26,13 @@ TWO_MODES: dict[str, Any] = {
         {"natural_frequency_rad_s": 35.0, "damping_ratio": 0.01},
         {"natural_frequency_rad_s": 94.0, "damping_ratio": 0.02},
     ],
+}
+SLUNG = {
+    "kind": "double_pendulum",
+    "hook_mass_kg": 0.385,
+    "load_mass_kg": 0.6,
+    "cable_length_m": 0.8,
+    "load_length_m": 0.25,
 }
 RANGE = {
     "kind": "scheduled",
@@ -62,6 +69,8 @@ CASES: list[tuple[dict[str, Any], dict[str, Any], dict[str, Any], dict[str, str]
     (TWO_MODES, DRIVE, {"kind": "multi_zv"}, {"klipper": UNITY}),
     (TWO_MODES, IDEAL, {"kind": "convolved"}, {"klipper": UNITY}),
     (TWO_MODES, IDEAL, {"kind": "multi_umzv"}, {"klipper": UNITY, "rrf": POSITIVE}),
+    (SLUNG, DRIVE, {"kind": "num_multi"}, {"klipper": UNITY, "rrf": POSITIVE}),
+    (SLUNG, DRIVE, {"kind": "num_multi", "slope": True}, {"klipper": UNITY, "rrf": POSITIVE}),
     (
         TWO_MODES,
         IDEAL,
@@ -90,9 +99,9 @@ def test_a_design_is_read_back_or_refused_by_name(
         assert isinstance(written, Problem)
         assert refused[name] in written.detail
         return
-    assert isinstance(written, bytes), written
+    assert isinstance(written, Written), written
     wanted = design_shaper(DesignRequest.model_validate(request)).shaper.impulses
-    (held,) = read_back(name, written, tmp_path)
+    (held,) = read_back(name, written.content, tmp_path)
     for found in held.impulses:
         if shaper["kind"] == "ei" and name == "klipper":
             continue  # Klipper's fit, judged in tests/design/export/test_klipper.py
@@ -160,6 +169,26 @@ def test_several_designs_that_vary_nothing_are_refused() -> None:
         "designs: must be one or more; where more than one, they vary something, got 2"
         in problem.detail
     )
+
+
+def test_a_table_goes_over_the_load_below_a_hook() -> None:
+    """Steps for several modes are as many whatever the modes are."""
+    request = {"plant": SLUNG, "actuator": DRIVE, "shaper": {"kind": "num_multi"}}
+    masses = [0.4, 0.6, 0.8]
+    body = {
+        "design": request,
+        "axes": [{"field": "/plant/load_mass_kg", "values": masses}],
+        "columns": ["times_s", "amplitudes", "residual"],
+    }
+    plan = plan_table(json.dumps(body).encode())
+    assert isinstance(plan, Plan), plan
+    assert plan.job.impulses == 5
+    rows = compute_rows(specification_of(plan.job.specification, plan.job.impulses), 0, 3)
+    assert rows.status.tolist() == [0, 0, 0]
+    for row, mass in enumerate(masses):
+        asked = {**request, "plant": {**SLUNG, "load_mass_kg": mass}}
+        single = design_shaper(DesignRequest.model_validate(asked)).shaper.impulses
+        assert rows.results[row, :5].tolist() == list(single.times_s)
 
 
 @pytest.mark.parametrize("base", ["zv", "umzv", "ei"])
@@ -238,14 +267,14 @@ def test_an_archive_is_written_as_it_is(tmp_path: Path, name: str) -> None:
     request = tmp_path / "design.json"
     request.write_text(json.dumps({"plant": MODE, "actuator": IDEAL, "shaper": {"kind": "zv"}}))
     wanted = design_file(request.read_bytes(), name)
-    assert isinstance(wanted, bytes)
+    assert isinstance(wanted, Written)
     done = shapersmith("design", request, "--format", name, "-o", tmp_path / "design.zip")
     assert (done.returncode, done.stderr) == (0, "")
-    assert (tmp_path / "design.zip").read_bytes() == wanted
+    assert (tmp_path / "design.zip").read_bytes() == wanted.content
     printed = subprocess.run(
         [*COMMAND, "design", str(request), "--format", name], capture_output=True, check=True
     )
-    assert printed.stdout == wanted
+    assert printed.stdout == wanted.content
 
 
 @pytest.mark.parametrize("shaper", [{"kind": "numzvd"}, {"kind": "zvd", "sample_time_s": 0.001}])
@@ -266,8 +295,8 @@ def test_a_design_is_written_in_single_precision(shaper: dict[str, Any]) -> None
     assert not names[0] & names[1]
     for name in ("plcopen", "twincat", "scl"):
         written = design_file(body.encode(), name, "REAL")
-        assert isinstance(written, bytes)
-        (other,) = read_back(name, written, Path())
+        assert isinstance(written, Written)
+        (other,) = read_back(name, written.content, Path())
         np.testing.assert_array_equal(other.impulses[0].times_s, held.impulses[0].times_s)
 
 
@@ -277,3 +306,38 @@ def test_a_type_of_numbers_is_refused_where_there_is_none(name: str | None) -> N
     done = shapersmith("design", "-", *form, "--real", "REAL", given={})
     assert done.returncode == 2
     assert f"--real goes with st, plcopen, twincat, scl, not with {name or 'json'}" in done.stderr
+
+
+FORMATS_OF = {
+    "design": ["c", "st", "plcopen", "twincat", "scl", "arduino", "csv"],
+    "maneuver": ["c", "st", "plcopen", "twincat", "scl", "csv"],
+}
+
+
+@pytest.mark.parametrize(
+    ("command", "name"), [(one, name) for one, names in FORMATS_OF.items() for name in names]
+)
+def test_a_value_that_is_hardly_meant_is_said_beside_a_file(command: str, name: str) -> None:
+    plant = {"kind": "pendulum", "cable_length_m": 800}
+    move = {"speed_m_s": 1, "distance_m": 200} if command == "maneuver" else {}
+    request = {"plant": plant, "actuator": IDEAL, "shaper": {"kind": "umzv"}, **move}
+    done = subprocess.run(
+        [*COMMAND, command, "-", "--format", name],
+        input=json.dumps(request).encode(),
+        capture_output=True,
+        check=True,
+    )
+    assert done.stdout
+    (told,) = done.stderr.decode().splitlines()
+    assert told.startswith("shapersmith: warning: implausible_value: /plant/cable_length_m: 800 m")
+
+
+@pytest.mark.parametrize("command", FORMATS_OF)
+def test_a_name_that_stands_twice_is_refused_for_a_file_too(command: str) -> None:
+    text = '{"plant": {"kind": "pendulum", "cable_length_m": 1, "cable_length_m": 2}, '
+    text += '"actuator": {"kind": "ideal"}, "shaper": {"kind": "umzv"}'
+    text += ', "speed_m_s": 1, "distance_m": 9}' if command == "maneuver" else "}"
+    for name in FORMATS_OF[command]:
+        done = shapersmith(command, "-", "--format", name, given=text)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert "cable_length_m" in done.stderr

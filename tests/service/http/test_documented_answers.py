@@ -36,6 +36,10 @@ OF_JOB = [route for route in ROUTES if "{id}" in route[1]]
 
 FILES = ("GET", "/v1/tables/{id}/result")
 
+SCHEMAS = ("GET", "/v1/schemas/{name}")
+
+SCHEMA = "design-request"
+
 BUSY = (
     Problem(OVERLOADED, "all are busy", retry_after_s=3),
     Problem(TIME_LIMIT, "it takes too long"),
@@ -58,7 +62,7 @@ class Provoked:
         jobs = more.pop("jobs", self.jobs)
         service = InProcess(jobs, **settings)
         service.pool.full = full
-        path = route[1].format(id=more.pop("id", self.id)) + query
+        path = route[1].format(id=more.pop("id", self.id), name=more.pop("name", SCHEMA)) + query
         answer = service.ask(route[0], path, body, **more)
         self.seen.add(str(answer.status_code))
         require_documented(route, answer)
@@ -199,7 +203,10 @@ def test_a_route_answers_what_is_documented_and_all_of_it(
     elif route in OF_JOB:
         provoke_states(provoked, route)
     else:
-        provoked.ask(route)
+        whole = provoked.ask(route)
+    if route == SCHEMAS:
+        provoked.ask(route, name="none")
+        provoked.ask(route, headers={"if-none-match": whole.headers["etag"]})
     if route == FILES:
         provoke_files(provoked)
     provoke_faults(provoked, route, monkeypatch)

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from docs.reference import PAGES, PLACE, with_tables
+
 ROOT = Path(__file__).parents[3]
 
 DOCUMENTS = [
@@ -17,6 +19,14 @@ MADE = {"kinds.md", "commands.md", "errors.md"}
 
 MOST_WORDS = 700
 """Words of the README: it is a window, and the shop is in `docs`."""
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_tables_are_as_the_code_makes_them(page: Path) -> None:
+    """If not: `python -m docs.reference`."""
+    text = page.read_text()
+    assert PLACE.search(text)
+    assert with_tables(text) == text
 
 
 def test_the_readme_is_short() -> None:

@@ -16,6 +16,7 @@ from service.dispatch import respond
 from service.operations.table import TABLE, load
 from service.problems import Problem
 from tests.conftest import CRANE
+from tests.shapersmith.requests import REQUESTS as REQUESTS_OF_CALLS
 
 MODE = {"kind": "mode", "natural_frequency_rad_s": 6.0, "damping_ratio": 0.05}
 IDEAL = {"kind": "ideal"}
@@ -64,6 +65,8 @@ REQUESTS: list[tuple[str, str, dict[str, Any]]] = [
         {**PLAYED, "command": {"kind": "pulse", "pulse_s": 2.0}, "shaper": CRANE["shaper"]},
     ),
     ("simulation", "no angle", {**PLAYED, "plant": MODE, "command": {"kind": "step"}}),
+    ("run", "events", REQUESTS_OF_CALLS["run"]),
+    ("run", "no event", {**PLAYED, "plant": MODE, "speed_m_s": 0.2}),
     *(
         (
             "map",

@@ -1,0 +1,1 @@
+"""The crane on which every claim is shown: a machine whose motion is integrated, not assumed."""

@@ -1,0 +1,145 @@
+"""Wire form of what happens in a run: events, and played courses."""
+
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from design.checks import MAX_VALUE
+from design.errors import InvalidInputError
+from design.rig.scenario import Played, played_positions
+from schemas.base import Positive, Wire
+from schemas.simulations import MAX_HISTORY_POINTS
+
+Time = Annotated[float, Field(ge=0, le=MAX_VALUE)]
+Level = Annotated[float, Field(ge=-1, le=1)]
+Distance = Annotated[float, Field(ge=-MAX_VALUE, le=MAX_VALUE)]
+Samples = Annotated[list[float], Field(min_length=2, max_length=MAX_HISTORY_POINTS)]
+
+
+class DirectionIn(Wire):
+    """Levels of the axes, shares of full speed."""
+
+    x: Annotated[Level | None, Field(description="Of x, -1 to 1; as it was if not given [-].")] = (
+        None
+    )
+    y: Annotated[Level | None, Field(description="Of y, -1 to 1; as it was if not given [-].")] = (
+        None
+    )
+
+
+class DistancesIn(Wire):
+    """Distances to travel at full speed, signed."""
+
+    x_m: Annotated[Distance, Field(description="Along x [m].")] = 0.0
+    y_m: Annotated[Distance, Field(description="Along y [m].")] = 0.0
+
+
+class EventIn(Wire):
+    """What happens at a time: a direction, a move, or a hoist."""
+
+    at_s: Annotated[Time, Field(description="When [s].")]
+    direction: Annotated[
+        DirectionIn | None, Field(description="The buttons that are pressed from then on.")
+    ] = None
+    for_s: Annotated[
+        Positive | None,
+        Field(
+            description="With direction: how long they are held; until the next event of the "
+            "axis if not given [s]."
+        ),
+    ] = None
+    move: Annotated[
+        DistancesIn | None,
+        Field(description="Exact distances, travelled by pressing as long as they take."),
+    ] = None
+    cable_length_m: Annotated[
+        float | None,
+        Field(ge=-MAX_VALUE, le=MAX_VALUE, description="Length to hoist or lower to, evenly [m]."),
+    ] = None
+    over_s: Annotated[
+        Positive | None, Field(description="With cable_length_m: how long that takes [s].")
+    ] = None
+
+    def require_one(self) -> None:
+        """Check that the event is one thing, and has what belongs to that alone.
+
+        Raises
+        ------
+        InvalidInputError
+            If it is not.
+        """
+        parts = ("direction", "move", "cable_length_m")
+        given = [name for name in parts if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise InvalidInputError(
+                (),
+                " and ".join(given) or "none",
+                "an event of direction, move or cable_length_m",
+                code="unknown_event",
+            )
+        for name, owner in (("for_s", "direction"), ("over_s", "cable_length_m")):
+            if getattr(self, name) is not None and owner not in given:
+                raise InvalidInputError(
+                    name,
+                    getattr(self, name),
+                    f"left out without {owner}",
+                    code="part_of_other_event",
+                )
+        if self.cable_length_m is not None and self.over_s is None:
+            raise InvalidInputError(
+                "over_s", None, "given with cable_length_m", code="hoist_without_time"
+            )
+
+
+class PlayedIn(Wire):
+    """A course of one axis: velocities, each held, or positions, evenly between them."""
+
+    times_s: Annotated[Samples, Field(description="Ascending, without a gap [s].")]
+    velocity_m_s: Annotated[
+        Samples | None, Field(description="Velocity from each time on [m/s].")
+    ] = None
+    position_m: Annotated[
+        Samples | None, Field(description="Position of the command at each time [m].")
+    ] = None
+
+    def to_design(self) -> Played:
+        """Build the design record.
+
+        Returns
+        -------
+        Played
+            The course.
+
+        Raises
+        ------
+        InvalidInputError
+            If not one of velocities and positions is given, they are not as many as the times, or
+            the times do not ascend or have a gap.
+        """
+        times = np.array(self.times_s)
+        values = self.velocity_m_s if self.position_m is None else self.position_m
+        if values is None or (self.velocity_m_s is not None and self.position_m is not None):
+            raise InvalidInputError(
+                "velocity_m_s",
+                "neither" if values is None else "both",
+                "the velocities, or position_m in place of them",
+                code="velocity_or_position",
+            )
+        if len(values) != times.size:
+            raise InvalidInputError(
+                "times_s",
+                f"{times.size} times for {len(values)} values",
+                "as many as the values",
+                code="times_unlike_values",
+            )
+        if self.position_m is not None:
+            return played_positions(times, np.array(values))
+        return Played(times_s=times, velocity_m_s=np.array(values))
+
+
+class PlayedAxes(Wire):
+    """Courses of the axes, in place of events that drive them."""
+
+    x: Annotated[PlayedIn | None, Field(description="Of x.")] = None
+    y: Annotated[PlayedIn | None, Field(description="Of y.")] = None
