@@ -4,7 +4,10 @@ from typing import Annotated, Self
 
 from pydantic import Field
 
+from design.model.impulses import Impulses
 from design.model.initial_state import AngleSwing, DeflectionSwing
+from design.moves.force_moves import ForceMove
+from design.moves.hoisting_moves import Retime
 from design.moves.maneuvers import Maneuver
 from design.moves.programs import Program
 from schemas.actuators import ActuatorIn
@@ -50,8 +53,23 @@ class ManeuverRequest(Wire):
     actuator: ActuatorIn
     shaper: ShaperIn
     speed_m_s: Annotated[
-        float, Field(description="Full speed; negative, with pulse_s, for a move in -x [m/s].")
-    ]
+        float | None,
+        Field(
+            description="Full speed; negative, with pulse_s, for a move in -x [m/s]. Required, "
+            "except for a free body."
+        ),
+    ] = None
+    force_n: Annotated[
+        Positive | None,
+        Field(description="For a free body, in place of speed_m_s: the largest force [N]."),
+    ] = None
+    duration_s: Annotated[
+        Positive | None,
+        Field(
+            description="For a free body: time of the move, in which the force is on as shortly "
+            "as may be; minimum time if not given [s]."
+        ),
+    ] = None
     pulse_s: Annotated[
         float | None,
         Field(description="Time from the first step of the start to that of the stop [s]."),
@@ -66,6 +84,14 @@ class ManeuverRequest(Wire):
     joint: Annotated[
         bool, Field(description="Solve start and stop as one wherever that is faster.")
     ] = False
+    retime: Annotated[
+        Retime | None,
+        Field(
+            description="For a plant of kind hoisting: whether start and stop are solved for the "
+            "cable as it is hoisted, or the stop alone, behind the start of the first length; both "
+            "if not given."
+        ),
+    ] = None
     sample_time_s: Annotated[
         Positive | None,
         Field(description="Sample time of a program that a controller replays [s]."),
@@ -123,7 +149,11 @@ class ManeuverResponse(Wire):
         ImpulsesWire, Field(description="Impulses of the stop, their times after its first step.")
     ]
     command: Annotated[
-        ImpulsesWire, Field(description="Impulses of the whole move, shares of the speed.")
+        ImpulsesWire,
+        Field(
+            description="Impulses of the whole move, shares of the speed; of a free body steps of "
+            "the force."
+        ),
     ]
     pulse_s: Annotated[
         float, Field(description="Time from the first step of the start to that of the stop [s].")
@@ -138,8 +168,19 @@ class ManeuverResponse(Wire):
     lower_bound_s: Annotated[
         float | None,
         leave_out_none(
-            "Solved as one behind limits: no move ends its last ramp as early, proven; otherwise "
-            "left out [s]."
+            "Solved as one behind limits: no move ends its last ramp as early, proven; of a free "
+            "body no move is as short; otherwise left out [s]."
+        ),
+    ]
+    burn_s: Annotated[
+        float | None,
+        leave_out_none("Of a free body, how long the force is on; otherwise left out [s]."),
+    ]
+    least_burn_s: Annotated[
+        float | None,
+        leave_out_none(
+            "With duration_s: no force of that duration is on so shortly, proven; otherwise left "
+            "out [s]."
         ),
     ]
     limits: OfLimits
@@ -197,10 +238,58 @@ class ManeuverResponse(Wire):
             residual=move.residual,
             certificate=CertificateOut.from_design(move.certificate, given=not move.for_ideal),
             joint=move.joint,
+            burn_s=None,
+            least_burn_s=None,
             program=None if program is None else ProgramOut.from_design(program),
             warnings=[
                 WarningOut.from_design(one)
                 for one in (*(() if program is None else program.warnings), *move.warnings)
             ],
+            version=version,
+        )
+
+    @classmethod
+    def from_force(cls, kind: str, move: ForceMove, version: str) -> Self:
+        """Wrap the move of a free body; its halves stand for start and stop.
+
+        Parameters
+        ----------
+        kind
+            Name of the kind of shaper.
+        move
+            The move.
+        version
+            Of the tool.
+
+        Returns
+        -------
+        Self
+            Without what is None.
+        """
+        command = move.command
+        half = (command.times_s.size // 2) | 1
+        start, stop = (
+            Impulses(times_s=command.times_s[part], amplitudes=command.amplitudes[part])
+            for part in (slice(None, half), slice(half, None))
+        )
+        return cls(
+            kind=kind,
+            direction=move.direction,
+            start=ImpulsesWire.from_design(start),
+            stop=ImpulsesWire.from_design(stop),
+            command=ImpulsesWire.from_design(command),
+            pulse_s=float(stop.times_s[0]),
+            duration_s=move.duration_s,
+            lower_bound_s=move.lower_bound_s,
+            burn_s=move.burn_s,
+            least_burn_s=move.least_burn_s,
+            distance_m=move.distance_m,
+            residual=move.residual,
+            certificate=CertificateOut.from_design(move.certificate, given=True),
+            joint=True,
+            ramp_end_s=None,
+            limits=None,
+            program=None,
+            warnings=[],
             version=version,
         )

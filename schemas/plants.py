@@ -8,6 +8,8 @@ from pydantic import Field
 
 from design.errors import InvalidInputError
 from design.model.plants.double_pendulum import DoublePendulum
+from design.model.plants.free_body import FreeBody
+from design.model.plants.hoisting import MAX_POINTS, Hoisting, LengthCourse
 from design.model.plants.mode import Mode
 from design.model.plants.modes import MAX_MODES, Modes
 from design.model.plants.pendulum import STANDARD_GRAVITY_M_S2, Pendulum
@@ -61,11 +63,39 @@ class ModesIn(Wire):
 
     def to_design(self) -> Mode | Modes:
         """Build the design record."""
-        built = []
-        for number, one in enumerate(self.modes):
-            with name_field(f"modes.{number}"):
-                built.append(one.to_design())
-        return built[0] if len(built) == 1 else Modes(modes=tuple(built))
+        return modes_of(self.modes)
+
+
+def modes_of(modes: list[BareMode]) -> Mode | Modes:
+    """Build the record of one mode or of several."""
+    built = []
+    for number, one in enumerate(modes):
+        with name_field(f"modes.{number}"):
+            built.append(one.to_design())
+    return built[0] if len(built) == 1 else Modes(modes=tuple(built))
+
+
+class FreeBodyIn(Wire):
+    """A body that nothing holds, moved by an on-off force: in maneuvers, with force_n."""
+
+    ALSO: ClassVar[tuple[str, ...]] = (
+        "spacecraft",
+        "satellite",
+        "floating_oscillator",
+    )
+
+    kind: Literal["free_body"]
+    mass_kg: Annotated[
+        Positive, Field(description="Mass of the whole [kg]; for a turn its inertia [kg m^2].")
+    ]
+    modes: Annotated[
+        list[BareMode],
+        Field(min_length=1, max_length=MAX_MODES, description="Modes that the force excites."),
+    ]
+
+    def to_design(self) -> FreeBody:
+        """Build the design record."""
+        return FreeBody(mass_kg=self.mass_kg, vibration=modes_of(self.modes))
 
 
 class PendulumIn(WireOf[Pendulum]):
@@ -230,7 +260,71 @@ class ScheduledIn(Varied):
                 yield f"{pointer}/plant/{name}", name, value
 
 
+class LengthCourseIn(WireOf[LengthCourse]):
+    """A length over time: linear between points, held before and after them."""
+
+    RECORD = LengthCourse
+
+    times_s: Annotated[
+        list[float],
+        Field(
+            max_length=MAX_POINTS,
+            description="Times from the first step of the command on, rising, two or more [s].",
+            examples=[[0.0, 5.0]],
+        ),
+    ]
+    values: Annotated[
+        list[float],
+        Field(max_length=MAX_POINTS, description="Length at each [m].", examples=[[0.8, 0.5]]),
+    ]
+
+
+class HoistingIn(WireOf[Hoisting]):
+    """A load on a cable that is hoisted or lowered meanwhile: in maneuvers and simulations."""
+
+    ALSO: ClassVar[tuple[str, ...]] = (
+        "hoisted",
+        "lowering",
+        "winch",
+    )
+
+    RECORD = Hoisting
+
+    kind: Literal["hoisting"]
+    cable_length_m: Annotated[
+        LengthCourseIn,
+        Field(description="Length from the suspension to the centre of the load over time [m]."),
+    ]
+    damping_ratio: PlantDamping = 0.0
+    gravity_m_s2: Annotated[Positive, Field(description="Acceleration of free fall [m/s^2].")] = (
+        STANDARD_GRAVITY_M_S2
+    )
+
+    def numbers(self, pointer: str) -> Iterator[tuple[str, str, float]]:
+        """Yield the lengths, each at its place.
+
+        Parameters
+        ----------
+        pointer
+            Of this plant.
+
+        Yields
+        ------
+        tuple of str, str and float
+            Pointer, field that it is a value of, and value.
+        """
+        for number, length_m in enumerate(self.cable_length_m.values):
+            yield f"{pointer}/cable_length_m/values/{number}", "cable_length_m", length_m
+
+
 PlantIn = Annotated[
-    ModeIn | ModesIn | PendulumIn | DoublePendulumIn | SpringMassIn | ScheduledIn,
+    ModeIn
+    | ModesIn
+    | PendulumIn
+    | DoublePendulumIn
+    | SpringMassIn
+    | ScheduledIn
+    | HoistingIn
+    | FreeBodyIn,
     Field(discriminator="kind", description="What swings."),
 ]

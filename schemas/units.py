@@ -87,7 +87,9 @@ class Reading:
     even: bool
 
     def convert(self, value: Any) -> Any:  # noqa: ANN401 - any JSON
-        """Return a number or a list of them in SI units, else the same."""
+        """Return a number, a list or a course over time in SI, else the same."""
+        if isinstance(value, dict) and "values" in value:
+            return {**value, "values": self.convert(value["values"])}
         if isinstance(value, list):
             return [self.convert(one) for one in value]
         if isinstance(value, bool) or not isinstance(value, int | float):

@@ -11,9 +11,9 @@ from schemas.usual_ranges import PARTS, USUAL_RANGES, Range
 
 def implausible_values(request: Any) -> list[tuple[str, Range, float, float]]:  # noqa: ANN401
     """Return pointer, usual range and quantity of what is beyond it."""
-    modes = request.plant.to_design().modes if hasattr(request, "plant") else ()
-    period_s = max((mode.period_s for mode in modes), default=inf)
-    beyond = []
+    plant = request.plant.to_design() if hasattr(request, "plant") else None
+    modes = getattr(plant, "modes_of_moments", ()) or getattr(plant, "modes", ())
+    period_s, beyond = max((mode.period_s for mode in modes), default=inf), []
     for part in PARTS:
         for pointer, name, value in _numbers(getattr(request, part, None), part, f"/{part}"):
             if usual := USUAL_RANGES.get((part, name)):

@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeVar
 
 from design.maps.map_case import Quantity
 from design.model.actuators.model import Model
+from design.moves.hoisting_moves import Retime
 from design.recommendations.requirements import Sign
 from design.rig.crane import HOOK_MASS_KG, CraneModel
 from schemas.actuators import ActuatorIn
@@ -208,12 +209,15 @@ class Calls(ABC):
         plant: Plant,
         actuator: Actuator,
         shaper: Shaper,
-        speed_m_s: float,
+        speed_m_s: float | None = None,
         *,
         pulse_s: float | None = None,
         distance_m: float | None = None,
+        force_n: float | None = None,
+        duration_s: float | None = None,
         initial: AngleSwing | DeflectionSwing | Json | None = None,
         joint: bool = False,
+        retime: Retime | None = None,
         sample_time_s: float | None = None,
     ) -> Maneuver:
         """Design a whole move from rest to rest.
@@ -223,13 +227,18 @@ class Calls(ABC):
         plant, actuator, shaper
             What moves, what drives it, and the kind of shaper.
         speed_m_s
-            Full speed [m/s].
+            Full speed [m/s]; None for a free body.
         pulse_s, distance_m
             One of both: the time from the start to the stop [s], or the distance [m].
+        force_n, duration_s
+            For a free body: the largest force [N], and a time in which it is on as shortly as may
+            be [s]; None for minimum time.
         initial
             Swing at the first step, to be cancelled; None for a load at rest.
         joint
             Whether start and stop are solved as one wherever that is faster.
+        retime
+            While a cable is hoisted: ``both`` start and stop are solved for that, or the ``stop``.
         sample_time_s
             Sample time of a program that a controller replays [s]; None for no program.
 
@@ -255,8 +264,11 @@ class Calls(ABC):
             speed_m_s=speed_m_s,
             pulse_s=pulse_s,
             distance_m=distance_m,
+            force_n=force_n,
+            duration_s=duration_s,
             initial=initial,
             joint=joint,
+            retime=retime,
             sample_time_s=sample_time_s,
         )
 

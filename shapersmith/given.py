@@ -139,10 +139,33 @@ class Modes(Given, plants.ModesIn):
     kind: Literal["modes"] = "modes"
 
 
+class FreeBody(Given, plants.FreeBodyIn):
+    """A body that nothing holds, moved by an on-off force: in maneuvers, with force_n."""
+
+    kind: Literal["free_body"] = "free_body"
+
+
 class Pendulum(Given, plants.PendulumIn):
     """A load on a cable, at small angles."""
 
     kind: Literal["pendulum"] = "pendulum"
+
+
+class LengthCourse(Given, plants.LengthCourseIn):
+    """A length over time: linear between points, held before and after them."""
+
+
+class Hoisting(Given, plants.HoistingIn):
+    """A load on a cable that is hoisted or lowered meanwhile: in maneuvers and simulations.
+
+    Examples
+    --------
+    >>> course = LengthCourse(times_s=[0, 5], values=[0.8, 0.5])
+    >>> Hoisting(cable_length_m=course).damping_ratio
+    0.0
+    """
+
+    kind: Literal["hoisting"] = "hoisting"
 
 
 class DoublePendulum(Given, plants.DoublePendulumIn):

@@ -172,7 +172,7 @@ def maneuver(
     (-1, -0.42, 2.1, False)
     """
     require_speed(actuator, speed_m_s)
-    direction = _direction(plant.mode, speed_m_s, pulse_s, distance_m)
+    direction = direction_of(plant.mode, speed_m_s, pulse_s, distance_m)
     swing = free_swing(plant, initial, direction * abs(speed_m_s), actuator.dead_time_s)
     if swing is not None and swing.delay_s > MAX_PERIODS * plant.mode.period_s:
         raise InvalidInputError(
@@ -294,10 +294,26 @@ def _robustness_warnings(parts: Parts, apart: Impulses, one: Impulses) -> Iterat
         )
 
 
-def _direction(
+def direction_of(
     mode: Mode, speed_m_s: float, pulse_s: float | None, distance_m: float | None
 ) -> int:
-    """Check the numbers of a move; return its sign."""
+    """Check the numbers of a move; return its sign.
+
+    Parameters
+    ----------
+    mode, speed_m_s, pulse_s, distance_m
+        The mode that sets how long a move may be, and numbers as of `maneuver`.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number breaks its rule.
+
+    Returns
+    -------
+    int
+        +1 in +x, -1 in -x.
+    """
     if (pulse_s is None) == (distance_m is None):
         given = "neither" if pulse_s is None else "both"
         raise InvalidInputError(

@@ -1,5 +1,7 @@
 """One move from rest to rest on one page: velocity and payload, the unshaped move beside it."""
 
+from dataclasses import replace
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -9,7 +11,7 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.commands import pulse
 from design.model.impulses import Impulses
-from design.model.plants.mode import Mode
+from design.model.plants.hoisting import Hoisting
 from design.model.plants.registry import Plant
 from design.moves.maneuvers import Maneuver
 from design.pictures.head import HEAD_IN, TITLE_IN, Fact, certificate_fact, note_of, write_head
@@ -18,7 +20,8 @@ from design.pictures.sheet import Sheet
 from design.pictures.style import DEEP, GREY, INK, house_style, legend_above, name_panel
 from design.pictures.time_panels import last_event, mark_end, mark_switches, time_grid
 from design.pictures.words import actuator_in_words, plant_in_words, residual_in_words
-from design.response.closed_form import history
+from design.response.closed_form import History, history
+from design.response.hoisting_simulation import hoisting_history
 from design.solving.textbooks import unshaped_move
 from design.types import FloatArray
 
@@ -37,7 +40,7 @@ def move_sheet(name: str, plant: Plant, actuator: Actuator, move: Maneuver, vers
     name
         The shaper's kind, as the registry names it.
     plant, actuator
-        What moves, of one mode, and its drive.
+        What moves, of one mode or on a cable that is hoisted, and its drive.
     move
         The move.
     version
@@ -50,8 +53,7 @@ def move_sheet(name: str, plant: Plant, actuator: Actuator, move: Maneuver, vers
         binds, and the velocity of the actuator [m/s]; the payload's deflection, of the move and of
         the unshaped one [m].
     """
-    mode = plant.mode
-    times_s = time_grid(move.command, mode, actuator)
+    times_s = _times(move, plant, actuator)
     with house_style():
         figure = Sheet(figsize=SIZE_IN)
         write_head(figure, name, version, _facts(plant, actuator, move), note_of(move.warnings))
@@ -61,8 +63,8 @@ def move_sheet(name: str, plant: Plant, actuator: Actuator, move: Maneuver, vers
         )  # fmt: skip
         top = figure.add_subplot(rows[0])
         bottom = figure.add_subplot(rows[1], sharex=top)
-        _draw_velocity(top, mode, actuator, move, times_s)
-        _draw_payload(bottom, mode, actuator, move, times_s)
+        _draw_velocity(top, plant, actuator, move, times_s)
+        _draw_payload(bottom, plant, actuator, move, times_s)
         top.set_xlim(float(times_s[0]), float(times_s[-1]))
         top.tick_params(labelbottom=False)
         for axes in (top, bottom):
@@ -72,11 +74,11 @@ def move_sheet(name: str, plant: Plant, actuator: Actuator, move: Maneuver, vers
 
 
 def _draw_velocity(
-    axes: Axes, mode: Mode, actuator: Actuator, move: Maneuver, times_s: FloatArray
+    axes: Axes, plant: Plant, actuator: Actuator, move: Maneuver, times_s: FloatArray
 ) -> None:
     name_panel(axes, "velocity", "Command and actuator")
     speed = move.direction * move.speed_m_s
-    moves = history(move.command, mode, actuator, times_s)
+    moves = _history(move.command, plant, actuator, times_s)
     axes.plot(
         times_s, speed * moves.command, color=INK, linewidth=1.0, linestyle=(0, (4, 2)),
         label="command",
@@ -90,12 +92,12 @@ def _draw_velocity(
 
 
 def _draw_payload(
-    axes: Axes, mode: Mode, actuator: Actuator, move: Maneuver, times_s: FloatArray
+    axes: Axes, plant: Plant, actuator: Actuator, move: Maneuver, times_s: FloatArray
 ) -> None:
     name_panel(axes, "payload", "Payload")
     last = end_of_reference(move.command, actuator)
-    shaped = _deflection_m(move.command, mode, actuator, move, times_s)
-    unshaped = _deflection_m(_unshaped(actuator, move), mode, actuator, move, times_s)
+    shaped = _deflection_m(move.command, plant, actuator, move, times_s)
+    unshaped = _deflection_m(_unshaped(actuator, move), plant, actuator, move, times_s)
     axes.plot(
         times_s, unshaped, color=GREY, linewidth=1.2, linestyle=(0, (5, 2)), label="unshaped move"
     )
@@ -115,13 +117,30 @@ def _unshaped(actuator: Actuator, move: Maneuver) -> Impulses:
     return pulse(travel_s)
 
 
+def _times(move: Maneuver, plant: Plant, actuator: Actuator) -> FloatArray:
+    """Return the times to draw; while the cable is hoisted, until that is over too."""
+    if not isinstance(plant, Hoisting):
+        return time_grid(move.command, plant.mode, actuator)
+    times_s = time_grid(move.command, plant.last.mode, actuator)
+    end_s = max(float(times_s[-1]), plant.end_s)
+    return np.union1d(times_s, np.linspace(float(times_s[0]), end_s, times_s.size))
+
+
+def _history(command: Impulses, plant: Plant, actuator: Actuator, times_s: FloatArray) -> History:
+    """Return what a command does; the deflection is over the speed [s]."""
+    if isinstance(plant, Hoisting):
+        return hoisting_history(command, plant, actuator, times_s)
+    moves = history(command, plant.mode, actuator, times_s)
+    return replace(moves, deflection=moves.deflection / plant.mode.natural_frequency_rad_s)
+
+
 def _deflection_m(
-    command: Impulses, mode: Mode, actuator: Actuator, move: Maneuver, times_s: FloatArray
+    command: Impulses, plant: Plant, actuator: Actuator, move: Maneuver, times_s: FloatArray
 ) -> FloatArray:
     """Return the deflection under a command, with what swings already at the first step."""
-    of_command = history(command, mode, actuator, times_s).deflection
-    deflection_s = of_command / mode.natural_frequency_rad_s
+    deflection_s = _history(command, plant, actuator, times_s).deflection
     if move.swing is not None:
+        mode = plant.mode
         pole = mode.pole_rad_s
         # A vector V rings as -Im(V exp(s t)) / Im(s).
         free = np.exp(pole * (times_s - command.times_s[0])) * move.swing.vector(mode)

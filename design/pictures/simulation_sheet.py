@@ -14,6 +14,7 @@ from design.claims import ZERO_LIMITS
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
+from design.model.plants.hoisting import Hoisting
 from design.model.plants.registry import Plant
 from design.moves.playback import Motion
 from design.pictures.head import HEAD_IN, TITLE_IN, Fact, note_of, write_head
@@ -158,7 +159,11 @@ def _draw_velocity(
 
 def _draw_payload(axes: Axes, plant: Plant, motion: Motion, end_s: float) -> None:
     name_panel(axes, "payload", "Payload")
-    mode, times_s = plant.mode, motion.times_s
+    times_s = motion.times_s
+    if isinstance(plant, Hoisting):  # what remains is said of the last length
+        mode, end_s = plant.last.mode, max(end_s, plant.end_s)
+    else:
+        mode = plant.mode
     highest = motion.peak.deflection_m
     if motion.remaining is not None and (motion.residual or 0.0) > ZERO_LIMITS["residual"]:
         ringing_s = np.concatenate(([end_s], times_s[times_s > end_s]))
@@ -176,7 +181,8 @@ def _draw_payload(axes: Axes, plant: Plant, motion: Motion, end_s: float) -> Non
     axes.set_ylim(-1.12 * reach, 1.42 * reach)
     axes.set_ylabel("deflection [m]")
     axes.set_xlabel("time [s]")
-    if motion.angle_rad is not None and motion.peak.angle_rad:
+    in_proportion = motion.angle_rad is not None and not isinstance(plant, Hoisting)
+    if in_proportion and motion.peak.angle_rad:
         degrees_per_m = float(np.degrees(motion.peak.angle_rad) / motion.peak.deflection_m)
 
         def to_degrees(deflection_m: ArrayLike) -> FloatArray:

@@ -6,6 +6,8 @@ from design.claims import ZERO_LIMITS
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
+from design.model.plants.free_body import FreeBody
+from design.model.plants.hoisting import Hoisting
 from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
@@ -35,6 +37,17 @@ def plant_in_words(plant: Plant) -> tuple[str, str]:
     >>> plant_in_words(Pendulum(cable_length_m=0.8, gravity_m_s2=9.81))
     ('0.5573 Hz, period 1.794 s', '3.502 rad/s, cable 0.8 m\ndamping ratio 0')
     """
+    if isinstance(plant, FreeBody):
+        each = ", ".join(f"{frequency_hz(mode):.4g}" for mode in plant.excited)
+        return f"{plant.mass_kg:.4g} kg, free", f"modes at {each} Hz"
+    if isinstance(plant, Hoisting):
+        course = plant.cable_length_m
+        ends = [frequency_hz(plant.at(time_s).mode) for time_s in (0.0, plant.end_s)]
+        return (
+            f"{ends[0]:.4g} to {ends[1]:.4g} Hz",
+            f"cable {course.values[0]:.4g} to {course.values[-1]:.4g} m until {plant.end_s:.4g} s"
+            f"\ndamping ratio {plant.damping_ratio:.3g}",
+        )
     modes = plant.modes
     if len(modes) > 1:
         frequencies = [frequency_hz(mode) for mode in modes]

@@ -5,8 +5,18 @@ from math import tau
 from pydantic import TypeAdapter
 
 from design.model.actuators.in_words import drive_line, has_sets
+from design.model.plants.free_body import FreeBody
 from schemas.actuators import ActuatorIn
-from schemas.plants import DoublePendulumIn, ModesIn, PendulumIn, PlantIn, ScheduledIn, SpringMassIn
+from schemas.plants import (
+    DoublePendulumIn,
+    FreeBodyIn,
+    HoistingIn,
+    ModesIn,
+    PendulumIn,
+    PlantIn,
+    ScheduledIn,
+    SpringMassIn,
+)
 
 PLANTS: TypeAdapter[PlantIn] = TypeAdapter(PlantIn)
 DRIVES: TypeAdapter[ActuatorIn] = TypeAdapter(ActuatorIn)
@@ -28,8 +38,9 @@ def plant_lines(plant: PlantIn) -> list[str]:
     >>> plant_lines(crane)
     ['plant       pendulum, cable 0.8 m, 0.55723 Hz, period 1.7946 s']
     """
-    if isinstance(plant, ModesIn | DoublePendulumIn):
-        modes = plant.to_design().modes
+    if isinstance(plant, ModesIn | DoublePendulumIn | FreeBodyIn):
+        made = plant.to_design()
+        modes = made.excited if isinstance(made, FreeBody) else made.modes
         return [
             f"mode {number:<7}{_swing(one.natural_frequency_rad_s, one.damping_ratio)}"
             for number, one in enumerate(modes, start=1)
@@ -40,6 +51,15 @@ def plant_lines(plant: PlantIn) -> list[str]:
         return [
             f"plant       {plant.plant.kind}, {plant.over} from {plant.from_:g} to {plant.to:g}, "
             f"{ends[0]:.5g} to {ends[1]:.5g} Hz, period {1 / ends[1]:.5g} to {1 / ends[0]:.5g} s"
+        ]
+    if isinstance(plant, HoistingIn):
+        course, moved = plant.cable_length_m, plant.to_design()
+        ends = [
+            moved.at(time_s).mode.natural_frequency_rad_s / tau for time_s in (0.0, moved.end_s)
+        ]
+        return [
+            f"plant       cable hoisted from {course.values[0]:g} to {course.values[-1]:g} m until "
+            f"{course.times_s[-1]:g} s, {ends[0]:.5g} to {ends[1]:.5g} Hz"
         ]
     what = ""
     if isinstance(plant, PendulumIn):
@@ -81,7 +101,7 @@ def drive_lines(actuator: ActuatorIn) -> list[str]:
 
 def only_hertz(plant: PlantIn) -> float | None:
     """Return the natural frequency of a plant that has only one [Hz]."""
-    if isinstance(plant, ModesIn | DoublePendulumIn | ScheduledIn):
+    if isinstance(plant, ModesIn | DoublePendulumIn | FreeBodyIn | ScheduledIn | HoistingIn):
         return None
     return plant.to_design().mode.natural_frequency_rad_s / tau
 

@@ -30,6 +30,12 @@ MODE = {"kind": "mode", "natural_frequency_rad_s": 6.0, "damping_ratio": 0.02}
 
 IDEAL = {"kind": "ideal"}
 
+HOISTING = {
+    "kind": "hoisting",
+    "cable_length_m": {"times_s": [0.0, 5.0], "values": [0.8, 0.5]},
+    "gravity_m_s2": 9.81,
+}
+
 CRANE_OF_9_M = {
     "plant": {"kind": "pendulum", "cable_length_m": 9.0},
     "actuator": {
@@ -108,6 +114,24 @@ EXAMPLES: dict[str, dict[str, Example]] = {
         "program": Example(
             summary="The same as a program on samples of 10 ms",
             value={**CRANE, "speed_m_s": 0.2, "distance_m": 1.0, "sample_time_s": 0.01},
+        ),
+        "hoisting": Example(
+            summary="The same while the cable is hoisted",
+            value={**CRANE, "plant": HOISTING, "speed_m_s": 0.2, "distance_m": 1.0},
+        ),
+        "free_body": Example(
+            summary="Two masses and a spring, moved by an on-off force in minimum time",
+            value={
+                "plant": {
+                    "kind": "free_body",
+                    "mass_kg": 2.0,
+                    "modes": [{"natural_frequency_rad_s": 1.4142135623730951}],
+                },
+                "actuator": IDEAL,
+                "shaper": {"kind": "umzv"},
+                "force_n": 1.0,
+                "distance_m": 1.0,
+            },
         ),
     },
     "simulate": {

@@ -3,8 +3,11 @@
 from typing import TYPE_CHECKING
 
 from design.errors import InvalidInputError
+from design.model.plants.hoisting import Hoisting
+from design.moves.while_hoisting import require_while_hoisting
 from schemas.maneuvers import ManeuverRequest
-from service.operations.maneuver import move_of, program_of
+from schemas.plants import FreeBodyIn
+from service.operations.maneuver import move_of, program_of, require_no_force
 from service.version import version
 
 if TYPE_CHECKING:
@@ -45,7 +48,15 @@ def move_file(request: ManeuverRequest, format_name: str, real: "Real" = "LREAL"
         raise InvalidInputError(
             "format", format_name, "one that plays moves", code="format_without_moves"
         )
+    if isinstance(request.plant, FreeBodyIn):
+        require_no_force("format", format_name)
     plant, actuator, move = move_of(request)
+    require_while_hoisting(
+        "format",
+        format_name,
+        "one of an answer, such as json,",
+        holds=not isinstance(plant, Hoisting),
+    )
     blocks = move_blocks(
         move,
         plant,

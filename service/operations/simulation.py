@@ -8,6 +8,7 @@ from design.analysis.warnings import DesignWarning, sum_warnings
 from design.checks import MIN_VALUE
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
+from design.model.plants.hoisting import Hoisting
 from design.model.plants.registry import Plant
 from design.moves.playback import motion
 from design.moves.shaped_commands import ShapedCommand, shaped_command
@@ -120,11 +121,12 @@ def _play_of(request: SimulationRequest) -> _Play:
         played, warnings = shaped.impulses, [*warnings, *shaped.warnings]
     end = request.until_s
     if end is None:
-        end = (
-            float(played.times_s[-1])
-            + actuator.dead_time_s
-            + AFTERMATH_PERIODS * plant.mode.period_s
-        )
+        last = float(played.times_s[-1]) + actuator.dead_time_s
+        if isinstance(plant, Hoisting):
+            last, mode = max(last, plant.end_s), plant.last.mode
+        else:
+            mode = plant.mode
+        end = last + AFTERMATH_PERIODS * mode.period_s
     first = min(0.0, float(played.times_s[0]))
     times_s = np.linspace(first, max(end, first + MIN_VALUE), request.points)
     return _Play(plant, actuator, played, times_s, tuple(warnings))

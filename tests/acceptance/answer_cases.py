@@ -12,6 +12,8 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.plants.double_pendulum import DoublePendulum
+from design.model.plants.free_body import FreeBody
+from design.model.plants.hoisting import Hoisting
 from design.model.plants.mode import Mode
 from design.model.plants.modes import Modes
 from design.model.plants.pendulum import Pendulum
@@ -62,6 +64,21 @@ def plant_as_json(plant: Plant) -> JSON:
         return {
             "kind": "pendulum",
             "cable_length_m": plant.cable_length_m,
+            "damping_ratio": plant.damping_ratio,
+            "gravity_m_s2": plant.gravity_m_s2,
+        }
+    if isinstance(plant, FreeBody):
+        modes = [plant_as_json(mode) for mode in plant.excited]
+        for mode in modes:
+            del mode["kind"]
+        return {"kind": "free_body", "mass_kg": plant.mass_kg, "modes": modes}
+    if isinstance(plant, Hoisting):
+        return {
+            "kind": "hoisting",
+            "cable_length_m": {
+                "times_s": list(plant.cable_length_m.times_s),
+                "values": list(plant.cable_length_m.values),
+            },
             "damping_ratio": plant.damping_ratio,
             "gravity_m_s2": plant.gravity_m_s2,
         }

@@ -149,7 +149,7 @@ class Dummy(Pendulum):
         ],
         "schemas/plants.py": [
             (
-                "PlantIn = Annotated[\n    ModeIn |",
+                "PlantIn = Annotated[\n    ModeIn",
                 '''from design.model.plants.dummy import Dummy
 
 
@@ -164,7 +164,7 @@ class DummyIn(WireOf[Dummy]):
     gravity_m_s2: Positive = STANDARD_GRAVITY_M_S2
 
 
-PlantIn = Annotated[\n    DummyIn | ModeIn |''',
+PlantIn = Annotated[\n    DummyIn | ModeIn''',
             )
         ],
     },

@@ -15,7 +15,7 @@ from schemas.base import wire_names
 from schemas.design_request import DesignRequest
 from schemas.fits import FIELDS, FitIn
 from schemas.maps import AxisIn
-from schemas.plants import ModeIn, PlantIn, ScheduledIn
+from schemas.plants import LengthCourseIn, ModeIn, PlantIn, ScheduledIn
 from schemas.tables import TableAxis, TableRequest
 from schemas.units import MAX_NAME_CHARACTERS, STAND_INS, UNITS, all_in_si, other_names, reading_of
 from service.dispatch import answer
@@ -104,14 +104,18 @@ def test_a_field_may_be_given_in_another_unit_once(
     model: type[BaseModel], field: str, other: str
 ) -> None:
     end = max((end for end in IN_SI if other.endswith(end)), key=len)
-    in_list = holds_list(model.model_fields[field].annotation)
-    value = [VALUE] * 2 if in_list else VALUE
+    annotation = model.model_fields[field].annotation
+    in_list, over_time = holds_list(annotation), annotation is LengthCourseIn
+    value: Any = [VALUE] * 2 if in_list or over_time else VALUE
+    if over_time:
+        value = {"times_s": [0.5], "values": value}
     given = {**example_of(model), other: value}
     given.pop(field, None)
     body = TypeAdapter(Any).dump_json(given)
     told = getattr(model.model_validate_json(body), field)
     in_si = IN_SI[end](VALUE)
-    assert told == pytest.approx([in_si] * 2 if in_list else in_si, rel=1e-15)
+    found = told.values if over_time else told
+    assert found == pytest.approx([in_si] * 2 if in_list or over_time else in_si, rel=1e-15)
     assert getattr(model.model_validate(given), field) == told
 
     with pytest.raises(ValidationError, match=f"{field}") as caught:

@@ -119,7 +119,8 @@ def test_an_unknown_kind_is_answered_with_every_kind() -> None:
     assert "got 'numzdv'; did you mean numzv, numzvd or" in detail
     problem = refused("design", with_value(CRANE, ("plant",), {}))
     assert problem.errors[0].detail == (
-        "must have a kind: mode, modes, pendulum, double_pendulum, spring_mass or scheduled"
+        "must have a kind: mode, modes, pendulum, double_pendulum, spring_mass, scheduled, "
+        "hoisting or free_body"
     )
 
 
