@@ -177,7 +177,7 @@ class DoublePendulum(Given, plants.DoublePendulumIn):
     ...     hook_mass_kg=0.385, load_mass_kg=0.6, cable_length_m=0.8, load_length_m=0.25
     ... )
     >>> [round(mode.natural_frequency_rad_s, 4) for mode in crane.to_design().modes]
-    [3.1807, 11.0275]
+    [3.1807, 11.0274]
     """
 
     kind: Literal["double_pendulum"] = "double_pendulum"

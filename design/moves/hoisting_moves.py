@@ -93,7 +93,7 @@ def hoisting_maneuver(
     >>> crane = Hoisting(cable_length_m=course)
     >>> move = hoisting_maneuver(crane, Ideal(), SHAPERS["umzv"], speed_m_s=0.2, distance_m=0.8)
     >>> round(move.distance_m, 12), move.command.times_s.round(4).tolist()
-    (0.8, [0.0, 0.2946, 0.5851, 4.0019, 4.2373, 4.4721])
+    (0.8, [0.0, 0.2947, 0.5915, 4.0495, 4.2947, 4.542])
     """
     options = kind.options() if options is None else options
     require_no_limits(actuator)
