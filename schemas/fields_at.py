@@ -27,9 +27,14 @@ def expected_at(model: Any, location: Sequence[int | str]) -> tuple[Any, ...]:  
     return here
 
 
+TAGS = ("kind", "mode")
+"""Names of the fields that say which model of a union is meant."""
+
+
 def kinds_of(expected: Sequence[Any]) -> list[str]:
-    """Return the kinds of those types that are models with a kind."""
-    fields = (one.model_fields.get("kind") for one in expected if _is_model(one))
+    """Return the kinds, or modes, of those types that are models with one."""
+    models = [one for one in expected if _is_model(one)]
+    fields = (one.model_fields.get(tag) for one in models for tag in TAGS)
     return [kind for field in fields if field for kind in get_args(field.annotation)]
 
 

@@ -90,15 +90,16 @@ def refusal(
     if type_ == "extra_forbidden":
         return f"is no field here; {_meaning(where, model, request)}"
     if type_ == "union_tag_not_found":
-        return f"must have a kind: {listed(kinds_of(expected_at(model, where)), 'or')}"
+        return f"must have a {_tag(context)}: {listed(kinds_of(expected_at(model, where)), 'or')}"
     if type_ == "union_tag_invalid":
         kinds = re.findall(r"'([^']*)'", context["expected_tags"])
         tag = str(context["tag"])
         meant = _swapped(tag, kinds, where, model, request) or _meant(
             kinds_meant(tag, {**dict.fromkeys(kinds, ()), **also_called(expected_at(model, where))})
         )
-        told = f"must be of a kind that is known, got {echo(tag)}{meant}"
-        return f"{told}{' The' if told.endswith('?') else '; the'} kinds are {', '.join(kinds)}"
+        name = _tag(context)
+        told = f"must be of a {name} that is known, got {echo(tag)}{meant}"
+        return f"{told}{' The' if told.endswith('?') else '; the'} {name}s are {', '.join(kinds)}"
     if type_ == "literal_error":
         names = re.findall(r"'([^']*)'", context["expected"])
         if names and isinstance(value, str):
@@ -117,6 +118,11 @@ def refusal(
     if given != field and given in other_names(field) and _is_number(value):
         return f"{told}, read as {field}"
     return told + (percent_meant(value, field, most) if most is not None else "")
+
+
+def _tag(context: Mapping[str, Any]) -> str:
+    """Return the field that says which model of a union is meant: kind, or mode."""
+    return str(context["discriminator"]).strip("'")
 
 
 def _is_number(value: object) -> bool:
