@@ -23,7 +23,14 @@ from schemas.simulations import SimulationResponse
 from schemas.solver import SolverOut
 from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut
-from service.cli.plant_lines import DRIVES, PLANTS, drive_lines, only_hertz, plant_lines
+from service.cli.plant_lines import (
+    DRIVES,
+    PLANTS,
+    drive_lines,
+    large_swing_lines,
+    only_hertz,
+    plant_lines,
+)
 from service.cli.recommended import legend, next_command, shown_rows
 from service.cli.run_log import run_lines, run_rows
 
@@ -265,6 +272,7 @@ def _findings(response: Response, request: bytes) -> list[str]:
             _certificate(response.certificate),
             *_shortest(response.solver),
             f"residual    {100 * response.residual:.4g} % with the actuator given",
+            *large_swing_lines(response.large_swing),
             *([] if response.sensitivity is None else _band(response.sensitivity, hertz)),
             *([] if response.fit is None else _fit(response.fit)),
             *_trace(response.trace or []),

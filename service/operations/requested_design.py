@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from design.analysis.large_swing_sensitivity import large_swing_sensitivity
 from design.analysis.sensitivity import Sensitivity, sensitivity
 from design.errors import DesignError
 from design.model.actuators.registry import Actuator
@@ -71,5 +72,10 @@ def requested_design(request: DesignRequest) -> RequestedDesign:
         told = SampledOut.from_design(sampled, continuous)
     curves = []
     if curve_range is not None:
-        curves = [sensitivity(found.impulses, mode, actuator, curve_range) for mode in plant.modes]
+        sent, swing = found.impulses, found.large_swing
+        curves = (
+            [sensitivity(sent, mode, actuator, curve_range) for mode in plant.modes]
+            if swing is None
+            else [large_swing_sensitivity(sent, swing.swing, actuator, curve_range)]
+        )
     return RequestedDesign(plant, actuator, found, curves, told, trace)

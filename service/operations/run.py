@@ -17,6 +17,9 @@ from design.rig.crane import MAX_CABLE_M, AxisName, Crane, Stroke
 from design.rig.runs import SETTLED, Run, Scenario, run
 from design.rig.scenario import Drive, HoistTo, Played, pulse_of_distance
 from design.rig.sensed import sensed
+from design.shapers.kind import ShaperKind
+from design.shapers.options import ShaperOptions
+from design.shapers.refusals import require_small_swings
 from schemas.base import name_field
 from schemas.run_events import EventIn
 from schemas.runs import DelayLine, RunRequest, RunResponse, StrokeIn
@@ -110,7 +113,7 @@ def _case_of(request: RunRequest) -> _Case:
     shaper = None
     if isinstance(request.shaping, DelayLine):
         with name_field("shaping"):
-            shaper = _shaper_of(request.shaping, crane, plant, actuator)
+            shaper = _shaper_of(request.shaping, crane, plant, actuator, request.speed_m_s)
     with name_field("played"):
         played = _played_of(request)
     drives: list[Drive] = []
@@ -184,7 +187,27 @@ def _stroke_of(axis: AxisName, stroke: StrokeIn | None) -> Stroke | None:
         return stroke.to_design()
 
 
-def _shaper_of(line: DelayLine, crane: Crane, plant: Plant, actuator: Actuator) -> Impulses:
+def _require_same_swing(
+    kind: ShaperKind, options: ShaperOptions, crane: Crane, speed_m_s: float
+) -> None:
+    """Check that a shaper for large swings is exact for the run."""
+    if not kind.large_swings:
+        return
+    if crane.model != "nonlinear":
+        require_small_swings(kind, "runs of the linear model", "kind")
+    exact_at = getattr(options, "speed_m_s", None)
+    if exact_at is not None and exact_at != speed_m_s:
+        raise InvalidInputError(
+            "speed_m_s",
+            exact_at,
+            f"that of the run, {speed_m_s:g}: at another the shaper is not exact",
+            code="large_swing_of_other_speed",
+        )
+
+
+def _shaper_of(
+    line: DelayLine, crane: Crane, plant: Plant, actuator: Actuator, speed_m_s: float
+) -> Impulses:
     """Design the shaper of a delay line, for both modes of a hook with a load."""
     frequencies = crane.frequencies_rad_s(crane.cable_length_m)
     subject = plant
@@ -200,6 +223,7 @@ def _shaper_of(line: DelayLine, crane: Crane, plant: Plant, actuator: Actuator) 
         )
     with name_field("shaper"):
         options = line.shaper.options()
+        _require_same_swing(line.shaper.shaper_kind(), options, crane, speed_m_s)
     found = design(subject, actuator, line.shaper.shaper_kind(), options)
     if line.shaper.sample_time_s is not None:
         found, _ = on_samples(found, subject, actuator, line.shaper, line.shaper.sample_time_s)
