@@ -390,3 +390,82 @@ def newton(
 
 ROUNDING_S = 1e-14
 """Share of the longest step below which one moves nothing any more [-]."""
+
+
+@compiled
+def search(
+    drive: FloatArray,
+    modes: FloatArray,
+    derivatives: int,
+    level: float,
+    force: int,
+    lag: FloatArray,
+    start: FloatArray,
+    levels: FloatArray,
+    arcs: int,
+    unknowns: IntArray,
+    fixed_s: FloatArray,
+    guesses_s: FloatArray,
+    shortest_s: float,
+    longest_s: float,
+    iterations: int,
+    limit: float,
+    best_s: float,
+    found_s: FloatArray,
+    lags: FloatArray,
+    rings: FloatArray,
+    system: FloatArray,
+) -> float:
+    """Return the earliest last switch of a pattern, from many guesses.
+
+    Parameters
+    ----------
+    drive, modes, derivatives, level, force, lag, start, levels, arcs, unknowns
+        As of `newton`.
+    fixed_s
+        Gaps of the arcs that are not unknown, shape (arcs,) [s].
+    guesses_s
+        Guesses of the unknown gaps, shape (guesses, unknown) [s].
+    shortest_s
+        Least gap of all arcs except the first, which may be none at all [s].
+    longest_s, iterations
+        As of `newton`.
+    limit
+        What counts as nothing left [-].
+    best_s
+        The last switch that must be beaten, as a time from now [s].
+    found_s
+        The gaps of the earliest, shape (arcs,); changed if one is earlier [s].
+    lags, rings, system
+        As of `newton`.
+
+    Returns
+    -------
+    float
+        Its last switch as a time from now, or ``best_s`` if none is earlier [s].
+    """
+    gaps_s = system[system.shape[0] - 1]
+    for guess in range(guesses_s.shape[0]):
+        k = 0
+        for arc in range(arcs):
+            gaps_s[arc] = fixed_s[arc]
+            if unknowns[arc] >= 0:
+                gaps_s[arc] = guesses_s[guess, k]
+                k += 1
+        left = newton(
+            drive, modes, derivatives, level, force, lag, start, levels, arcs, unknowns, gaps_s,
+            longest_s, iterations, lags, rings, system,
+        )  # fmt: skip
+        if not left <= limit:
+            continue
+        total = 0.0
+        ordered = True
+        for arc in range(arcs):
+            total += gaps_s[arc]
+            least = -shortest_s if arc == 0 else shortest_s
+            ordered = ordered and gaps_s[arc] >= least
+        if ordered and total < best_s:
+            best_s = total
+            for arc in range(arcs):
+                found_s[arc] = max(gaps_s[arc], 0.0)
+    return best_s

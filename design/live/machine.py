@@ -26,8 +26,8 @@ Steady = Mode | Pendulum | SpringMass | Modes | DoublePendulum
 LIVE_KINDS = ("numzv", "numzvd", "num_multi", "umzv")
 """Kinds of shapers whose claims a plan can keep."""
 
-MAX_ITERATIONS = 25
-"""Of Newton's method from one start: it converges in four to nine."""
+MAX_ITERATIONS = 12
+"""Of Newton's method from one start: it converges in four to nine steps."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -26,6 +26,10 @@ class Plan:
     levels: tuple[float, ...] = ()
     fallback: str | None = None
 
+    def __add__(self, later: "Plan") -> "Plan":
+        """Return both in one."""
+        return Plan(times_s=self.times_s + later.times_s, levels=self.levels + later.levels)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class AxisState:
