@@ -14,8 +14,9 @@ from design.model.impulses import Impulses
 from design.model.reference_ramps import reference
 from design.rig.crane import AXES, AxisName, Crane, LimitSwitch
 from design.rig.machine import Machine
-from design.rig.scenario import Drive, HoistTo, Played, command_of
+from design.rig.scenario import Drive, HoistTo, Played, command_of, raise_beside_events
 from design.rig.track import Track
+from design.rig.whole_moves import WholeMove, with_moves
 from design.types import FloatArray
 
 SETTLED = 40.0
@@ -39,8 +40,8 @@ class Scenario:
     ----------
     crane, drive, speed_m_s
         The machine; one drive as that of x and of y, and full speed [m/s].
-    drives, hoists
-        What events command, in any order.
+    drives, moves, hoists
+        What events command, in any order; moves are not shaped, as they are designed as a whole.
     played
         Courses in place of events.
     shaper
@@ -51,6 +52,7 @@ class Scenario:
     drive: Actuator
     speed_m_s: float
     drives: Sequence[Drive] = ()
+    moves: Sequence[WholeMove] = ()
     hoists: Sequence[HoistTo] = ()
     played: dict[AxisName, Played] | None = None
     shaper: Impulses | None = None
@@ -109,7 +111,8 @@ def run(scenario: Scenario, until_s: float | None, points: int) -> Run:
     Raises
     ------
     InvalidInputError
-        If buttons contradict each other, or the machine cannot do it: see `Machine`.
+        If buttons contradict each other, whole moves overlap, or the machine cannot do it: see
+        `Machine`.
     """
     crane, drive = scenario.crane, scenario.drive
 
@@ -119,7 +122,10 @@ def run(scenario: Scenario, until_s: float | None, points: int) -> Run:
     commands = {}
     for axis in AXES:
         course = (scenario.played or {}).get(axis)
+        if course is not None and any(move.axis == axis for move in scenario.moves):
+            raise_beside_events(axis)
         found = command_of(scenario.drives, course, axis, scenario.speed_m_s, shape)
+        found = with_moves(found, scenario.moves, axis, drive)
         if found is not None:
             commands[axis] = found
     machine = Machine(crane, (drive, drive), scenario.speed_m_s)
