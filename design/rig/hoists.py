@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from itertools import pairwise
 
+from design.errors import InvalidInputError
 from design.model.plants.hoisting import Hoisting, LengthCourse
 from design.model.plants.pendulum import Pendulum
 from design.rig.scenario import HoistTo
@@ -65,6 +66,54 @@ def plant_from(first: Pendulum, hoists: Sequence[HoistTo], at_s: float) -> Pendu
         return Pendulum(cable_length_m=points[-1][1], **lasting)
     moments, values = zip(*points, strict=True)
     return Hoisting(cable_length_m=LengthCourse(times_s=moments, values=values), **lasting)
+
+
+def require_taut(first_m: float, hoists: Sequence[HoistTo], gravity_m_s2: float, name: str) -> None:
+    """Check that a hook can follow its hoists.
+
+    A rate that jumps stands for a ramp within the hoists on either side of it. Through the points
+    of a course there is one that keeps the cable taut if no rate grows there by more than a free
+    fall over half of both hoists makes it; where the cable stays, over that of the other alone.
+
+    Parameters
+    ----------
+    first_m
+        The length before all hoists [m].
+    hoists
+        What is hoisted, in any order.
+    gravity_m_s2
+        Acceleration of free fall [m/s^2].
+    name
+        Field that the error names.
+
+    Raises
+    ------
+    InvalidInputError
+        If the cable would be slack however it is hoisted between the points.
+    """
+    if not hoists:
+        return
+    times, lengths = _knots(first_m, hoists)
+    pieces = [
+        (end_s - start_s, (after_m - before_m) / (end_s - start_s))
+        for (start_s, end_s), (before_m, after_m) in zip(
+            pairwise(times), pairwise(lengths), strict=True
+        )
+    ]
+    held = (0.0, 0.0)
+    around = pairwise([held, *pieces, held])
+    for time_s, ((before_s, before), (after_s, after)) in zip(times, around, strict=True):
+        # A cable that stays gives no time in which its rate could change.
+        within_s = (before_s if before else 0.0) + (after_s if after else 0.0)
+        most = gravity_m_s2 * within_s / 2
+        if after - before > most * (1 + 1e-9):  # rounding of the times
+            raise InvalidInputError(
+                name,
+                f"{before:.6g} m/s before and {after:.6g} m/s after {time_s:.6g} s",
+                "such that the cable stays taut: a hook that falls freely gains at most "
+                f"{most:.4g} m/s between the middles of these hoists",
+                code="faster_than_free_fall",
+            )
 
 
 def _knots(first_m: float, hoists: Sequence[HoistTo]) -> tuple[list[float], list[float]]:

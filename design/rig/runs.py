@@ -12,7 +12,7 @@ from design.model.actuators.registry import Actuator
 from design.model.commands import convolve
 from design.model.impulses import Impulses
 from design.model.reference_ramps import reference
-from design.rig.crane import AXES, AxisName, Crane, LimitSwitch
+from design.rig.crane import AXES, AxisName, Crane, LimitSwitch, SlackCable
 from design.rig.machine import Machine
 from design.rig.scenario import Drive, HoistTo, Played, command_of, raise_beside_events
 from design.rig.track import Track
@@ -143,7 +143,7 @@ def run(scenario: Scenario, until_s: float | None, points: int) -> Run:
     end = last + drive.dead_time_s + AFTERMATH_PERIODS * period if until_s is None else until_s
     times = np.linspace(0.0, end, points)
     track = machine.advance(end, times)
-    switches = tuple(machine.switches)
+    switches, slack = tuple(machine.switches), machine.slack
     steady = max([0.0, *ends, *(_steady_s(command, drive) for command in commands.values())])
     return Run(
         commands=commands,
@@ -152,7 +152,7 @@ def run(scenario: Scenario, until_s: float | None, points: int) -> Run:
         last_switch_s=last,
         residual=_residual(machine, drive, steady),
         switches=switches,
-        warnings=_warnings(beyond, switches),
+        warnings=_warnings(beyond, switches, slack),
     )
 
 
@@ -203,7 +203,9 @@ def _residual(machine: Machine, drive: Actuator, steady_s: float) -> float | Non
     return amplitudes[0] / amplitudes[1]
 
 
-def _warnings(beyond: float, switches: tuple[LimitSwitch, ...]) -> tuple[DesignWarning, ...]:
+def _warnings(
+    beyond: float, switches: tuple[LimitSwitch, ...], slack: tuple[SlackCable, ...]
+) -> tuple[DesignWarning, ...]:
     told = []
     if beyond > FULL_SPEED:
         told.append(
@@ -219,6 +221,16 @@ def _warnings(beyond: float, switches: tuple[LimitSwitch, ...]) -> tuple[DesignW
                 code="limit_switch",
                 detail=f"{switch.axis} met its limit switch at {switch.position_m:.6g} m, "
                 f"{switch.at_s:.6g} s: its drive was commanded to stop",
+            )
+        )
+    for one in slack:
+        name = "cable" if one.cable == "upper" else "cable below the hook"
+        told.append(
+            DesignWarning(
+                code="slack_cable",
+                detail=f"the {name} would have to push from {one.at_s:.6g} s on, by up to "
+                f"{one.push_n:.3g} N and for {one.duration_s:.3g} s in all: a real one is slack "
+                "then, and the run keeps it taut",
             )
         )
     return tuple(told)

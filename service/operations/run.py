@@ -11,6 +11,7 @@ from design.model.impulses import Impulses
 from design.model.plants.hoisting import Hoisting
 from design.model.plants.registry import Plant
 from design.rig.crane import AxisName, Crane
+from design.rig.hoists import require_taut
 from design.rig.runs import SETTLED, Run, Scenario, run
 from design.rig.scenario import Drive, HoistTo, Played, pulse_of_distance
 from design.rig.sensed import sensed
@@ -125,6 +126,9 @@ def _case_of(request: RunRequest) -> _Case:
             event.require_one()
             if event.cable_length_m is not None and event.over_s is not None:
                 hoists.append(_hoist_of(number, event, plant, swinging))
+    if swinging.cable is not None:
+        name = "plant.cable_length_m" if swinging.hoists else "events"
+        require_taut(crane.cable_length_m, hoists, crane.gravity_m_s2, name)
     shaper: Impulses | None = None
     warnings: tuple[DesignWarning, ...] = ()
     if isinstance(request.shaping, DelayLine):

@@ -216,6 +216,18 @@ MOVE = whole(0.0, x_m=0.42)
             "/events/0",
             "got 'none'",
         ),
+        (
+            {"events": [{**HOIST, "over_s": 0.2}]},
+            "faster_than_free_fall",
+            "/events",
+            "stays taut",
+        ),
+        (
+            {"plant": {**HOISTING, "cable_length_m": {"times_s": [0, 0.1], "values": [1, 1.2]}}},
+            "faster_than_free_fall",
+            "/plant/cable_length_m",
+            "2 m/s after 0 s",
+        ),
         ({"events": [{**MOVE, "for_s": 1}]}, "part_of_other_event", "/events/0/for_s", "direction"),
         (
             {"events": [{**MOVE, **HOIST}]},
@@ -286,3 +298,12 @@ def test_both_axes_move_whole_beside_presses_of_the_delay_line(client: httpx.Cli
     assert run["history"]["y"]["position_m"][-1] == pytest.approx(0.3, abs=1e-9)
     alone = ask(client, events=[whole(4.0, y_m=0.3)])
     assert run["command"]["y"] == alone["command"]["y"]
+
+
+def test_a_cable_that_would_have_to_push_is_a_warning(client: httpx.Client) -> None:
+    quick = {"kind": "first_order", "accel_time_constant_s": 0.01, "decel_time_constant_s": 0.01}
+    press = [{**PRESS, "for_s": 0.5}]
+    run = ask(client, actuator=quick, speed_m_s=1.0, model="nonlinear", events=press)
+    assert [one["code"] for one in run["warnings"]] == ["slack_cable"]
+    assert "from 0.5 s on" in run["warnings"][0]["detail"]
+    assert ask(client, actuator=quick, speed_m_s=1.0, events=press)["warnings"] == []
