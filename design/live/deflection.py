@@ -25,7 +25,7 @@ import numpy as np
 
 from design.checks import require_between
 from design.live.deflection_peak import peak_deflection
-from design.live.machine import IDEAL_ROW, drive_row, mode_rows
+from design.live.machine import IDEAL_ROW, MAX_LIMIT, MIN_LIMIT, drive_row, mode_rows
 from design.live.propagation import Rows, carry
 from design.live.stair_programme import (
     CELLS,
@@ -40,10 +40,6 @@ from design.live.state import AxisState, Plan
 from design.model.actuators.rate_limited import Unlimited
 from design.model.plants.mode import Mode
 from design.types import IntArray
-
-MIN_LIMIT, MAX_LIMIT = 0.05, 10.0
-"""Limits to the deflection: below, a start takes more than three periods and its steps are coarse,
-above, nothing is limited [-]."""
 
 FIRST_PERIODS = 0.4
 """Time that is tried first, in periods of the slowest mode [-]."""
@@ -140,7 +136,8 @@ def limited_plan(
         plan=Plan(),
     )
     stairs = Staircase(axis=mirrored, actuator=actuator, modes=modes)
-    allowed, best = limit, None
+    kept = limit * (1 - ROUNDING)  # the other route's peak is another by rounding
+    allowed, best = kept, None
     for _ in range(MAX_MARGINS):
         found = _shortest(stairs, direction * target, allowed)
         if found is None:
@@ -151,9 +148,9 @@ def limited_plan(
             continue
         peak = peak_deflection(actuator, modes, replace(mirrored, plan=plan))
         best = LimitedPlan(plan=_sent(plan, actuator, direction), peak=peak)
-        if peak <= limit or found.limit > allowed:
+        if peak <= kept or found.limit > allowed:
             break
-        allowed *= (limit / peak) * (1 - ROUNDING)
+        allowed *= (kept / peak) * (1 - ROUNDING)
     return None if best is None else _told(best, limit)
 
 

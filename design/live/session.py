@@ -22,7 +22,10 @@ import numpy as np
 
 from design.analysis.certificate import Certificate, Claim
 from design.errors import InvalidInputError
+from design.live.demands import limit_deflection
+from design.live.emergency import EmergencyRequest, emergency_stop
 from design.live.machine import LiveKind, LiveMachine
+from design.live.plan_claims import Witnessed, claims_of_plan
 from design.live.planning import Task, last_switch_s, solve_plan, task_of, wait_and_solve
 from design.live.propagation import carry
 from design.live.state import AxisState, Plan, at_rest
@@ -31,7 +34,6 @@ from design.live.witness import (
     Route,
     Witness,
     carry_witness,
-    claims_of,
     route_of,
     witness_at_rest,
 )
@@ -64,8 +66,8 @@ class Press:
                 raise InvalidInputError(name, level, "between -1 and 1", code="out_of_range")
 
 
-Request = Press | LiveKind
-"""What can happen: buttons, or a new kind of shaper."""
+Request = Press | LiveKind | EmergencyRequest
+"""What can happen: buttons, another kind of shaper, or an emergency stop of both axes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -233,11 +235,16 @@ def event(machine: LiveMachine, state: LiveState, at_s: float, request: Request)
     _require_small(machine, now)
     kind, x, y = now.kind, now.x.target, now.y.target
     if isinstance(request, LiveKind):
+        machine.require_kind(request)
         kind = request
-    else:
+    elif isinstance(request, Press):
         x, y = x if request.x is None else request.x, y if request.y is None else request.y
-    planned_x = _planned(machine, now, now.x, now.witness_x, kind, x)
-    planned_y = _planned(machine, now, now.y, now.witness_y, kind, y)
+    if isinstance(request, EmergencyRequest):
+        planned_x = _stopped(machine, now, now.x, now.witness_x, request)
+        planned_y = _stopped(machine, now, now.y, now.witness_y, request)
+    else:
+        planned_x = _planned(machine, now, now.x, now.witness_x, kind, x)
+        planned_y = _planned(machine, now, now.y, now.witness_y, kind, y)
     reasons = [
         f"{name}: {one.reason}"
         for name, one in (("x", planned_x), ("y", planned_y))
@@ -300,23 +307,24 @@ def _planned(
     kind: LiveKind,
     target: float,
 ) -> _Planned:
-    task, routes = _task(machine, state.modes), _routes(machine, state.modes)
-    dead_s = machine.actuator.dead_time_s
+    task = _task(machine, state.modes)
 
     def claims(one: AxisState, of: LiveKind) -> tuple[Claim, ...]:
-        ends_s = [state.time_s, *(time_s + dead_s for time_s in one.plan.times_s)]
-        done = _witnessed(machine, routes, witnesses, one.plan, ends_s[-1])
-        if of.ideal:
-            return claims_of(routes.ideal, done.ideal, slopes=of.slope)
-        return claims_of(routes.given, done.given, slopes=of.slope)
+        return _claims(machine, state, witnesses, one.plan, of)
 
     if target == axis.target and kind == state.kind:
         return _Planned(axis, axis.plan.fallback, claims(axis, kind))
-    # What was sent within the dead time is answered whatever happens now.
-    sent = sum(time_s < state.time_s for time_s in axis.plan.times_s)
-    flying = Plan(times_s=axis.plan.times_s[:sent], levels=axis.plan.levels[:sent])
-    ahead = carry(task.rows, replace(axis, plan=flying), state.time_s + dead_s)
+    flying, ahead = _ahead(machine, state, axis)
     solved = solve_plan(task, kind, ahead, target)
+    if machine.deflection_limit is not None:
+        free = None if solved is None else solved.plan
+        plan = limit_deflection(machine, state.modes, ahead, target, free)
+        if plan is not None:
+            limited = replace(flying + plan, fallback=plan.fallback)
+            found = _claims(machine, state, witnesses, limited, kind)
+            if all(claim.holds for claim in found if claim.quantity == "residual"):
+                limited_axis = replace(axis, target=target, plan=limited)
+                return _Planned(limited_axis, plan.fallback, found)
     if solved is not None:
         solved = replace(axis, target=target, plan=flying + solved.plan)
     for waits in (False, True):
@@ -332,8 +340,51 @@ def _planned(
     return _Planned(kept, reason, claims(kept, state.kind))
 
 
+def _ahead(machine: LiveMachine, state: LiveState, axis: AxisState) -> tuple[Plan, AxisState]:
+    """Return what was sent within the dead time, and the axis once it is answered."""
+    sent = sum(time_s < state.time_s for time_s in axis.plan.times_s)
+    flying = Plan(times_s=axis.plan.times_s[:sent], levels=axis.plan.levels[:sent])
+    rows = _task(machine, state.modes).rows
+    then_s = state.time_s + machine.actuator.dead_time_s
+    return flying, carry(rows, replace(axis, plan=flying), then_s)
+
+
+def _stopped(
+    machine: LiveMachine,
+    state: LiveState,
+    axis: AxisState,
+    witnesses: Witnesses,
+    request: EmergencyRequest,
+) -> _Planned:
+    """Return an axis with its emergency stop, and what swings when its time is over."""
+    flying, ahead = _ahead(machine, state, axis)
+    found = emergency_stop(machine.actuator, state.modes, ahead, request)
+    plan = replace(
+        flying + found.plan,
+        fallback=found.plan.fallback,
+        swing_left=request.swing_left,
+        rests_s=found.end_s,
+    )
+    claims = _claims(machine, state, witnesses, plan, LiveKind())
+    return _Planned(replace(axis, target=0.0, plan=plan), plan.fallback, claims)
+
+
+def _claims(
+    machine: LiveMachine, state: LiveState, witnesses: Witnesses, plan: Plan, kind: LiveKind
+) -> tuple[Claim, ...]:
+    """Return what is found of a plan of an axis."""
+    routes = _routes(machine, state.modes)
+    seen = Witnessed(routes.given, witnesses.given)
+    if kind.ideal and plan.rests_s is None:
+        seen = Witnessed(routes.ideal, witnesses.ideal)
+    return claims_of_plan(machine, state.modes, seen, plan, kind)
+
+
 def _worst(one: tuple[Claim, ...], other: tuple[Claim, ...]) -> tuple[Claim, ...]:
-    """Return the larger of both axes' claims; where they claim different things, all of them."""
+    """Return the claims nearer to their limits; where both axes claim different things, all."""
     if [claim.quantity for claim in one] != [claim.quantity for claim in other]:
         return one + other
-    return tuple(max(pair, key=lambda claim: claim.value) for pair in zip(one, other, strict=True))
+    return tuple(
+        max(pair, key=lambda claim: claim.value / claim.limit)
+        for pair in zip(one, other, strict=True)
+    )
