@@ -116,14 +116,8 @@ class LiveMachine:
         InvalidInputError
             If it asks for more than no residual, or ignores the drive.
         """
-        if self.deflection_limit is not None and (kind.slope or kind.ideal):
-            raise InvalidInputError(
-                "kind",
-                kind.name,
-                "numzv, or num_multi without slope, with deflection_limit: a command that keeps "
-                "the limit makes the residual zero behind this drive, and nothing more",
-                code="kind_not_with_deflection_limit",
-            )
+        if self.deflection_limit is not None:
+            require_kind_with_limit(kind)
 
     @property
     def modes(self) -> tuple[Mode, ...]:
@@ -134,6 +128,24 @@ class LiveMachine:
     def drive_row(self) -> FloatArray:
         """The drive, as the kernel knows it."""
         return drive_row(self.actuator)
+
+
+def require_kind_with_limit(kind: LiveKind) -> None:
+    """Check that plans of a kind can keep a limit to the deflection.
+
+    Raises
+    ------
+    InvalidInputError
+        If it asks for more than no residual, or ignores the drive.
+    """
+    if kind.slope or kind.ideal:
+        raise InvalidInputError(
+            "kind",
+            kind.name,
+            "numzv, or num_multi without slope, with deflection_limit: a command that keeps "
+            "the limit makes the residual zero behind this drive, and nothing more",
+            code="kind_not_with_deflection_limit",
+        )
 
 
 def live_drive(actuator: Actuator) -> Unlimited:

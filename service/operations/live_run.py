@@ -8,11 +8,12 @@ from design.live.machine import (
     LiveMachine,
     live_drive,
     live_plant,
+    require_kind_with_limit,
 )
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.rig.crane import MAX_SWING_RAD, Crane
-from design.rig.live_events import LiveAnswer
+from design.rig.live_events import Emergency, LiveAnswer
 from schemas.base import name_field
 from schemas.certificates import CertificateOut
 from schemas.run_events import EventIn
@@ -61,6 +62,9 @@ def live_machine(
         for name in ("move", "cable_length_m"):
             if getattr(event, name) is not None:
                 _not_live(f"events.{number}.{name}", _plain(event, name))
+    if request.deflection_limit is not None:
+        with name_field("shaping.shaper"):
+            require_kind_with_limit(kind)
     # A swing of an angle has the deflection L times it; an unshaped step's is v / w.
     length = crane.cable_length_m
     step_m = request.speed_m_s / crane.slowest_rad_s
@@ -70,6 +74,49 @@ def live_machine(
         kind=kind,
         largest_swing=MAX_SWING_RAD * length / step_m if crane.load is None else None,
         sample_time_s=shaping.sample_time_s,
+        deflection_limit=request.deflection_limit,
+    )
+
+
+def emergencies(request: RunRequest) -> dict[int, Emergency]:
+    """Return the emergency stops among the events, by their numbers.
+
+    Parameters
+    ----------
+    request
+        The run.
+
+    Returns
+    -------
+    dict
+        Empty where there are none.
+
+    Raises
+    ------
+    InvalidInputError
+        If one is out of its range, or it or a limit to the deflection is not in live mode.
+    """
+    found = {}
+    live = isinstance(request.shaping, LiveShaping)
+    for number, event in enumerate(request.events or ()):
+        with name_field(f"events.{number}"):
+            stop = event.emergency()
+            if stop is None:
+                continue
+            if not live:
+                _only_live("stop", event.stop)
+            found[number] = Emergency(at_s=event.at_s, stop=stop)
+    if request.deflection_limit is not None and not live:
+        _only_live("deflection_limit", request.deflection_limit)
+    return found
+
+
+def _only_live(field: str, value: object) -> None:
+    raise InvalidInputError(
+        field,
+        value,
+        "left out without shaping of mode live, which solves the command from the state",
+        code="only_shaped_live",
     )
 
 
