@@ -8,11 +8,12 @@ evenly while the payload hangs back at the limit, nothing, and full speed.
 
 Examples
 --------
+>>> from design.live.machine import LiveKind
 >>> from design.live.state import at_rest
 >>> from design.model.actuators.ideal import Ideal
 >>> from design.model.plants.pendulum import Pendulum
 >>> crane = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81)
->>> found = limited_plan(Ideal(), crane.modes, at_rest(1), 1.0, 0.5)
+>>> found = limited_plan(Ideal(), crane.modes, at_rest(1, LiveKind()), 1.0, 0.5)
 >>> periods = found.plan.times_s[-1] * crane.mode.natural_frequency_rad_s / math.tau
 >>> 0.396 < periods < 0.404, found.peak <= 0.5
 (True, True)

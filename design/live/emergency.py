@@ -9,11 +9,12 @@ sets differ the same pattern is solved with both sets.
 Examples
 --------
 >>> from dataclasses import replace
+>>> from design.live.machine import LiveKind
 >>> from design.live.state import at_rest
 >>> from design.model.actuators.ideal import Ideal
 >>> from design.model.plants.pendulum import Pendulum
 >>> crane = Pendulum(cable_length_m=0.8, gravity_m_s2=9.81)
->>> driving = replace(at_rest(1), level=1.0, target=1.0)
+>>> driving = replace(at_rest(1, LiveKind()), level=1.0, target=1.0)
 >>> stop = emergency_stop(Ideal(), crane.modes, driving, EmergencyRequest())
 >>> round(0.2 * stop.way_s, 5), len(stop.plan.times_s)
 (0.05981, 3)

@@ -26,18 +26,15 @@ from design.live.demands import limit_deflection
 from design.live.emergency import EmergencyRequest, emergency_stop
 from design.live.machine import LiveKind, LiveMachine
 from design.live.plan_claims import Witnessed, claims_of_plan
-from design.live.planning import Task, last_switch_s, solve_plan, task_of, wait_and_solve
+from design.live.planning import NOTHING, Task, last_switch_s, solve_plan, task_of, wait_and_solve
 from design.live.propagation import carry
 from design.live.state import AxisState, Plan, at_rest
 from design.live.witness import (
     METHOD,
-    Route,
-    Witness,
-    carry_witness,
-    route_of,
+    without_slope,
     witness_at_rest,
 )
-from design.model.actuators.ideal import Ideal
+from design.live.witnesses import Witnesses, carry_witnesses, routes_of
 from design.model.plants.mode import Mode
 
 AxisName = Literal["x", "y"]
@@ -68,14 +65,6 @@ class Press:
 
 Request = Press | LiveKind | EmergencyRequest
 """What can happen: buttons, another kind of shaper, or an emergency stop of both axes."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Witnesses:
-    """The second opinion on an axis: behind the drive, and behind an ideal one."""
-
-    given: Witness
-    ideal: Witness
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -119,16 +108,11 @@ class LiveState:
         return max(last_switch_s(self.x), last_switch_s(self.y), self.time_s)
 
 
-class _Routes(NamedTuple):
-    given: Route
-    ideal: Route
-
-
 def init(machine: LiveMachine) -> LiveState:
     """Return the state of a machine at rest at time 0."""
-    routes = _routes(machine, machine.modes)
+    routes = routes_of(machine, machine.modes)
     at = Witnesses(given=witness_at_rest(routes.given), ideal=witness_at_rest(routes.ideal))
-    rest = at_rest(len(machine.modes))
+    rest = at_rest(len(machine.modes), machine.kind)
     return LiveState(
         time_s=0.0,
         event_s=None,
@@ -139,10 +123,6 @@ def init(machine: LiveMachine) -> LiveState:
         witness_x=at,
         witness_y=at,
     )
-
-
-def _routes(machine: LiveMachine, modes: tuple[Mode, ...]) -> _Routes:
-    return _Routes(route_of(machine.actuator, modes), route_of(Ideal(), modes))
 
 
 def _task(machine: LiveMachine, modes: tuple[Mode, ...]) -> Task:
@@ -182,27 +162,17 @@ def _moved(machine: LiveMachine, state: LiveState, until_s: float, *, through: b
             f"not before the latest event or step, at {state.time_s:.9g} s",
             code="event_in_the_past",
         )
-    task, routes = _task(machine, state.modes), _routes(machine, state.modes)
+    task, routes = _task(machine, state.modes), routes_of(machine, state.modes)
 
     def move(axis: AxisState, witnesses: Witnesses) -> tuple[AxisState, Witnesses]:
         after = carry(task.rows, axis, until_s, through=through)
         made = len(axis.plan.times_s) - len(after.plan.times_s)
         plan = Plan(times_s=axis.plan.times_s[:made], levels=axis.plan.levels[:made])
-        return after, _witnessed(machine, routes, witnesses, plan, until_s)
+        return after, carry_witnesses(machine, routes, witnesses, plan, until_s)
 
     x, witness_x = move(state.x, state.witness_x)
     y, witness_y = move(state.y, state.witness_y)
     return replace(state, time_s=until_s, x=x, y=y, witness_x=witness_x, witness_y=witness_y)
-
-
-def _witnessed(
-    machine: LiveMachine, routes: _Routes, witnesses: Witnesses, plan: Plan, until_s: float
-) -> Witnesses:
-    acts = [time_s + machine.actuator.dead_time_s for time_s in plan.times_s]
-    return Witnesses(
-        given=carry_witness(routes.given, witnesses.given, acts, plan.levels, until_s),
-        ideal=carry_witness(routes.ideal, witnesses.ideal, acts, plan.levels, until_s),
-    )
 
 
 def event(machine: LiveMachine, state: LiveState, at_s: float, request: Request) -> LiveState:
@@ -233,6 +203,7 @@ def event(machine: LiveMachine, state: LiveState, at_s: float, request: Request)
     _require_sampled(machine, state, at_s)
     now = _moved(machine, state, at_s, through=False)
     _require_small(machine, now)
+    now = _without_old_slopes(machine, now)
     kind, x, y = now.kind, now.x.target, now.y.target
     if isinstance(request, LiveKind):
         machine.require_kind(request)
@@ -261,6 +232,27 @@ def event(machine: LiveMachine, state: LiveState, at_s: float, request: Request)
     )
 
 
+def _without_old_slopes(machine: LiveMachine, state: LiveState) -> LiveState:
+    """Return the state with no slope of an axis that swings no more and has no plan.
+
+    The slope says what an error of the frequency does to the next moment of rest. What earlier
+    moves did is over: a phase that an error has turned since then cancels nothing.
+    """
+    routes = routes_of(machine, state.modes)
+
+    def forget(axis: AxisState, witnesses: Witnesses) -> tuple[AxisState, Witnesses]:
+        if axis.plan.times_s or np.abs(axis.rings[:, :2]).max() > NOTHING:
+            return axis, witnesses
+        rings = axis.rings.copy()
+        rings[:, 2:] = 0.0
+        given = without_slope(routes.given, witnesses.given)
+        return replace(axis, rings=rings), replace(witnesses, given=given)
+
+    x, witness_x = forget(state.x, state.witness_x)
+    y, witness_y = forget(state.y, state.witness_y)
+    return replace(state, x=x, y=y, witness_x=witness_x, witness_y=witness_y)
+
+
 def _require_sampled(machine: LiveMachine, state: LiveState, at_s: float) -> None:
     if machine.sample_time_s is None or state.event_s is None:
         return
@@ -278,7 +270,7 @@ def _require_sampled(machine: LiveMachine, state: LiveState, at_s: float) -> Non
 def _require_small(machine: LiveMachine, state: LiveState) -> None:
     if machine.largest_swing is None:
         return
-    unshaped = _routes(machine, state.modes).given.unshaped
+    unshaped = routes_of(machine, state.modes).given.unshaped
     for name, axis in (("x", state.x), ("y", state.y)):
         largest = float((np.abs(np.array(axis.vibration)) / unshaped).max())
         if largest > machine.largest_swing:
@@ -312,8 +304,11 @@ def _planned(
     def claims(one: AxisState, of: LiveKind) -> tuple[Claim, ...]:
         return _claims(machine, state, witnesses, one.plan, of)
 
-    if target == axis.target and kind == state.kind:
-        return _Planned(axis, axis.plan.fallback, claims(axis, kind))
+    if target == axis.target:
+        found = claims(axis, kind)
+        if kind != axis.kind and not all(claim.holds for claim in found):
+            return _Planned(axis, axis.plan.fallback, claims(axis, axis.kind))
+        return _Planned(replace(axis, kind=kind), axis.plan.fallback, found)
     flying, ahead = _ahead(machine, state, axis)
     solved = solve_plan(task, kind, ahead, target)
     if machine.deflection_limit is not None:
@@ -323,7 +318,7 @@ def _planned(
             limited = replace(flying + plan, fallback=plan.fallback)
             found = _claims(machine, state, witnesses, limited, kind)
             if all(claim.holds for claim in found if claim.quantity == "residual"):
-                limited_axis = replace(axis, target=target, plan=limited)
+                limited_axis = replace(axis, target=target, plan=limited, kind=kind)
                 return _Planned(limited_axis, plan.fallback, found)
     if solved is not None:
         solved = replace(axis, target=target, plan=flying + solved.plan)
@@ -331,13 +326,13 @@ def _planned(
         one = wait_and_solve(task, kind, axis, target) if waits else solved
         found = () if one is None else claims(one, kind)
         if one is not None and all(claim.holds for claim in found):
-            return _Planned(one, None, found)
+            return _Planned(replace(one, kind=kind), None, found)
     reason = (
         f"no command to {target:g} at rest was found; the older plan to {axis.target:g}, which is "
         "verified, goes on"
     )
     kept = replace(axis, plan=replace(axis.plan, fallback=reason))
-    return _Planned(kept, reason, claims(kept, state.kind))
+    return _Planned(kept, reason, claims(kept, kept.kind))
 
 
 def _ahead(machine: LiveMachine, state: LiveState, axis: AxisState) -> tuple[Plan, AxisState]:
@@ -365,15 +360,16 @@ def _stopped(
         swing_left=request.swing_left,
         rests_s=found.end_s,
     )
-    claims = _claims(machine, state, witnesses, plan, LiveKind())
-    return _Planned(replace(axis, target=0.0, plan=plan), plan.fallback, claims)
+    stopped = replace(axis, target=0.0, plan=plan, kind=state.kind)
+    claims = _claims(machine, state, witnesses, plan, state.kind)
+    return _Planned(stopped, plan.fallback, claims)
 
 
 def _claims(
     machine: LiveMachine, state: LiveState, witnesses: Witnesses, plan: Plan, kind: LiveKind
 ) -> tuple[Claim, ...]:
     """Return what is found of a plan of an axis."""
-    routes = _routes(machine, state.modes)
+    routes = routes_of(machine, state.modes)
     seen = Witnessed(routes.given, witnesses.given)
     if kind.ideal and plan.rests_s is None:
         seen = Witnessed(routes.ideal, witnesses.ideal)

@@ -11,7 +11,7 @@ from design.analysis.unshaped import unshaped_gain
 from design.errors import InvalidInputError
 from design.live.deflection import LimitedPlan, limited_plan
 from design.live.deflection_peak import peak_deflection
-from design.live.machine import LiveMachine
+from design.live.machine import LiveKind, LiveMachine
 from design.live.propagation import carry
 from design.live.state import AxisState, Plan, at_rest
 from design.model.actuators.ideal import Ideal
@@ -22,7 +22,7 @@ from tests.design.live.machines import CRANE, DRIVES, KIM, rows_of
 
 MODES = CRANE.modes
 PERIOD_S = math.tau / CRANE.mode.natural_frequency_rad_s
-REST = at_rest(1)
+REST = at_rest(1, LiveKind())
 
 FIGURES = [(0.5, 0.400), (0.4, 0.463), (0.3, 0.580), (0.2, 0.829)]
 """THEORY, section 11: limit, and the least time [periods]."""

@@ -10,7 +10,7 @@ import pytest
 from design.analysis.residual import residual_vibration
 from design.errors import InvalidInputError
 from design.live.emergency import EmergencyRequest, EmergencyStop, emergency_stop, stop_case
-from design.live.machine import LiveMachine
+from design.live.machine import LiveKind, LiveMachine
 from design.live.propagation import carry
 from design.live.state import AxisState, Plan, at_rest
 from design.live.stop_case import StopCase
@@ -32,7 +32,7 @@ from tests.design.live.stop_cases import (
 
 SPEED_M_S = 0.2
 PERIOD_S = math.tau / CRANE.mode.natural_frequency_rad_s
-FULL_SPEED = replace(at_rest(1), level=1.0, target=1.0)
+FULL_SPEED = replace(at_rest(1, LiveKind()), level=1.0, target=1.0)
 
 FIGURES = [(0.0, 1, 59.81), (0.05, 1, 56.54), (0.2, 1, 47.01), (0.5, 1, 28.86), (0.0, 2, 57.73)]
 """THEORY, section 11: swing left, periods, and the least travel [mm]."""
@@ -53,7 +53,7 @@ def driven(
     """Return the state of an axis from rest, after some commands."""
     rows = rows_of(LiveMachine(plant=CRANE, actuator=actuator))
     plan = Plan(times_s=tuple(times_s), levels=tuple(levels))
-    return carry(rows, replace(at_rest(1), plan=plan), now_s + actuator.dead_time_s)
+    return carry(rows, replace(at_rest(1, LiveKind()), plan=plan), now_s + actuator.dead_time_s)
 
 
 def whole_command(times_s: list[float], levels: list[float], plan: Plan) -> Impulses:
@@ -227,7 +227,7 @@ def test_two_modes_are_both_brought_to_rest() -> None:
         )
     )
     rows = rows_of(LiveMachine(plant=plant, actuator=KIM))
-    started = replace(at_rest(2), plan=Plan(times_s=(0.0, 0.6), levels=(0.4, 1.0)))
+    started = replace(at_rest(2, LiveKind()), plan=Plan(times_s=(0.0, 0.6), levels=(0.4, 1.0)))
     axis = carry(rows, started, 1.7)
     done = emergency_stop(KIM, plant.modes, axis, EmergencyRequest(within_periods=2))
     assert done.plan.fallback is None
@@ -246,7 +246,7 @@ def test_a_swing_that_damps_out_by_itself_needs_no_pulse() -> None:
 
 
 def test_at_rest_there_is_nothing_to_do() -> None:
-    done = stop_of(at_rest(1), KIM)
+    done = stop_of(at_rest(1, LiveKind()), KIM)
     assert done.plan == Plan()
     assert done.way_s == done.swing_left == 0
 
