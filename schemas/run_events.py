@@ -7,7 +7,7 @@ from pydantic import Field
 
 from design.checks import MAX_VALUE
 from design.errors import InvalidInputError
-from design.live.emergency import EmergencyRequest
+from design.live.emergency_request import EmergencyRequest
 from design.rig.scenario import Played, played_positions
 from schemas.base import Positive, Wire
 from schemas.shapers import ShaperIn

@@ -9,6 +9,7 @@ sets differ the same pattern is solved with both sets.
 Examples
 --------
 >>> from dataclasses import replace
+>>> from design.live.emergency_request import EmergencyRequest
 >>> from design.live.machine import LiveKind
 >>> from design.live.state import at_rest
 >>> from design.model.actuators.ideal import Ideal
@@ -26,7 +27,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from design.checks import require_between
+from design.live.emergency_request import EmergencyRequest
 from design.live.state import AxisState, Plan
 from design.live.stop_case import StopCase
 from design.live.stop_newton import EXACT, Stop, refine
@@ -40,10 +41,7 @@ from design.model.actuators.rate_limited import Unlimited
 from design.model.plants.mode import Mode
 from design.types import ComplexArray, FloatArray
 
-MIN_PERIODS, MAX_PERIODS = 0.05, 8.0
-"""Periods of the slowest mode within which a stop may be asked for: beyond, little is gained."""
-
-MARGINS = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0)
+MARGINS = (0.003, 0.01, 0.05, 0.3, 1.0)
 """Shares of an unshaped step's swing that are tried above the least of a grid [-]."""
 
 FINER = (4, 16)
@@ -61,27 +59,6 @@ SAME_WAY_S = 1e-12
 
 MOVING = 1e-9
 """Velocity above which a drive moves, as share of full speed [-]."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EmergencyRequest:
-    """What an emergency stop may leave, and until when.
-
-    Attributes
-    ----------
-    swing_left
-        Largest swing that may be left in any mode, over that of an unshaped step, 0 to less than 1
-        [-].
-    within_periods
-        Periods of the slowest mode after which no more than that swings, and the command is 0 [-].
-    """
-
-    swing_left: float = 0.0
-    within_periods: float = 1.0
-
-    def __post_init__(self) -> None:
-        require_between("within_periods", self.within_periods, MIN_PERIODS, MAX_PERIODS)
-        require_between("swing_left", self.swing_left, 0.0, math.nextafter(1.0, 0.0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -224,27 +201,31 @@ def stop_case(case: StopCase, swing_left: float) -> CaseStop:
     best = _at_once(case)
     if np.all(np.abs(best.vibration) <= radii + EXACT):
         return _told(case, best, asked=True)
-    found = _least_way(case, gains, radii)
+    found = _least_way(case, gains, radii, FINER)
     if found is not None:
         return _told(case, found, asked=True)
     least = least_swing(case, gains[0]).share
     for margin in MARGINS:
         share = max(least, swing_left) + margin
-        found = _least_way(case, gains, share * units)
+        found = _least_way(case, gains, share * units, ())
         if found is not None:
             return _told(case, found, asked=False)
     return _told(case, best, asked=False)
 
 
-def _least_way(case: StopCase, gains: list[ComplexArray], radii: FloatArray) -> Stop | None:
+def _least_way(
+    case: StopCase, gains: list[ComplexArray], radii: FloatArray, finer: tuple[int, ...]
+) -> Stop | None:
     """Return the least way that is found from starts by several transfer functions."""
     best: Stop | None = None
-    for one, fineness in [*((one, 1) for one in gains), *((gains[0], more) for more in FINER)]:
+    feasible = False
+    for one, fineness in [*((one, 1) for one in gains), *((gains[0], more) for more in finer)]:
+        if fineness > 1 and not feasible:
+            break
         pulses = starting_pulses(case, one, radii, fineness)
         if pulses is None:
-            if fineness > 1:
-                return None
             continue
+        feasible = True
         found = _repaired(case, one, radii, refine(case, pulses, radii))
         if found is not None and (best is None or found.way_s < best.way_s):
             best = found
@@ -252,7 +233,7 @@ def _least_way(case: StopCase, gains: list[ComplexArray], radii: FloatArray) -> 
             continue
         alike = len(gains) == 1
         if not alike or _gap_s(case, best, radii) * case.slowest_rad_s <= SMALL_GAP:
-            return best
+            break
     return best
 
 

@@ -23,7 +23,8 @@ import numpy as np
 from design.analysis.certificate import Certificate, Claim
 from design.errors import InvalidInputError
 from design.live.demands import limit_deflection
-from design.live.emergency import EmergencyRequest, emergency_stop
+from design.live.emergency import emergency_stop
+from design.live.emergency_request import EmergencyRequest
 from design.live.machine import LiveKind, LiveMachine
 from design.live.plan_claims import Witnessed, claims_of_plan
 from design.live.planning import NOTHING, Task, last_switch_s, solve_plan, task_of, wait_and_solve

@@ -12,7 +12,7 @@ import numpy as np
 from design.live.stop_case import Pulse, StopCase
 from design.types import BoolArray, ComplexArray, FloatArray, IntArray
 
-MAX_ITERATIONS = 40
+MAX_ITERATIONS = 20
 """Of Newton's method for one number of pulses: six to ten do."""
 
 MAX_PATTERNS = 8

@@ -7,7 +7,7 @@ import numpy as np
 
 from design.analysis.certificate import Certificate
 from design.errors import InvalidInputError
-from design.live.emergency import EmergencyRequest
+from design.live.emergency_request import EmergencyRequest
 from design.live.machine import LiveMachine
 from design.live.session import SAME_TIME_S, LiveState, Press, event, init
 from design.live.state import Plan

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from design.live.emergency import EmergencyRequest
+from design.live.emergency_request import EmergencyRequest
 from design.live.machine import LiveKind, LiveMachine
 from design.live.session import LiveState, Press, event, init, step
 from design.model.actuators.rate_limited import Unlimited

@@ -9,7 +9,8 @@ import pytest
 
 from design.analysis.residual import residual_vibration
 from design.errors import InvalidInputError
-from design.live.emergency import EmergencyRequest, EmergencyStop, emergency_stop, stop_case
+from design.live.emergency import EmergencyStop, emergency_stop, stop_case
+from design.live.emergency_request import EmergencyRequest
 from design.live.machine import LiveKind, LiveMachine
 from design.live.propagation import carry
 from design.live.state import AxisState, Plan, at_rest
