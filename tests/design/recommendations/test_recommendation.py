@@ -201,7 +201,7 @@ def test_on_samples_every_candidate_lies_on_them() -> None:
 def test_several_modes_are_served_by_the_kinds_for_several() -> None:
     found = asked(TWO_MODES, THESIS, half_width=0.05)
     kinds = {one.designed.choice.kind.name for one in everything(found).values()}
-    assert kinds == {"multi_zv", "multi_umzv", "num_multi", "convolved"}
+    assert kinds == {"multi_zv", "multi_umzv", "num_multi", "multi_si", "convolved"}
     for one in found.candidates:
         for mode in TWO_MODES.modes:
             left = largest_in_band_by_formula(one.impulses, mode, THESIS, (0.95, 1.05), 201)
