@@ -83,6 +83,7 @@ class Calls(ABC):
         shaper: Shaper,
         *,
         sensitivity: SensitivityRange | Json | None = USUAL_CURVE,
+        drive: DriveRange | Json | None = None,
         fit: FitRange | Json | None = None,
         trace: bool = False,
     ) -> Design:
@@ -96,6 +97,8 @@ class Calls(ABC):
             Kind of shaper.
         sensitivity
             Range of its sensitivity curve; None for no curve.
+        drive
+            By how much the drive may be off; None for no residual of such drives.
         fit
             Range of its curve coefficients; None for none.
         trace
@@ -123,6 +126,7 @@ class Calls(ABC):
             actuator=actuator,
             shaper=_shaper(shaper),
             sensitivity=sensitivity,
+            drive=drive,
             fit=fit,
             trace=trace,
         )
