@@ -8,6 +8,7 @@ import numpy as np
 from design.analysis.residuals_of_many import residuals_of_cases
 from design.checks import require_between
 from design.errors import InvalidInputError
+from design.fields import vary
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.rate_limited import RateLimited
 from design.model.actuators.registry import Actuator
@@ -76,11 +77,22 @@ def parameters_of(actuator: Actuator) -> dict[Path, float]:
     return {}
 
 
-def require_parameters(actuator: Actuator) -> None:
-    """Raise InvalidInputError if a drive has no parameters that may be off."""
+def require_parameters(actuator: Actuator, name: str = "drive") -> None:
+    """Check that a drive has parameters that may be off.
+
+    Parameters
+    ----------
+    actuator, name
+        The drive, and the field that asks for it to be off.
+
+    Raises
+    ------
+    InvalidInputError
+        If it has none.
+    """
     if not parameters_of(actuator):
         raise InvalidInputError(
-            "drive",
+            name,
             actuator.kind,
             "left out for an actuator without parameters",
             code="drive_without_parameters",
@@ -127,6 +139,39 @@ def drive_sensitivity(
         residuals=np.array(residuals),
         worst=dict(zip(names, worst.tolist(), strict=True)),
     )
+
+
+def drives_off(actuator: Actuator, share: float) -> tuple[Actuator, ...]:
+    """Return the drives in all corners: each parameter larger or smaller.
+
+    Parameters
+    ----------
+    actuator
+        The drive as given, of k parameters.
+    share
+        By which each of them is off [-].
+
+    Returns
+    -------
+    tuple of Actuator
+        2^k drives; one without parameters is the drive as given.
+
+    Raises
+    ------
+    InvalidInputError
+        If a parameter that is off breaks its rule.
+    """
+    given = parameters_of(actuator)
+    drives = []
+    for factors in (1 + share * corners_of(actuator)).tolist():
+        drive = actuator
+        for (path, value), factor in zip(given.items(), factors, strict=True):
+            try:
+                drive = vary(drive, path, factor * value)
+            except InvalidInputError as error:
+                raise error.at(".".join(path), factor * value) from None
+        drives.append(drive)
+    return tuple(drives)
 
 
 def corners_of(actuator: Actuator) -> FloatArray:

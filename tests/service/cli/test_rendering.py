@@ -216,3 +216,18 @@ def test_the_text_says_it_for_the_share_that_is_asked_and_where_it_changes_nothi
     impulses = {"times_s": [0, 0.2, 0.5], "amplitudes": [1, -1, 1]}
     told = text("sensitivity", {**DRIVEN, "impulses": impulses, "drive": {"to": 0.3}})
     assert "drive off   by 30 %: " in told
+
+
+def test_a_recommendation_for_a_drive_that_is_off_has_a_column_and_a_reason_for_it() -> None:
+    first_order = {
+        "kind": "first_order", "accel_time_constant_s": 0.03, "decel_time_constant_s": 0.012,
+    }  # fmt: skip
+    request = {"plant": CRANE["plant"], "actuator": first_order, "half_width": 0.05}
+    told = text("recommend", {**request, "drive_off_by": 0.2})
+    best = package.recommend(**request, drive_off_by=0.2).recommended
+    (verdict,) = (one for one in best.requirements if one.requirement == "drive_off_by")
+    heading, row = (line.split() for line in told.splitlines()[:2])
+    assert verdict.value is not None
+    assert row[heading.index("drive_off_%")] == f"{100 * verdict.value:.4g}"
+    assert f"why         {best.name} {verdict.reason}" in told
+    assert "drive_off" not in text("recommend", request)
