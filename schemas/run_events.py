@@ -9,6 +9,7 @@ from design.checks import MAX_VALUE
 from design.errors import InvalidInputError
 from design.rig.scenario import Played, played_positions
 from schemas.base import Positive, Wire
+from schemas.shapers import ShaperIn
 from schemas.simulations import MAX_HISTORY_POINTS
 
 Time = Annotated[float, Field(ge=0, le=MAX_VALUE)]
@@ -51,7 +52,17 @@ class EventIn(Wire):
     ] = None
     move: Annotated[
         DistancesIn | None,
-        Field(description="Exact distances, travelled by pressing as long as they take."),
+        Field(
+            description="Exact distances, travelled by pressing as long as they take, or, with "
+            "shaper, by whole moves."
+        ),
+    ] = None
+    shaper: Annotated[
+        ShaperIn | None,
+        Field(
+            description="With move: starts and stops designed by this kind, each without "
+            "vibration, as POST /v1/maneuvers does; they do not pass the delay line."
+        ),
     ] = None
     cable_length_m: Annotated[
         float | None,
@@ -78,11 +89,16 @@ class EventIn(Wire):
                 "an event of direction, move or cable_length_m",
                 code="unknown_event",
             )
-        for name, owner in (("for_s", "direction"), ("over_s", "cable_length_m")):
-            if getattr(self, name) is not None and owner not in given:
+        for name, owner in (
+            ("for_s", "direction"),
+            ("shaper", "move"),
+            ("over_s", "cable_length_m"),
+        ):
+            value = getattr(self, name)
+            if value is not None and owner not in given:
                 raise InvalidInputError(
                     name,
-                    getattr(self, name),
+                    value.kind if name == "shaper" else value,
                     f"left out without {owner}",
                     code="part_of_other_event",
                 )

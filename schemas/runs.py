@@ -36,6 +36,13 @@ class DelayLine(Wire):
 
     mode: Literal["delay_line"]
     shaper: ShaperIn
+    cable_length_m: Annotated[
+        Positive | None,
+        Field(
+            description="Cable that the shaper is designed for, in place of the plant's; where it "
+            "is hoisted the first length if not given [m]."
+        ),
+    ] = None
 
 
 class LoadIn(WireOf[Load]):
@@ -129,7 +136,13 @@ class RunRequest(Wire):
     played: Annotated[
         PlayedAxes | None, Field(description="Courses that a controller has computed or recorded.")
     ] = None
-    hook_mass_kg: Annotated[Positive, Field(description="Mass of the hook [kg].")] = HOOK_MASS_KG
+    hook_mass_kg: Annotated[
+        Positive | None,
+        Field(
+            description=f"Mass of the hook; {HOOK_MASS_KG:g} if not given, and that of the plant "
+            "where it is of kind double_pendulum [kg]."
+        ),
+    ] = None
     load: Annotated[
         LoadIn | None, Field(description="What swings under the hook; nothing if not given.")
     ] = None

@@ -11,7 +11,7 @@ from design.maps.map_case import Quantity
 from design.model.actuators.model import Model
 from design.moves.hoisting_moves import Retime
 from design.recommendations.requirements import Sign
-from design.rig.crane import HOOK_MASS_KG, CraneModel
+from design.rig.crane import CraneModel
 from schemas.actuators import ActuatorIn
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
@@ -336,7 +336,7 @@ class Calls(ABC):
         model: CraneModel = "linear",
         played: Json | None = None,
         load: Json | None = None,
-        hook_mass_kg: float = HOOK_MASS_KG,
+        hook_mass_kg: float | None = None,
         strokes: Json | None = None,
         max_speed_m_s: float | None = None,
         camera: Json | None = None,
@@ -363,7 +363,7 @@ class Calls(ABC):
         load
             What swings under the hook: ``{"mass_kg": ..., "length_m": ...}``.
         hook_mass_kg
-            Mass of the hook [kg].
+            Mass of the hook; that of the mini-crane, or of a double pendulum, if not given [kg].
         strokes
             How far x and y can go: ``{"x": {"length_m": ..., "start_m": ..., "switch_m": ...}}``.
         max_speed_m_s

@@ -20,13 +20,25 @@ from design.rig.axis import (
     axis_motion,
     drive_row,
 )
-from design.rig.crane import AXES, AxisName, Crane, LimitSwitch, Stroke, require_cable
+from design.rig.crane import (
+    AXES,
+    CABLES,
+    AxisName,
+    Crane,
+    LimitSwitch,
+    SlackCable,
+    Stroke,
+    require_cable,
+)
 from design.rig.march import (
     HOIST,
     HOIST_SPEED,
+    LEAST_TENSION,
     NOW,
     ROPE_RATE,
     ROW_SIZE,
+    SLACK_FOR,
+    SLACK_SINCE,
     STROKE,
     SWING,
     SWITCH,
@@ -100,6 +112,7 @@ class Machine:
         for row, stroke in zip(self._axes, crane.strokes, strict=True):
             _bound(row, stroke)
         self._rope = np.array([0.0, crane.cable_length_m, 0.0, math.inf, crane.cable_length_m])
+        self._slack = np.array([[math.inf, 0.0, math.inf]] * 2)
         self._events: list[tuple[float, float, float, float]] = []
 
     @property
@@ -111,6 +124,26 @@ class Machine:
     def pressed(self) -> tuple[int, int]:
         """Side of the limit switch that is pressed in x and y: -1, 0 or 1."""
         return int(self._axes[0, BLOCKED]), int(self._axes[1, BLOCKED])
+
+    @property
+    def slack(self) -> tuple[SlackCable, ...]:
+        """The cables that would have had to push until now, the upper one first.
+
+        The nonlinear model keeps them taut. A velocity that jumps stands for a short ramp, of which
+        no tension is known.
+        """
+        crane = self.crane
+        masses = (crane.hook_mass_kg, 0.0 if crane.load is None else crane.load.mass_kg)
+        return tuple(
+            SlackCable(
+                cable=name,
+                at_s=float(row[SLACK_SINCE]),
+                duration_s=float(row[SLACK_FOR]),
+                push_n=float(-row[LEAST_TENSION]) * mass,
+            )
+            for name, mass, row in zip(CABLES, masses, self._slack, strict=True)
+            if row[SLACK_FOR] > 0
+        )
 
     def command(self, axis: AxisName, level: float, at_s: float | None = None) -> None:
         """Command the velocity of an axis.
@@ -196,6 +229,7 @@ class Machine:
                 self._state,
                 self._axes,
                 self._rope,
+                self._slack,
                 events,
                 event,
                 times,

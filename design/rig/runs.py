@@ -12,10 +12,11 @@ from design.model.actuators.registry import Actuator
 from design.model.commands import convolve
 from design.model.impulses import Impulses
 from design.model.reference_ramps import reference
-from design.rig.crane import AXES, AxisName, Crane, LimitSwitch
+from design.rig.crane import AXES, AxisName, Crane, LimitSwitch, SlackCable
 from design.rig.machine import Machine
-from design.rig.scenario import Drive, HoistTo, Played, command_of
+from design.rig.scenario import Drive, HoistTo, Played, command_of, raise_beside_events
 from design.rig.track import Track
+from design.rig.whole_moves import WholeMove, with_moves
 from design.types import FloatArray
 
 SETTLED = 40.0
@@ -39,8 +40,8 @@ class Scenario:
     ----------
     crane, drive, speed_m_s
         The machine; one drive as that of x and of y, and full speed [m/s].
-    drives, hoists
-        What events command, in any order.
+    drives, moves, hoists
+        What events command, in any order; moves are not shaped, as they are designed as a whole.
     played
         Courses in place of events.
     shaper
@@ -51,6 +52,7 @@ class Scenario:
     drive: Actuator
     speed_m_s: float
     drives: Sequence[Drive] = ()
+    moves: Sequence[WholeMove] = ()
     hoists: Sequence[HoistTo] = ()
     played: dict[AxisName, Played] | None = None
     shaper: Impulses | None = None
@@ -109,7 +111,8 @@ def run(scenario: Scenario, until_s: float | None, points: int) -> Run:
     Raises
     ------
     InvalidInputError
-        If buttons contradict each other, or the machine cannot do it: see `Machine`.
+        If buttons contradict each other, whole moves overlap, or the machine cannot do it: see
+        `Machine`.
     """
     crane, drive = scenario.crane, scenario.drive
 
@@ -119,7 +122,10 @@ def run(scenario: Scenario, until_s: float | None, points: int) -> Run:
     commands = {}
     for axis in AXES:
         course = (scenario.played or {}).get(axis)
+        if course is not None and any(move.axis == axis for move in scenario.moves):
+            raise_beside_events(axis)
         found = command_of(scenario.drives, course, axis, scenario.speed_m_s, shape)
+        found = with_moves(found, scenario.moves, axis, drive)
         if found is not None:
             commands[axis] = found
     machine = Machine(crane, (drive, drive), scenario.speed_m_s)
@@ -137,7 +143,7 @@ def run(scenario: Scenario, until_s: float | None, points: int) -> Run:
     end = last + drive.dead_time_s + AFTERMATH_PERIODS * period if until_s is None else until_s
     times = np.linspace(0.0, end, points)
     track = machine.advance(end, times)
-    switches = tuple(machine.switches)
+    switches, slack = tuple(machine.switches), machine.slack
     steady = max([0.0, *ends, *(_steady_s(command, drive) for command in commands.values())])
     return Run(
         commands=commands,
@@ -146,7 +152,7 @@ def run(scenario: Scenario, until_s: float | None, points: int) -> Run:
         last_switch_s=last,
         residual=_residual(machine, drive, steady),
         switches=switches,
-        warnings=_warnings(beyond, switches),
+        warnings=_warnings(beyond, switches, slack),
     )
 
 
@@ -197,7 +203,9 @@ def _residual(machine: Machine, drive: Actuator, steady_s: float) -> float | Non
     return amplitudes[0] / amplitudes[1]
 
 
-def _warnings(beyond: float, switches: tuple[LimitSwitch, ...]) -> tuple[DesignWarning, ...]:
+def _warnings(
+    beyond: float, switches: tuple[LimitSwitch, ...], slack: tuple[SlackCable, ...]
+) -> tuple[DesignWarning, ...]:
     told = []
     if beyond > FULL_SPEED:
         told.append(
@@ -213,6 +221,16 @@ def _warnings(beyond: float, switches: tuple[LimitSwitch, ...]) -> tuple[DesignW
                 code="limit_switch",
                 detail=f"{switch.axis} met its limit switch at {switch.position_m:.6g} m, "
                 f"{switch.at_s:.6g} s: its drive was commanded to stop",
+            )
+        )
+    for one in slack:
+        name = "cable" if one.cable == "upper" else "cable below the hook"
+        told.append(
+            DesignWarning(
+                code="slack_cable",
+                detail=f"the {name} would have to push from {one.at_s:.6g} s on, by up to "
+                f"{one.push_n:.3g} N and for {one.duration_s:.3g} s in all: a real one is slack "
+                "then, and the run keeps it taut",
             )
         )
     return tuple(told)

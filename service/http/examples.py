@@ -167,6 +167,22 @@ EXAMPLES: dict[str, dict[str, Example]] = {
                 "points": 201,
             },
         ),
+        "moves": Example(
+            summary="There and back by whole moves, while the cable is hoisted",
+            value={
+                "plant": {
+                    "kind": "hoisting",
+                    "cable_length_m": {"times_s": [0.0, 5.0], "values": [0.8, 0.5]},
+                },
+                "actuator": CRANE["actuator"],
+                "speed_m_s": 0.2,
+                "events": [
+                    {"at_s": 0.0, "move": {"x_m": 0.8}, "shaper": {"kind": "numzv"}},
+                    {"at_s": 6.0, "move": {"x_m": -0.8}, "shaper": {"kind": "numzv"}},
+                ],
+                "points": 201,
+            },
+        ),
         "hoist": Example(
             summary="A press while the hook is hoisted",
             value={
