@@ -88,6 +88,17 @@ class HappeningIn(Wire):
                 "an event of direction, move or cable_length_m",
                 code="unknown_event",
             )
+        # A direction of 0 is a stop, a move of 0 is none.
+        pressed = None if self.direction is None else (self.direction.x, self.direction.y)
+        moved = None if self.move is None else (self.move.x_m or None, self.move.y_m or None)
+        for name, axes in (("direction", pressed), ("move", moved)):
+            if axes == (None, None):
+                raise InvalidInputError(
+                    name,
+                    "none",
+                    "of x or y, or both: it does nothing otherwise",
+                    code="event_of_no_axis",
+                )
         for name, owner in (
             ("for_s", "direction"),
             ("shaper", "move"),

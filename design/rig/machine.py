@@ -52,6 +52,9 @@ from design.types import FloatArray
 FIRST_STEP_S = 0.01
 """What the first step is tried with; the error chooses those after it [s]."""
 
+NO_EVENTS = np.empty((0, 4))
+"""What happens between most samples of a controller."""
+
 FASTEST_DRIVE_RAD_S = 1e6
 """Fastest lag that steps through time resolve; an ideal one is exact [rad/s]."""
 
@@ -227,14 +230,34 @@ class Machine:
             If an axis goes past its stroke, the hoist is faster than it can be, or a cable swings
             more than 60 degrees: what, where and when.
         """
-        require_between("until_s", until_s, self.now_s, MAX_VALUE)
         times = np.array([until_s]) if times_s is None else times_s
+        rows = np.empty((times.size, ROW_SIZE))
+        self.advance_into(rows, until_s, times)
+        return Track(crane=self.crane, times_s=times, rows=rows)
+
+    def advance_into(self, rows: FloatArray, until_s: float, times_s: FloatArray) -> None:
+        """Go on to a time, and write what is seen into rows that somebody has.
+
+        Parameters
+        ----------
+        rows
+            Those of a track, shape (n, ROW_SIZE); overwritten.
+        until_s
+            Where to end, not before now [s].
+        times_s
+            Times to look at, as of `advance`, shape (n,) [s].
+
+        Raises
+        ------
+        InvalidInputError
+            As `advance` does.
+        """
+        require_between("until_s", until_s, self.now_s, MAX_VALUE)
         due = 0
         while due < len(self._events) and self._events[due][0] <= until_s:
             due += 1
-        events = np.array(self._events[:due]).reshape(-1, 4)
+        events = np.array(self._events[:due]).reshape(-1, 4) if due else NO_EVENTS
         del self._events[:due]
-        rows = np.empty((times.size, ROW_SIZE))
         event = row = 0
         while True:
             ended, axis, event, row = march(
@@ -246,7 +269,7 @@ class Machine:
                 self._slack,
                 events,
                 event,
-                times,
+                times_s,
                 rows,
                 row,
                 until_s,
@@ -271,7 +294,6 @@ class Machine:
                 f"such that the hoist goes at most {self.crane.max_speed_m_s:g} m/s",
                 code="hoist_too_fast",
             )
-        return Track(crane=self.crane, times_s=times, rows=rows)
 
     def open_bounds(self) -> None:
         """Let axes go past strokes and switches, and cables swing, from now on."""

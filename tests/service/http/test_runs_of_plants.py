@@ -228,6 +228,9 @@ MOVE = whole(0.0, x_m=0.42)
             "/plant/cable_length_m",
             "2 m/s after 0 s",
         ),
+        ({"events": [{**MOVE, "move": {}}]}, "event_of_no_axis", "/events/0/move", "x or y"),
+        ({"events": [{"at_s": 0, "move": {"y_m": 0}}]}, "event_of_no_axis", "/events/0/move", "x"),
+        ({"events": [{**PRESS, "direction": {}}]}, "event_of_no_axis", "/events/0/direction", "y"),
         ({"events": [{**MOVE, "for_s": 1}]}, "part_of_other_event", "/events/0/for_s", "direction"),
         (
             {"events": [{**MOVE, **HOIST}]},
