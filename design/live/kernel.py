@@ -370,6 +370,8 @@ def newton(
                 system[row, size] = -rings[0, mode, part]
         if iteration == iterations or not left < math.inf:
             break
+        if 2 * iteration == iterations and left > ASTRAY:
+            return math.inf
         if not _eliminate(system, size):
             return math.inf
         longest = 0.0
@@ -387,6 +389,9 @@ def newton(
             iterations = iteration + 1
     return left
 
+
+ASTRAY = 0.1
+"""Largest part left after half the iterations, above which the guess leads nowhere in time [-]."""
 
 ROUNDING_S = 1e-14
 """Share of the longest step below which one moves nothing any more [-]."""

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import get_args
 
 import numpy as np
 
@@ -10,7 +9,7 @@ from design.checks import MAX_VALUE, require_between, require_scale
 from design.errors import InvalidInputError
 from design.live.kernel import FIRST, MODE_SIZE, OF_SET, POLE, SECOND, SET_SIZE, SWITCHED
 from design.model.actuators.ideal import Ideal
-from design.model.actuators.rate_limited import Unlimited
+from design.model.actuators.rate_limited import RateLimited, Unlimited
 from design.model.actuators.registry import Actuator
 from design.model.plants.double_pendulum import DoublePendulum
 from design.model.plants.mode import Mode
@@ -48,7 +47,7 @@ class LiveKind:
     def __post_init__(self) -> None:
         if self.name not in LIVE_KINDS:
             raise InvalidInputError(
-                "shaper.kind",
+                "kind",
                 self.name,
                 "one of " + ", ".join(LIVE_KINDS) + " in live mode: their commands are full speed "
                 "or rest, and are solved anew at each event",
@@ -92,8 +91,8 @@ class LiveMachine:
     max_iterations: int = MAX_ITERATIONS
 
     def __post_init__(self) -> None:
-        require_live_drive(self.actuator)
-        require_live_plant(self.plant)
+        live_drive(self.actuator)
+        live_plant(self.plant)
         if self.largest_swing is not None:
             require_scale("largest_swing", self.largest_swing)
         if self.sample_time_s is not None:
@@ -110,40 +109,51 @@ class LiveMachine:
         return drive_row(self.actuator)
 
 
-def require_live_drive(actuator: Actuator) -> None:
-    """Check that a drive is served live.
+def live_drive(actuator: Actuator) -> Unlimited:
+    """Return a drive that is served live.
+
+    Returns
+    -------
+    Unlimited
+        As given.
 
     Raises
     ------
     InvalidInputError
         If it has limits to acceleration.
     """
-    if not isinstance(actuator, get_args(Unlimited)):
+    if isinstance(actuator, RateLimited):
         raise InvalidInputError(
             "actuator.kind",
             actuator.kind,
             "ideal, first_order or second_order in live mode: behind limits to acceleration the "
-            "state has no closed form to solve from; shape with a delay line there",
+            "state has no closed form to solve from. A delay line serves it",
             code="drive_not_live",
         )
+    return actuator
 
 
-def require_live_plant(plant: Plant) -> None:
-    """Check that a plant is served live.
+def live_plant(plant: Plant) -> Steady:
+    """Return a plant that is served live.
+
+    Returns
+    -------
+    Steady
+        As given.
 
     Raises
     ------
     InvalidInputError
         If its modes are not known once and for all.
     """
-    if not isinstance(plant, get_args(Steady)):
+    if not isinstance(plant, Steady):
         raise InvalidInputError(
             "plant.kind",
-            getattr(plant, "kind", type(plant).__name__.lower()),
-            "a mode, modes, a pendulum, a double pendulum or masses on a spring in live mode: "
-            "what changes comes as an event",
+            type(plant).__name__.lower(),
+            "a mode, modes, a pendulum, a double pendulum or masses on a spring in live mode",
             code="plant_not_live",
         )
+    return plant
 
 
 def drive_row(actuator: Unlimited) -> FloatArray:

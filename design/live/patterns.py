@@ -26,8 +26,8 @@ PAIR_SECOND = (0.05, 0.15, 0.3, 0.45)
 TUPLES = 24
 """Guesses of more than two unknown gaps."""
 
-LONGEST_GUESS = 0.55
-"""Longest of these gaps, in periods of the slowest mode [-]."""
+SHORTEST_GUESS, LONGEST_GUESS = 0.04, 0.55
+"""Range of these gaps, in periods of the slowest mode: evenly in their logarithm [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -124,7 +124,8 @@ def guesses_s(modes: tuple[Mode, ...], unknowns: int) -> FloatArray:
         return slowest_s * np.array(list(itertools.product(PAIR_FIRST, PAIR_SECOND)))
     bases = [n for n in range(2, 100) if all(n % k for k in range(2, n))][:unknowns]
     points = [[_radical_inverse(n, base) for base in bases] for n in range(1, TUPLES + 1)]
-    return LONGEST_GUESS * slowest_s * np.array(points)
+    spread = (LONGEST_GUESS / SHORTEST_GUESS) ** np.array(points)
+    return SHORTEST_GUESS * slowest_s * spread
 
 
 def _radical_inverse(number: int, base: int) -> float:

@@ -32,6 +32,11 @@ LEAST_SUPERPOSED_PULSE = 0.01
 that model alone: no drive can follow them [-]."""
 
 
+FEW, SOON = 2, 0.8
+"""Unknown gaps above which longer patterns are tried only if the last switch is later than this, in
+periods of the slowest mode: four unknown gaps take milliseconds a pattern [-]."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Task:
     """What planning needs of a machine whose modes stay as they are.
@@ -153,7 +158,8 @@ def _earliest(task: Task, kind: LiveKind, axis: AxisState, target: float) -> Axi
     lag = axis.lag[0]
     count = len(task.modes)
     unknowns = count * (4 if kind.slope else 2)
-    fastest_s = min(mode.period_s for mode in task.modes)
+    periods_s = [mode.period_s for mode in task.modes]
+    slowest_s, fastest_s = max(periods_s), min(periods_s)
     apart = task.apart and not kind.ideal
     shortest_s = fastest_s * (LEAST_SUPERPOSED_PULSE if apart else LEAST_PULSE)
     memory = (
@@ -190,6 +196,8 @@ def _earliest(task: Task, kind: LiveKind, axis: AxisState, target: float) -> Axi
             )
             if earliest_s < best_s:
                 best_s, best = earliest_s, _plan(rows, axis, pattern, found)
+        if unknowns > FEW and best_s <= SOON * slowest_s:
+            break
     return None if best is None else replace(axis, target=target, plan=best)
 
 

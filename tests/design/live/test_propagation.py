@@ -109,5 +109,5 @@ def test_what_is_not_served_is_refused() -> None:
     ranged = Scheduled(first=CRANE, last=replace(CRANE, cable_length_m=1.0))
     with refused("plant_not_live", "plant.kind"):
         LiveMachine(plant=ranged, actuator=KIM)  # type: ignore[arg-type]
-    with refused("kind_not_live", "shaper.kind", says="numzv, numzvd"):
+    with refused("kind_not_live", "kind", says="numzv, numzvd"):
         LiveKind(name="zv")
