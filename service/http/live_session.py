@@ -135,7 +135,8 @@ class LiveSession:
         if isinstance(seen, Problem):
             fields["stopped"] = seen.detail
         elif seen is not None:
-            fields["stopped"] = f"without swing, last switch {seen.last_switch_s:.6g} s"
+            how = "without swing" if seen.proven else "let go"
+            fields["stopped"] = f"{how}, last switch {seen.last_switch_s:.6g} s"
             await self._take(seen)
         LOG.info("live session ended", extra={"fields": fields})
         code = GOING_AWAY if why == "the service ends" else NORMAL

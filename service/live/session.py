@@ -24,8 +24,9 @@ from schemas.base import name_field
 from schemas.certificates import CertificateOut
 from schemas.live import LiveAxisOut, LiveMessage, LivePlanOut, LiveStateOut
 from schemas.run_events import HappeningIn
-from schemas.runs import CommandsOut, CourseOut, DelayLine, RunRequest
+from schemas.runs import CommandsOut, CourseOut, DelayLine, LiveShaping, RunRequest
 from service.live.commands import Commands, Convolved, Planned, Resolved, Switch
+from service.operations.live_run import live_machine, refuse_live
 from service.operations.run_crane import crane_of, shaper_of
 from service.operations.subject import subject_of
 from service.problems import (
@@ -38,8 +39,6 @@ from service.repeated_names import RepeatedNameError
 from service.strict_json import loads
 from service.version import version
 
-LiveShaping = ()
-live_machine_of = None
 AHEAD_S = 1.0
 """How far a look ahead goes [s]."""
 
@@ -74,6 +73,8 @@ class Seen:
         Whether a command is on, or still to come.
     last_switch_s
         When the last switch is [s].
+    proven
+        Whether nothing swings from then on, by a certificate for the drive given.
     """
 
     session: bytes
@@ -82,6 +83,7 @@ class Seen:
     until_s: float
     moving: bool
     last_switch_s: float
+    proven: bool
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,6 +97,7 @@ class _Session:
     levels: tuple[float, float] = (0.0, 0.0)  # Before the first of the switches that come
     coming: tuple[Switch, ...] = ()
     last_switch_s: float = 0.0
+    proven: bool = False
     events: int = 0
     unshaped_j: dict[float, float] = field(default_factory=dict)
 
@@ -141,7 +144,7 @@ def look(session: bytes, until_s: float) -> Seen | Problem:
     Seen or Problem
         The states until then; or what the crane met, a stroke's end for one.
     """
-    held: _Session = pickle.loads(session)  # noqa: S301 - made here
+    held: _Session = pickle.loads(session)
     try:
         return _looked(held, held.snapshots[-1][0], until_s, ())
     except DesignError as error:
@@ -165,7 +168,7 @@ def happen(session: bytes, at_s: float, body: bytes) -> Seen | Problem:
     Seen or Problem
         The commands that it leads to, and the states from then on; or why it is refused.
     """
-    held: _Session = pickle.loads(session)  # noqa: S301 - made here
+    held: _Session = pickle.loads(session)
     try:
         happening = HappeningIn.model_validate_json(body)
         loads(body)  # every name stands once
@@ -199,8 +202,7 @@ def _begun(request: RunRequest) -> _Session:
         )
     commands: Commands
     if isinstance(request.shaping, LiveShaping):
-        with name_field("shaping"):
-            machine = live_machine_of(request, plant, actuator)
+        machine = live_machine(request, request.shaping, crane, swinging, plant, actuator)
         commands = Resolved(machine, init(machine))
     elif isinstance(request.shaping, DelayLine):
         with name_field("shaping"):
@@ -221,9 +223,11 @@ def _happened(held: _Session, at_s: float, happening: HappeningIn) -> Seen:
             raise InvalidInputError(
                 name,
                 "a value",
-                "left out in a live session: press, and let go when it is time",
+                "left out in a live session, whose events come one by one",
                 code="not_in_live_session",
             )
+    if isinstance(held.commands, Resolved) and happening.cable_length_m is not None:
+        refuse_live("cable_length_m", happening.cable_length_m)
     at_s, machine = _machine_at(held, at_s)
     direction = happening.direction
     press = Press() if direction is None else Press(x=direction.x, y=direction.y)
@@ -243,6 +247,9 @@ def _happened(held: _Session, at_s: float, happening: HappeningIn) -> Seen:
         levels=_levels_at(held, at_s),
         coming=planned.switches,
         last_switch_s=last,
+        proven=planned.certificate is not None
+        and planned.certificate.verified
+        and not planned.ideal,
         events=held.events + 1,
     )
     plan = LivePlanOut(
@@ -296,7 +303,7 @@ def _looked(held: _Session, from_s: float, until_s: float, messages: tuple[bytes
     times = np.arange(first, math.floor(until_s * STATES_HZ) + 1) / STATES_HZ
     until_s = float(times[-1]) if times.size else from_s
     snapshots = held.snapshots
-    ahead: Machine = pickle.loads(pickle.dumps(snapshots[-1][1]))  # noqa: S301 - made here
+    ahead: Machine = pickle.loads(pickle.dumps(snapshots[-1][1]))
     track = ahead.advance(until_s, times)
     snapshots = (*snapshots, (until_s, ahead))[-SNAPSHOTS:]
     states = _states(held, track)
@@ -308,6 +315,7 @@ def _looked(held: _Session, from_s: float, until_s: float, messages: tuple[bytes
         until_s=until_s,
         moving=_moving(session),
         last_switch_s=session.last_switch_s,
+        proven=session.proven,
     )
 
 

@@ -22,6 +22,8 @@ CRANE: dict[str, Any] = {
     "speed_m_s": 0.2,
 }
 
+HOISTING = {"kind": "hoisting", "cable_length_m": {"times_s": [0, 5], "values": [0.8, 0.5]}}
+
 SHAPINGS = {
     "none": {"mode": "none"},
     "delay line": {"mode": "delay_line", "shaper": {"kind": "zvd"}},
@@ -70,15 +72,22 @@ def driven(
     return {at_s: json.loads(state)["state"] for at_s, state in states.items()}
 
 
-@pytest.mark.parametrize("shaping", SHAPINGS)
+@pytest.mark.parametrize(
+    ("shaping", "hoists"),
+    [("none", True), ("delay line", False), ("delay line", True), ("live", False)],
+)
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
-@pytest.mark.parametrize("hoists", [False, True])
 def test_a_session_moves_the_crane_as_a_run_does(shaping: str, model: str, hoists: bool) -> None:
     request = {**CRANE, "shaping": SHAPINGS[shaping], "model": model}
     events = [*EVENTS, HOIST] if hoists else EVENTS
     states = driven(request, events, 8.0)
     count = 8 * STATES_HZ
-    whole = RunRequest(**request, events=events, until_s=8.0, points=count + 1)
+    whole = RunRequest.model_validate({
+        **request,
+        "events": events,
+        "until_s": 8.0,
+        "points": count + 1,
+    })
     history = drive_crane(whole).history
     assert sorted(states) == sorted({*np.arange(1, len(states) + 1) / STATES_HZ})
     for number in range(1, count + 1):
@@ -106,7 +115,9 @@ def test_the_swing_is_a_share_of_an_unshaped_step() -> None:
     held = seen(happen(seen(begin(as_json(CRANE))).session, 0.0, b'{"direction": {"x": 1}}'))
     for _ in range(3):
         held = seen(look(held.session, held.until_s + AHEAD_S))
-    assert json.loads(held.states[-1][1])["state"]["swing"] == pytest.approx(1.0, abs=1e-6)
+    assert json.loads(held.states[-1][1])["state"]["swing"] == pytest.approx(
+        1.0, abs=0.006
+    )  # to a hundredth of the length
 
 
 def test_a_crane_moves_until_its_last_switch_and_while_a_button_is_held() -> None:
@@ -142,10 +153,7 @@ def test_an_event_in_no_more_than_the_past_that_is_kept_happens_then() -> None:
         (as_json(CRANE | {"events": EVENTS}), "not_in_live_session", "/events"),
         (as_json(CRANE | {"until_s": 3}), "not_in_live_session", "/until_s"),
         (
-            as_json(
-                CRANE
-                | {"plant": {"kind": "hoisting", "cable_length_m": {"times_s": [0, 5], "values": [0.8, 0.5]}}}
-            ),
+            as_json(CRANE | {"plant": HOISTING}),
             "course_in_live_session",
             "/plant/kind",
         ),
