@@ -12,6 +12,7 @@ from design.rig.crane import HOOK_MASS_KG, CraneModel, LimitSwitch, Load, Stroke
 from design.rig.encoder import PULSES_PER_REVOLUTION, TRAVEL_PER_REVOLUTION_M, Encoder
 from schemas.actuators import ActuatorIn
 from schemas.base import OutOf, Positive, Wire, WireOf, leave_out_none
+from schemas.certificates import CertificateOut
 from schemas.plants import PlantIn
 from schemas.run_events import Distance, EventIn, PlayedAxes, Time
 from schemas.shapers import ShaperIn
@@ -42,6 +43,20 @@ class DelayLine(Wire):
             description="Cable that the shaper is designed for, in place of the plant's; where it "
             "is hoisted the first length if not given [m]."
         ),
+    ] = None
+
+
+class LiveShaping(Wire):
+    """Commands are solved anew at each event, from the state of drive and payload then."""
+
+    mode: Literal["live"]
+    shaper: Annotated[
+        ShaperIn,
+        Field(description="What plans leave: numzv, numzvd, num_multi, or umzv for comparison."),
+    ]
+    sample_time_s: Annotated[
+        Positive | None,
+        Field(description="Buttons are read once in it; at any time if not given [s]."),
     ] = None
 
 
@@ -123,7 +138,7 @@ class RunRequest(Wire):
     actuator: ActuatorIn
     speed_m_s: Annotated[Positive, Field(description="Full speed [m/s].")]
     shaping: Annotated[
-        Annotated[NoShaping | DelayLine, Field(discriminator="mode")] | None,
+        Annotated[NoShaping | DelayLine | LiveShaping, Field(discriminator="mode")] | None,
         Field(description="What becomes of commands before the drive; nothing if null."),
     ] = None
     model: Annotated[
@@ -196,6 +211,19 @@ class EventOut(Wire):
     ]
 
 
+class LiveEventOut(EventOut):
+    """An event shaped live, and the proof of the command that it led to."""
+
+    certificate: Annotated[
+        CertificateOut,
+        Field(description="Of the command until its last switch, recomputed by another route."),
+    ]
+    fallback: Annotated[
+        str | None,
+        Field(description="Why an axis keeps an older plan; null where none does."),
+    ]
+
+
 class AxisHistory(Wire):
     """The motion of an axis over time."""
 
@@ -250,7 +278,9 @@ class RunResponse(Wire):
     """Answer of `POST /v1/runs`."""
 
     command: Annotated[CommandsOut, Field(description="What is sent to the drives.")]
-    events: Annotated[list[EventOut], Field(description="The events, in the order given.")]
+    events: Annotated[
+        list[LiveEventOut | EventOut], Field(description="The events, in the order given.")
+    ]
     history: Annotated[RunHistory, Field(description="The motion over time.")]
     residual: Annotated[
         float | None,
@@ -270,7 +300,7 @@ class RunResponse(Wire):
     def from_design(
         cls,
         run: "Run",
-        events: list[tuple[float, float]],
+        events: list[EventOut],
         sensed: "Sensed | None",
         *,
         has_cable: bool,
@@ -283,7 +313,7 @@ class RunResponse(Wire):
         run
             What happened, at n times.
         events
-            When each event happens, and when its last switch is [s].
+            When each event happens, when its last switch is, and what is proven of it.
         sensed
             What sensors report; None without any.
         has_cable, hoisted
@@ -300,7 +330,7 @@ class RunResponse(Wire):
             command=CommandsOut(**{
                 axis: CourseOut.from_design(one) for axis, one in run.commands.items()
             }),
-            events=[EventOut(at_s=at, last_switch_s=last) for at, last in events],
+            events=list(events),
             history=RunHistory(
                 times_s=run.track.times_s.tolist(),
                 y=y if "y" in run.commands else None,

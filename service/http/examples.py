@@ -150,6 +150,20 @@ EXAMPLES: dict[str, dict[str, Example]] = {
         ),
     },
     "run": {
+        "live": Example(
+            summary="Presses that are shaped live: solved anew at each event",
+            value={
+                "plant": THESIS_CRANE["plant"],
+                "actuator": {**THESIS_CRANE["actuator"], "model": "switched"},
+                "speed_m_s": 0.2,
+                "shaping": {"mode": "live", "shaper": {"kind": "numzv"}},
+                "events": [
+                    {"at_s": 0.0, "direction": {"x": 1}},
+                    {"at_s": 0.83, "direction": {"x": 0}},
+                ],
+                "points": 201,
+            },
+        ),
         "square": Example(
             summary="A square of 42 cm through a delay line, swings as large as they are",
             value={

@@ -12,13 +12,15 @@ from design.model.plants.hoisting import Hoisting
 from design.model.plants.registry import Plant
 from design.rig.crane import AxisName, Crane
 from design.rig.hoists import require_taut
+from design.rig.live_events import LiveAnswer, live_commands
 from design.rig.runs import SETTLED, Run, Scenario, run
 from design.rig.scenario import Drive, HoistTo, Played, pulse_of_distance
 from design.rig.sensed import sensed
 from design.rig.whole_moves import WholeMove
 from schemas.base import name_field
 from schemas.run_events import EventIn
-from schemas.runs import DelayLine, RunRequest, RunResponse
+from schemas.runs import DelayLine, LiveShaping, RunRequest, RunResponse
+from service.operations.live_run import event_outs, live_machine
 from service.operations.operation import Operation
 from service.operations.run_crane import (
     CRANES,
@@ -108,6 +110,7 @@ class _Case(NamedTuple):
     scenario: Scenario
     last_switches_s: list[float]
     warnings: tuple[DesignWarning, ...]
+    live: dict[int, LiveAnswer] | None  # What each event led to, in live mode
 
     def run(self, request: RunRequest) -> Run:
         """Run it, and add what was to know before."""
@@ -136,6 +139,9 @@ def _case_of(request: RunRequest) -> _Case:
             shaper = shaper_of(request.shaping, crane, swinging, plant, actuator)
         if swinging.cable is not None:
             warnings = one_length_warnings(request.shaping, swinging.cable, hoists)
+    machine = None
+    if isinstance(request.shaping, LiveShaping):
+        machine = live_machine(request, request.shaping, crane, swinging, plant, actuator)
     designer = MoveDesigner(
         plant=None if crane.load is not None else swinging.cable or swinging.held,
         hoists=hoists,
@@ -157,6 +163,9 @@ def _case_of(request: RunRequest) -> _Case:
         over = 0.0 if event.over_s is None else event.over_s
         last = max(ends) + late if ends else event.at_s + over
         lasts.append(max([last, *(move.last_switch_s for move in whole)]))
+    live = None if machine is None else live_commands(machine, drives)
+    if live is not None:
+        lasts = [live.answers[number].last_switch_s for number in range(len(lasts))]
     _require_short(request, crane, actuator, hoists, lasts, played)
     _require_few(drives, played, shaper)
     scenario = Scenario(
@@ -168,8 +177,9 @@ def _case_of(request: RunRequest) -> _Case:
         hoists=hoists,
         played=played,
         shaper=shaper,
+        solved=None if live is None else live.commands,
     )
-    return _Case(plant, scenario, lasts, warnings)
+    return _Case(plant, scenario, lasts, warnings, None if live is None else live.answers)
 
 
 def _played_of(request: RunRequest) -> dict[AxisName, Played]:
@@ -294,10 +304,7 @@ def _answer(request: RunRequest, case: _Case, done: Run) -> RunResponse:
             reports = sensed(done.track, encoder, camera, seed)
     return RunResponse.from_design(
         done,
-        [
-            (event.at_s, last)
-            for event, last in zip(request.events or (), case.last_switches_s, strict=True)
-        ],
+        event_outs(request, case.last_switches_s, case.live),
         reports,
         has_cable=isinstance(case.plant, CRANES),
         hoisted=bool(case.scenario.hoists),

@@ -179,7 +179,7 @@ def shaper_of(
     else:
         length = swinging.cable.cable_length_m
         length = length if line.cable_length_m is None else line.cable_length_m
-        subject = _at_length(crane, swinging.cable, length)
+        subject = subject_at_length(crane, swinging.cable, length)
     with name_field("shaper"):
         options = line.shaper.options()
     found = design(subject, actuator, line.shaper.shaper_kind(), options)
@@ -188,7 +188,23 @@ def shaper_of(
     return found.impulses
 
 
-def _at_length(crane: Crane, cable: Pendulum, length_m: float) -> Pendulum | Modes:
+def subject_at_length(crane: Crane, cable: Pendulum, length_m: float) -> Pendulum | Modes:
+    """Return what swings on a length of the cable, for shapers.
+
+    Parameters
+    ----------
+    crane
+        The machine.
+    cable
+        Its cable at first.
+    length_m
+        The length [m].
+
+    Returns
+    -------
+    Pendulum or Modes
+        Both modes where a load hangs under the hook.
+    """
     frequencies = crane.frequencies_rad_s(length_m)
     if len(frequencies) == 1:
         return replace(cable, cable_length_m=length_m)

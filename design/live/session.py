@@ -1,0 +1,339 @@
+"""Live shaping from event to event: `init`, `event` and `step`.
+
+Examples
+--------
+A crane is driven off and let go while its start is not over yet:
+
+>>> from design.live.machine import LiveMachine
+>>> from design.model.actuators.first_order import FirstOrder
+>>> from design.model.plants.pendulum import Pendulum
+>>> drive = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.05, model="switched")
+>>> machine = LiveMachine(plant=Pendulum(cable_length_m=0.8), actuator=drive)
+>>> state = event(machine, init(machine), 0.0, Press(x=1.0))
+>>> state = event(machine, state, 0.4, Press(x=0.0))
+>>> state.certificate.verified, state.x.plan.levels
+(True, (1.0, 0.0))
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from design.analysis.certificate import Certificate, Claim
+from design.errors import InvalidInputError
+from design.live.machine import LiveKind, LiveMachine
+from design.live.planning import Task, last_switch_s, solve_plan, task_of, wait_and_solve
+from design.live.propagation import carry
+from design.live.state import AxisState, Plan, at_rest
+from design.live.witness import (
+    METHOD,
+    Route,
+    Witness,
+    carry_witness,
+    claims_of,
+    route_of,
+    witness_at_rest,
+)
+from design.model.actuators.ideal import Ideal
+from design.model.plants.mode import Mode
+
+AxisName = Literal["x", "y"]
+
+SAME_TIME_S = 1e-9
+"""Within it two events are at one time: rounding of the sum of two times [s]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Press:
+    """Levels that are asked for.
+
+    Attributes
+    ----------
+    x, y
+        Shares of full speed, signed, from -1 to 1; None does not change the axis [-].
+    """
+
+    x: float | None = None
+    y: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("x", "y"):
+            level = getattr(self, name)
+            if level is not None and not -1.0 <= level <= 1.0:
+                raise InvalidInputError(name, level, "between -1 and 1", code="out_of_range")
+
+
+Request = Press | LiveKind
+"""What can happen: buttons, or a new kind of shaper."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Witnesses:
+    """The second opinion on an axis: behind the drive, and behind an ideal one."""
+
+    given: Witness
+    ideal: Witness
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LiveState:
+    """What live shaping knows at a moment.
+
+    Attributes
+    ----------
+    time_s
+        The moment [s].
+    event_s
+        When the latest event was; None before the first [s].
+    kind
+        What plans leave.
+    modes
+        Of the plant as it is now.
+    x, y
+        The axes.
+    witness_x, witness_y
+        The second opinion on each.
+    certificate
+        Of the plans in force, recomputed by that opinion; None before the first event.
+    fallback
+        Why an axis keeps an older plan than the latest event asked for; None if none does.
+    """
+
+    time_s: float
+    event_s: float | None
+    kind: LiveKind
+    modes: tuple[Mode, ...]
+    x: AxisState
+    y: AxisState
+    witness_x: Witnesses
+    witness_y: Witnesses
+    certificate: Certificate | None = None
+    fallback: str | None = None
+
+    @property
+    def last_switch_s(self) -> float:
+        """When the last switch of either axis is; now if there is none [s]."""
+        return max(last_switch_s(self.x), last_switch_s(self.y), self.time_s)
+
+
+class _Routes(NamedTuple):
+    given: Route
+    ideal: Route
+
+
+def init(machine: LiveMachine) -> LiveState:
+    """Return the state of a machine at rest at time 0."""
+    routes = _routes(machine, machine.modes)
+    at = Witnesses(given=witness_at_rest(routes.given), ideal=witness_at_rest(routes.ideal))
+    rest = at_rest(len(machine.modes))
+    return LiveState(
+        time_s=0.0,
+        event_s=None,
+        kind=machine.kind,
+        modes=machine.modes,
+        x=rest,
+        y=rest,
+        witness_x=at,
+        witness_y=at,
+    )
+
+
+def _routes(machine: LiveMachine, modes: tuple[Mode, ...]) -> _Routes:
+    return _Routes(route_of(machine.actuator, modes), route_of(Ideal(), modes))
+
+
+def _task(machine: LiveMachine, modes: tuple[Mode, ...]) -> Task:
+    return task_of(machine.actuator, modes, machine.max_iterations)
+
+
+def step(machine: LiveMachine, state: LiveState, until_s: float) -> LiveState:
+    """Return the state at a later time, all due switches made.
+
+    Parameters
+    ----------
+    machine
+        The machine.
+    state
+        Its state.
+    until_s
+        Then [s].
+
+    Returns
+    -------
+    LiveState
+        With the rest of the plans.
+
+    Raises
+    ------
+    InvalidInputError
+        If that is before the state.
+    """
+    return _moved(machine, state, until_s, through=True)
+
+
+def _moved(machine: LiveMachine, state: LiveState, until_s: float, *, through: bool) -> LiveState:
+    if not until_s >= state.time_s:
+        raise InvalidInputError(
+            "at_s",
+            until_s,
+            f"not before the latest event or step, at {state.time_s:.9g} s",
+            code="event_in_the_past",
+        )
+    task, routes = _task(machine, state.modes), _routes(machine, state.modes)
+
+    def move(axis: AxisState, witnesses: Witnesses) -> tuple[AxisState, Witnesses]:
+        after = carry(task.rows, axis, until_s, through=through)
+        made = len(axis.plan.times_s) - len(after.plan.times_s)
+        plan = Plan(times_s=axis.plan.times_s[:made], levels=axis.plan.levels[:made])
+        return after, _witnessed(machine, routes, witnesses, plan, until_s)
+
+    x, witness_x = move(state.x, state.witness_x)
+    y, witness_y = move(state.y, state.witness_y)
+    return replace(state, time_s=until_s, x=x, y=y, witness_x=witness_x, witness_y=witness_y)
+
+
+def _witnessed(
+    machine: LiveMachine, routes: _Routes, witnesses: Witnesses, plan: Plan, until_s: float
+) -> Witnesses:
+    acts = [time_s + machine.actuator.dead_time_s for time_s in plan.times_s]
+    return Witnesses(
+        given=carry_witness(routes.given, witnesses.given, acts, plan.levels, until_s),
+        ideal=carry_witness(routes.ideal, witnesses.ideal, acts, plan.levels, until_s),
+    )
+
+
+def event(machine: LiveMachine, state: LiveState, at_s: float, request: Request) -> LiveState:
+    """Return the state after an event, its plans solved anew.
+
+    Parameters
+    ----------
+    machine
+        The machine.
+    state
+        Its state at that time or before.
+    at_s
+        When it happens [s].
+    request
+        What happens.
+
+    Returns
+    -------
+    LiveState
+        At that time, with new plans, their certificate, and why one is an older one.
+
+    Raises
+    ------
+    InvalidInputError
+        If the event is before the state, comes faster than the sample time, or finds a swing
+        beyond the model.
+    """
+    _require_sampled(machine, state, at_s)
+    now = _moved(machine, state, at_s, through=False)
+    _require_small(machine, now)
+    kind, x, y = now.kind, now.x.target, now.y.target
+    if isinstance(request, LiveKind):
+        kind = request
+    else:
+        x, y = x if request.x is None else request.x, y if request.y is None else request.y
+    planned_x = _planned(machine, now, now.x, now.witness_x, kind, x)
+    planned_y = _planned(machine, now, now.y, now.witness_y, kind, y)
+    reasons = [
+        f"{name}: {one.reason}"
+        for name, one in (("x", planned_x), ("y", planned_y))
+        if one.reason is not None
+    ]
+    return replace(
+        now,
+        event_s=at_s,
+        kind=kind,
+        x=planned_x.axis,
+        y=planned_y.axis,
+        certificate=Certificate(claims=_worst(planned_x.claims, planned_y.claims), method=METHOD),
+        fallback="; ".join(reasons) or None,
+    )
+
+
+def _require_sampled(machine: LiveMachine, state: LiveState, at_s: float) -> None:
+    if machine.sample_time_s is None or state.event_s is None:
+        return
+    since_s = at_s - state.event_s
+    if SAME_TIME_S < since_s < machine.sample_time_s - SAME_TIME_S:
+        raise InvalidInputError(
+            "at_s",
+            at_s,
+            f"at least the sample time, {machine.sample_time_s:g} s, after the event at "
+            f"{state.event_s:.9g} s",
+            code="event_within_sample",
+        )
+
+
+def _require_small(machine: LiveMachine, state: LiveState) -> None:
+    if machine.largest_swing is None:
+        return
+    unshaped = _routes(machine, state.modes).given.unshaped
+    for name, axis in (("x", state.x), ("y", state.y)):
+        largest = float((np.abs(np.array(axis.vibration)) / unshaped).max())
+        if largest > machine.largest_swing:
+            raise InvalidInputError(
+                "at_s",
+                f"{largest:.4g} in {name} at {state.time_s:.6g} s",
+                "a time at which the load swings by at most "
+                f"{machine.largest_swing:.4g} unshaped steps: beyond that the model does not hold",
+                code="swing_beyond_model",
+            )
+
+
+class _Planned(NamedTuple):
+    """An axis with its plan, why that is an older one, and what is found of it."""
+
+    axis: AxisState
+    reason: str | None
+    claims: tuple[Claim, ...]
+
+
+def _planned(
+    machine: LiveMachine,
+    state: LiveState,
+    axis: AxisState,
+    witnesses: Witnesses,
+    kind: LiveKind,
+    target: float,
+) -> _Planned:
+    task, routes = _task(machine, state.modes), _routes(machine, state.modes)
+    dead_s = machine.actuator.dead_time_s
+
+    def claims(one: AxisState, of: LiveKind) -> tuple[Claim, ...]:
+        ends_s = [state.time_s, *(time_s + dead_s for time_s in one.plan.times_s)]
+        done = _witnessed(machine, routes, witnesses, one.plan, ends_s[-1])
+        if of.ideal:
+            return claims_of(routes.ideal, done.ideal, slopes=of.slope)
+        return claims_of(routes.given, done.given, slopes=of.slope)
+
+    if target == axis.target and kind == state.kind:
+        return _Planned(axis, axis.plan.fallback, claims(axis, kind))
+    # What was sent within the dead time is answered whatever happens now.
+    sent = sum(time_s < state.time_s for time_s in axis.plan.times_s)
+    flying = Plan(times_s=axis.plan.times_s[:sent], levels=axis.plan.levels[:sent])
+    ahead = carry(task.rows, replace(axis, plan=flying), state.time_s + dead_s)
+    solved = solve_plan(task, kind, ahead, target)
+    if solved is not None:
+        solved = replace(axis, target=target, plan=flying + solved.plan)
+    for waits in (False, True):
+        one = wait_and_solve(task, kind, axis, target) if waits else solved
+        found = () if one is None else claims(one, kind)
+        if one is not None and all(claim.holds for claim in found):
+            return _Planned(one, None, found)
+    reason = (
+        f"no command to {target:g} at rest was found; the older plan to {axis.target:g}, which is "
+        "verified, goes on"
+    )
+    kept = replace(axis, plan=replace(axis.plan, fallback=reason))
+    return _Planned(kept, reason, claims(kept, state.kind))
+
+
+def _worst(one: tuple[Claim, ...], other: tuple[Claim, ...]) -> tuple[Claim, ...]:
+    """Return the larger of both axes' claims; where they claim different things, all of them."""
+    if [claim.quantity for claim in one] != [claim.quantity for claim in other]:
+        return one + other
+    return tuple(max(pair, key=lambda claim: claim.value) for pair in zip(one, other, strict=True))

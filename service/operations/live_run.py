@@ -1,0 +1,159 @@
+"""A run whose commands are shaped live: its machine, and what each event led to."""
+
+import dataclasses
+
+from design.errors import InvalidInputError
+from design.live.machine import (
+    LiveKind,
+    LiveMachine,
+    live_drive,
+    live_plant,
+)
+from design.model.actuators.registry import Actuator
+from design.model.plants.registry import Plant
+from design.rig.crane import MAX_SWING_RAD, Crane
+from design.rig.live_events import LiveAnswer
+from schemas.base import name_field
+from schemas.certificates import CertificateOut
+from schemas.run_events import EventIn
+from schemas.runs import EventOut, LiveEventOut, LiveShaping, RunRequest
+from schemas.shaper_request import ShaperRequest
+from service.operations.run_crane import Swinging, subject_at_length
+
+
+def live_machine(
+    request: RunRequest,
+    shaping: LiveShaping,
+    crane: Crane,
+    swinging: Swinging,
+    plant: Plant,
+    actuator: Actuator,
+) -> LiveMachine:
+    """Return the machine of a run that is shaped live.
+
+    Parameters
+    ----------
+    request, shaping
+        The run, and how it is shaped.
+    crane, swinging
+        What is driven.
+    plant, actuator
+        Of the request.
+
+    Returns
+    -------
+    LiveMachine
+        Of both axes.
+
+    Raises
+    ------
+    InvalidInputError
+        If drive, plant, kind or an event is not served live.
+    """
+    drive, subject = live_drive(actuator), live_plant(plant)
+    if swinging.cable is not None:
+        subject = subject_at_length(crane, swinging.cable, crane.cable_length_m)
+    with name_field("shaping"):
+        kind = _kind_of(shaping.shaper)
+    if request.played is not None:
+        refuse_live("played", "a course")
+    for number, event in enumerate(request.events or ()):
+        for name in ("move", "cable_length_m"):
+            if getattr(event, name) is not None:
+                refuse_live(f"events.{number}.{name}", _plain(event, name))
+    # A swing of an angle has the deflection L times it; an unshaped step's is v / w.
+    length = crane.cable_length_m
+    step_m = request.speed_m_s / crane.slowest_rad_s
+    return LiveMachine(
+        plant=subject,
+        actuator=drive,
+        kind=kind,
+        largest_swing=MAX_SWING_RAD * length / step_m if crane.load is None else None,
+        sample_time_s=shaping.sample_time_s,
+    )
+
+
+def _plain(event: EventIn, name: str) -> object:
+    value = getattr(event, name)
+    return value if isinstance(value, float) else "a distance"
+
+
+def refuse_live(field: str, value: object) -> None:
+    """Refuse what is not shaped live.
+
+    Parameters
+    ----------
+    field, value
+        What was given, and where.
+
+    Raises
+    ------
+    InvalidInputError
+        Always.
+    """
+    raise InvalidInputError(
+        field,
+        value,
+        "left out in live mode, which shapes the presses of buttons; a delay line serves it",
+        code="not_shaped_live",
+    )
+
+
+def _kind_of(shaper: ShaperRequest) -> LiveKind:
+    with name_field("shaper"):
+        options = shaper.options()
+        slope = bool(getattr(options, "slope", False))
+        kind = LiveKind(name=shaper.kind, slope=slope)
+        for field in dataclasses.fields(options):
+            value = getattr(options, field.name)
+            if field.name != "slope" and value != field.default:
+                _optionrefuse_live(field.name, value)
+        if shaper.sample_time_s is not None:
+            _optionrefuse_live("sample_time_s", shaper.sample_time_s)
+    return kind
+
+
+def _optionrefuse_live(name: str, value: object) -> None:
+    raise InvalidInputError(
+        name,
+        value,
+        "left out in live mode, where switches are as early as the state allows",
+        code="option_not_live",
+    )
+
+
+def event_outs(
+    request: RunRequest, lasts_s: list[float], live: dict[int, LiveAnswer] | None
+) -> list[EventOut]:
+    """Return the answers of the events.
+
+    Parameters
+    ----------
+    request
+        The run.
+    lasts_s
+        When the last switch of each event is [s].
+    live
+        What each led to, in live mode.
+
+    Returns
+    -------
+    list of EventOut
+        In their order; in live mode with certificates.
+    """
+    times_s = [event.at_s for event in request.events or ()]
+    outs = [
+        EventOut(at_s=at_s, last_switch_s=last_s)
+        for at_s, last_s in zip(times_s, lasts_s, strict=True)
+    ]
+    if live is None or not isinstance(request.shaping, LiveShaping):
+        return outs
+    given = request.shaping.shaper.kind != "umzv"
+    return [
+        LiveEventOut(
+            **dict(out),
+            certificate=CertificateOut.from_design(live[number].certificate, given=given),
+            fallback=live[number].fallback,
+        )
+        for number, out in enumerate(outs)
+    ]
