@@ -37,10 +37,9 @@ class DistancesIn(Wire):
     y_m: Annotated[Distance, Field(description="Along y [m].")] = 0.0
 
 
-class EventIn(Wire):
-    """What happens at a time: a direction, a move, a hoist, or an emergency stop."""
+class HappeningIn(Wire):
+    """What happens: a direction, a move, a hoist, or an emergency stop."""
 
-    at_s: Annotated[Time, Field(description="When [s].")]
     direction: Annotated[
         DirectionIn | None, Field(description="The buttons that are pressed from then on.")
     ] = None
@@ -159,6 +158,12 @@ class EventIn(Wire):
             raise InvalidInputError(
                 "over_s", None, "given with cable_length_m", code="hoist_without_time"
             )
+
+
+class EventIn(HappeningIn):
+    """What happens at a time."""
+
+    at_s: Annotated[Time, Field(description="When [s].")]
 
 
 class PlayedIn(Wire):

@@ -1,6 +1,7 @@
 """A run whose commands are shaped live: its machine, and what each event led to."""
 
 import dataclasses
+from typing import NoReturn
 
 from design.errors import InvalidInputError
 from design.live.machine import (
@@ -57,11 +58,11 @@ def live_machine(
     with name_field("shaping"):
         kind = _kind_of(shaping.shaper)
     if request.played is not None:
-        _not_live("played", "a course")
+        refuse_live("played", "a course")
     for number, event in enumerate(request.events or ()):
         for name in ("move", "cable_length_m"):
             if getattr(event, name) is not None:
-                _not_live(f"events.{number}.{name}", _plain(event, name))
+                refuse_live(f"events.{number}.{name}", _plain(event, name))
     if request.deflection_limit is not None:
         with name_field("shaping.shaper"):
             require_kind_with_limit(kind)
@@ -104,14 +105,26 @@ def emergencies(request: RunRequest) -> dict[int, Emergency]:
             if stop is None:
                 continue
             if not live:
-                _only_live("stop", event.stop)
+                refuse_without_live("stop", event.stop)
             found[number] = Emergency(at_s=event.at_s, stop=stop)
     if request.deflection_limit is not None and not live:
-        _only_live("deflection_limit", request.deflection_limit)
+        refuse_without_live("deflection_limit", request.deflection_limit)
     return found
 
 
-def _only_live(field: str, value: object) -> None:
+def refuse_without_live(field: str, value: object) -> NoReturn:
+    """Raise InvalidInputError: a field serves live mode alone.
+
+    Parameters
+    ----------
+    field, value
+        Its path, and what it is.
+
+    Raises
+    ------
+    InvalidInputError
+        Always.
+    """
     raise InvalidInputError(
         field,
         value,
@@ -125,7 +138,19 @@ def _plain(event: EventIn, name: str) -> object:
     return value if isinstance(value, float) else "a distance"
 
 
-def _not_live(field: str, value: object) -> None:
+def refuse_live(field: str, value: object) -> None:
+    """Refuse what is not shaped live.
+
+    Parameters
+    ----------
+    field, value
+        What was given, and where.
+
+    Raises
+    ------
+    InvalidInputError
+        Always.
+    """
     raise InvalidInputError(
         field,
         value,
@@ -142,13 +167,13 @@ def _kind_of(shaper: ShaperRequest) -> LiveKind:
         for field in dataclasses.fields(options):
             value = getattr(options, field.name)
             if field.name != "slope" and value != field.default:
-                _option_not_live(field.name, value)
+                _refuse_option(field.name, value)
         if shaper.sample_time_s is not None:
-            _option_not_live("sample_time_s", shaper.sample_time_s)
+            _refuse_option("sample_time_s", shaper.sample_time_s)
     return kind
 
 
-def _option_not_live(name: str, value: object) -> None:
+def _refuse_option(name: str, value: object) -> None:
     raise InvalidInputError(
         name,
         value,
