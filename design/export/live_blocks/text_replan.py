@@ -203,7 +203,7 @@ FOR attempt := 1 TO $TRIES DO
                     cycle_s := cycle_s, re_now := res[first], im_now := ims[first],
                     error_now := errors[first], rate_now := rates[first], lag_now := lag_hold,
                     level_now := hold, wanted := wanted, other := other, pause := waits[first],
-                    rise := rises[found], fall := ends[found]);
+                    first_rise := rises[found], first_fall := ends[found]);
                 other := wanted + (other - wanted) * $LOWER;
                 trying := NOT solve.solved;
             END_IF;

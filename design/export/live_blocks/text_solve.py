@@ -20,8 +20,8 @@ VAR_INPUT
     wanted : $REAL;
     other : $REAL;
     pause : DINT;
-    rise : $REAL;
-    fall : $REAL;
+    first_rise : $REAL;
+    first_fall : $REAL;
 END_VAR
 VAR_OUTPUT
     solved : BOOL;
@@ -34,6 +34,8 @@ VAR
     going : BOOL;
     near : BOOL;
     k : DINT;
+    rise : $REAL;
+    fall : $REAL;
     lag_wanted : DINT;
     lag_other : DINT;
     most : $REAL;
@@ -73,6 +75,8 @@ END_VAR
 solved := FALSE;
 going := TRUE;
 near := FALSE;
+rise := first_rise;
+fall := first_fall;
 (* No gap moves by more than an eighth of a period at once. *)
 most := $EIGHTH / (turn * cycle_s);
 switched(gains := gains, re := re_now, im := im_now, error := error_now, rate := rate_now,
