@@ -9,6 +9,7 @@ from design.pipeline import Design
 from schemas.base import Version, Wire, leave_out_none
 from schemas.certificates import CertificateOut
 from schemas.designed_shaper import ShaperOut
+from schemas.drive_sensitivity import DriveOut
 from schemas.fits import FitOut
 from schemas.impulses import ImpulsesWire
 from schemas.ramps import LimitsOut, OfLimits, UnshapedRampResidual
@@ -43,6 +44,7 @@ class DesignResponse(Wire):
     limits: OfLimits
     certificate: Annotated[CertificateOut, Field(description="Promises of the shaper, recomputed.")]
     sensitivity: Annotated[SensitivityOut | None, Field(description="Its curve, or null.")]
+    drive: Annotated[DriveOut | None, leave_out_none("Residual where the drive is off, if asked.")]
     modes: OfModes
     scheduled: Annotated[
         RangeOut | None,
@@ -65,6 +67,7 @@ class DesignResponse(Wire):
         ramps: RampFigures | None,
         sampled: SampledOut | None,
         sensitivity: SensitivityOut | None,
+        drive: DriveOut | None,
         modes: list[ModeOut] | None,
         scheduled: RangeOut | None,
         fit: FitOut | None,
@@ -77,7 +80,7 @@ class DesignResponse(Wire):
         ----------
         kind, design
             Name of the kind; the shaper that is sent, on samples where they were asked for.
-        ramps, sampled, sensitivity, modes, scheduled, fit, trace
+        ramps, sampled, sensitivity, drive, modes, scheduled, fit, trace
             Each part that was asked for; None where it was not.
         version
             Of the tool.
@@ -100,6 +103,7 @@ class DesignResponse(Wire):
             limits=None if ramps is None else LimitsOut.from_design(ramps),
             certificate=CertificateOut.from_design(design.certificate, given=not design.for_ideal),
             sensitivity=sensitivity,
+            drive=drive,
             modes=modes,
             scheduled=scheduled,
             fit=fit,

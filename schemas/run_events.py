@@ -36,10 +36,9 @@ class DistancesIn(Wire):
     y_m: Annotated[Distance, Field(description="Along y [m].")] = 0.0
 
 
-class EventIn(Wire):
-    """What happens at a time: a direction, a move, or a hoist."""
+class HappeningIn(Wire):
+    """What happens: a direction, a move, or a hoist."""
 
-    at_s: Annotated[Time, Field(description="When [s].")]
     direction: Annotated[
         DirectionIn | None, Field(description="The buttons that are pressed from then on.")
     ] = None
@@ -117,6 +116,12 @@ class EventIn(Wire):
             raise InvalidInputError(
                 "over_s", None, "given with cable_length_m", code="hoist_without_time"
             )
+
+
+class EventIn(HappeningIn):
+    """What happens at a time."""
+
+    at_s: Annotated[Time, Field(description="When [s].")]
 
 
 class PlayedIn(Wire):

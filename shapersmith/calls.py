@@ -83,6 +83,7 @@ class Calls(ABC):
         shaper: Shaper,
         *,
         sensitivity: SensitivityRange | Json | None = USUAL_CURVE,
+        drive: DriveRange | Json | None = None,
         fit: FitRange | Json | None = None,
         trace: bool = False,
     ) -> Design:
@@ -96,6 +97,8 @@ class Calls(ABC):
             Kind of shaper.
         sensitivity
             Range of its sensitivity curve; None for no curve.
+        drive
+            By how much the drive may be off; None for no residual of such drives.
         fit
             Range of its curve coefficients; None for none.
         trace
@@ -123,6 +126,7 @@ class Calls(ABC):
             actuator=actuator,
             shaper=_shaper(shaper),
             sensitivity=sensitivity,
+            drive=drive,
             fit=fit,
             trace=trace,
         )
@@ -143,6 +147,7 @@ class Calls(ABC):
         highest_command: float = 1.0,
         max_high_mode_gain: float | None = None,
         sample_time_s: float | None = None,
+        drive_off_by: float | None = None,
         firmware: FirmwareName | None = None,
     ) -> Recommendation:
         """Return the fastest shaper that meets what is required, and why.
@@ -170,6 +175,8 @@ class Calls(ABC):
             Largest residual in any higher mode [-].
         sample_time_s
             Sample time of a controller [s].
+        drive_off_by
+            The tolerance holds as well where every parameter of the drive is off by this share [-].
         firmware
             Firmware of a printer, whose kinds alone are candidates; None for any.
 
@@ -201,6 +208,7 @@ class Calls(ABC):
             highest_command=highest_command,
             max_high_mode_gain=max_high_mode_gain,
             sample_time_s=sample_time_s,
+            drive_off_by=drive_off_by,
             firmware=firmware,
         )
 

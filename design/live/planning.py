@@ -134,8 +134,7 @@ def wait_and_solve(task: Task, kind: LiveKind, axis: AxisState, target: float) -
     after = solve_plan(task, kind, ended, target)
     if after is None:
         return None
-    plan = Plan(times_s=first.times_s + after.plan.times_s, levels=first.levels + after.plan.levels)
-    return replace(axis, target=target, plan=plan)
+    return replace(axis, target=target, plan=first + after.plan)
 
 
 def _earlier(one: AxisState | None, other: AxisState | None) -> AxisState | None:

@@ -23,7 +23,7 @@ import numpy as np
 from design.analysis.certificate import Certificate, Claim
 from design.errors import InvalidInputError
 from design.live.machine import LiveKind, LiveMachine
-from design.live.planning import Task, last_switch_s, solve_plan, task_of, wait_and_solve
+from design.live.planning import NOTHING, Task, last_switch_s, solve_plan, task_of, wait_and_solve
 from design.live.propagation import carry
 from design.live.state import AxisState, Plan, at_rest
 from design.live.witness import (
@@ -33,6 +33,7 @@ from design.live.witness import (
     carry_witness,
     claims_of,
     route_of,
+    without_slope,
     witness_at_rest,
 )
 from design.model.actuators.ideal import Ideal
@@ -126,7 +127,7 @@ def init(machine: LiveMachine) -> LiveState:
     """Return the state of a machine at rest at time 0."""
     routes = _routes(machine, machine.modes)
     at = Witnesses(given=witness_at_rest(routes.given), ideal=witness_at_rest(routes.ideal))
-    rest = at_rest(len(machine.modes))
+    rest = at_rest(len(machine.modes), machine.kind)
     return LiveState(
         time_s=0.0,
         event_s=None,
@@ -231,6 +232,7 @@ def event(machine: LiveMachine, state: LiveState, at_s: float, request: Request)
     _require_sampled(machine, state, at_s)
     now = _moved(machine, state, at_s, through=False)
     _require_small(machine, now)
+    now = _without_old_slopes(machine, now)
     kind, x, y = now.kind, now.x.target, now.y.target
     if isinstance(request, LiveKind):
         kind = request
@@ -252,6 +254,27 @@ def event(machine: LiveMachine, state: LiveState, at_s: float, request: Request)
         certificate=Certificate(claims=_worst(planned_x.claims, planned_y.claims), method=METHOD),
         fallback="; ".join(reasons) or None,
     )
+
+
+def _without_old_slopes(machine: LiveMachine, state: LiveState) -> LiveState:
+    """Return the state with no slope of an axis that swings no more and has no plan.
+
+    The slope says what an error of the frequency does to the next moment of rest. What earlier
+    moves did is over: a phase that an error has turned since then cancels nothing.
+    """
+    routes = _routes(machine, state.modes)
+
+    def forget(axis: AxisState, witnesses: Witnesses) -> tuple[AxisState, Witnesses]:
+        if axis.plan.times_s or np.abs(axis.rings[:, :2]).max() > NOTHING:
+            return axis, witnesses
+        rings = axis.rings.copy()
+        rings[:, 2:] = 0.0
+        given = without_slope(routes.given, witnesses.given)
+        return replace(axis, rings=rings), replace(witnesses, given=given)
+
+    x, witness_x = forget(state.x, state.witness_x)
+    y, witness_y = forget(state.y, state.witness_y)
+    return replace(state, x=x, y=y, witness_x=witness_x, witness_y=witness_y)
 
 
 def _require_sampled(machine: LiveMachine, state: LiveState, at_s: float) -> None:
@@ -310,8 +333,11 @@ def _planned(
             return claims_of(routes.ideal, done.ideal, slopes=of.slope)
         return claims_of(routes.given, done.given, slopes=of.slope)
 
-    if target == axis.target and kind == state.kind:
-        return _Planned(axis, axis.plan.fallback, claims(axis, kind))
+    if target == axis.target:
+        found = claims(axis, kind)
+        if kind != axis.kind and not all(claim.holds for claim in found):
+            return _Planned(axis, axis.plan.fallback, claims(axis, axis.kind))
+        return _Planned(replace(axis, kind=kind), axis.plan.fallback, found)
     # What was sent within the dead time is answered whatever happens now.
     sent = sum(time_s < state.time_s for time_s in axis.plan.times_s)
     flying = Plan(times_s=axis.plan.times_s[:sent], levels=axis.plan.levels[:sent])
@@ -323,13 +349,13 @@ def _planned(
         one = wait_and_solve(task, kind, axis, target) if waits else solved
         found = () if one is None else claims(one, kind)
         if one is not None and all(claim.holds for claim in found):
-            return _Planned(one, None, found)
+            return _Planned(replace(one, kind=kind), None, found)
     reason = (
         f"no command to {target:g} at rest was found; the older plan to {axis.target:g}, which is "
         "verified, goes on"
     )
     kept = replace(axis, plan=replace(axis.plan, fallback=reason))
-    return _Planned(kept, reason, claims(kept, state.kind))
+    return _Planned(kept, reason, claims(kept, kept.kind))
 
 
 def _worst(one: tuple[Claim, ...], other: tuple[Claim, ...]) -> tuple[Claim, ...]:

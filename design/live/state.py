@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from design.live.kernel import OF_MODE
+from design.live.machine import LiveKind
 from design.types import FloatArray
 
 
@@ -55,6 +56,8 @@ class AxisState:
         The same as if the drive were ideal.
     plan
         Switches still to come.
+    kind
+        What the plan was solved for.
     """
 
     time_s: float
@@ -65,6 +68,7 @@ class AxisState:
     rings: FloatArray
     ideal_rings: FloatArray
     plan: Plan
+    kind: LiveKind
 
     @property
     def vibration(self) -> tuple[complex, ...]:
@@ -77,13 +81,15 @@ class AxisState:
         return tuple(complex(*one) for one in self.rings[:, 2:].tolist())
 
 
-def at_rest(modes: int) -> AxisState:
+def at_rest(modes: int, kind: LiveKind) -> AxisState:
     """Return an axis at rest at time 0.
 
     Parameters
     ----------
     modes
         How many modes swing under it.
+    kind
+        What its plans are solved for.
 
     Returns
     -------
@@ -99,4 +105,5 @@ def at_rest(modes: int) -> AxisState:
         rings=np.zeros((modes, OF_MODE)),
         ideal_rings=np.zeros((modes, OF_MODE)),
         plan=Plan(),
+        kind=kind,
     )

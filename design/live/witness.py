@@ -201,6 +201,28 @@ def carry_witness(
     )
 
 
+def without_slope(route: Route, witness: Witness) -> Witness:
+    """Return a witness whose modal coordinates have no slope.
+
+    Parameters
+    ----------
+    route, witness
+        The machine, and its axis now.
+
+    Returns
+    -------
+    Witness
+        The same, with derivatives of the modes alone, such that those of the coordinates are zero.
+    """
+    derived = (route.left_slopes[witness.force] * witness.states).sum(axis=1)
+    poles = route.lefts[witness.force][:, -1]
+    slopes = np.zeros_like(witness.slopes)
+    # With l = [..., -1, p]: -a + p b + derived = 0 of real a, b.
+    slopes[:, -1] = -derived.imag / poles.imag
+    slopes[:, -2] = slopes[:, -1] * poles.real + derived.real
+    return replace(witness, slopes=slopes)
+
+
 def claims_of(route: Route, witness: Witness, *, slopes: bool) -> tuple[Claim, ...]:
     """Return what an axis still swings, as claims that it is nothing.
 

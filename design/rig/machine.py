@@ -172,6 +172,20 @@ class Machine:
         which = AXES.index(axis)
         insort(self._events, (self._time(at_s) + self._delays_s[which], which, level, 0.0), key=_at)
 
+    def withdraw(self, axis: AxisName) -> None:
+        """Forget what an axis was commanded for times to come.
+
+        What was sent within the dead time before now is answered.
+
+        Parameters
+        ----------
+        axis
+            Which.
+        """
+        which = AXES.index(axis)
+        sent_s = self.now_s + self._delays_s[which]
+        self._events = [one for one in self._events if one[1] != which or one[0] < sent_s]
+
     def hoist(self, cable_length_m: float, over_s: float, at_s: float | None = None) -> None:
         """Hoist or lower the hook evenly to a length of the cable.
 

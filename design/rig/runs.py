@@ -180,30 +180,48 @@ def _steady_s(command: Impulses, drive: Actuator) -> float:
     return float((changes.times_s + changes.ramps_s).max()) + drive.dead_time_s
 
 
+def settling_s(drive: Actuator) -> float:
+    """Return after how long e^-40 of a lag's transient is left [s]."""
+    lags = (drive.accel_lag, drive.decel_lag)
+    return SETTLED * max(lag.first_s + math.sqrt(lag.second_s2) for lag in lags)
+
+
+def unshaped_energy_j(crane: Crane, drive: Actuator, speed_m_s: float) -> float:
+    """Return the energy of the swing after an unshaped step.
+
+    Parameters
+    ----------
+    crane, drive
+        The machine; of a drive with limits what it does without them.
+    speed_m_s
+        Full speed, to which the step goes [m/s].
+
+    Returns
+    -------
+    float
+        Once the drive has settled [J].
+    """
+    plain = drive.then if isinstance(drive, RateLimited) else drive
+    step = Machine(replace(crane, strokes=(None, None)), (plain, plain), speed_m_s)
+    step.open_bounds()
+    step.command("x", 1.0)
+    return float(step.advance(settling_s(drive) + plain.dead_time_s).swing_energy_j[0])
+
+
 def _residual(machine: Machine, drive: Actuator, steady_s: float) -> float | None:
     """Return the amplitude that remains after a time, as a share of an unshaped step's [-]."""
     machine.open_bounds()
-    lags = (drive.accel_lag, drive.decel_lag)
-    settled = SETTLED * max(lag.first_s + math.sqrt(lag.second_s2) for lag in lags)
+    settled = settling_s(drive)
     remains = machine.advance(max(machine.now_s, steady_s + settled))
     length = float(remains.cable_length_m[0])
-    crane = replace(machine.crane, cable_length_m=length, strokes=(None, None))
-    plain = replace(drive.then if isinstance(drive, RateLimited) else drive)
-    step = Machine(crane, (plain, plain), machine.speed_m_s)
-    step.open_bounds()
-    step.command("x", 1.0)
-    unshaped = step.advance(settled + plain.dead_time_s)
-    decay = float(crane.decays_s(np.array([length]))[0])
-    if decay * max(settled, float(remains.times_s[0]) - steady_s) > MAX_DECAY:
+    decay = float(machine.crane.decays_s(np.array([length]))[0])
+    since = float(remains.times_s[0]) - steady_s
+    if decay * max(settled, since) > MAX_DECAY:
         return None
-    amplitudes = [
-        math.sqrt(max(float(track.swing_energy_j[0]), 0.0)) * math.exp(decay * since)
-        for track, since in (
-            (remains, remains.times_s[0] - steady_s),
-            (unshaped, settled),
-        )
-    ]
-    return amplitudes[0] / amplitudes[1]
+    crane = replace(machine.crane, cable_length_m=length)
+    unshaped = math.sqrt(unshaped_energy_j(crane, drive, machine.speed_m_s))
+    left = math.sqrt(max(float(remains.swing_energy_j[0]), 0.0))
+    return left / unshaped * math.exp(decay * (since - settled))
 
 
 def _warnings(

@@ -96,7 +96,7 @@ class KindOf(Generic[Options]):
                 "plant.modes",
                 f"{len(case.modes)} modes",
                 f"of one mode: {self.name} serves a single mode; multi_zv, multi_umzv, "
-                "num_multi and convolved serve several",
+                "num_multi, multi_si and convolved serve several",
                 code="kind_of_one_mode",
             )
         if self.damping is not EVERY_PLANT:

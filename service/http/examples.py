@@ -221,6 +221,24 @@ EXAMPLES: dict[str, dict[str, Example]] = {
                 "y": {"field": "/plant/damping_ratio", "values": [0.0, 0.05]},
             },
         ),
+        "drive": Example(
+            summary="Residual of one shaper where the drive is not as given",
+            value={
+                **CRANE,
+                "x": {
+                    "field": "/actuator/accel/natural_frequency_rad_s",
+                    "from": 15,
+                    "to": 25,
+                    "points": 11,
+                },
+                "y": {
+                    "field": "/actuator/decel/natural_frequency_rad_s",
+                    "from": 40,
+                    "to": 60,
+                    "points": 11,
+                },
+            },
+        ),
         "duration": Example(
             summary="Duration of the shaper that is designed for each length",
             value={
@@ -235,6 +253,10 @@ EXAMPLES: dict[str, dict[str, Example]] = {
         "band": Example(
             summary="At most 5 % within 15 % of the frequency, a command between 0 and 1",
             value={"plant": MODE, "actuator": IDEAL, "half_width": 0.15, "tolerance": 0.05},
+        ),
+        "drive_off": Example(
+            summary="At most 5 % with every parameter of the drive off by 10 % as well",
+            value={**THESIS_CRANE, "half_width": 0.05, "drive_off_by": 0.1},
         ),
     },
     "create_table": {

@@ -56,11 +56,11 @@ def live_machine(
     with name_field("shaping"):
         kind = _kind_of(shaping.shaper)
     if request.played is not None:
-        _not_live("played", "a course")
+        refuse_live("played", "a course")
     for number, event in enumerate(request.events or ()):
         for name in ("move", "cable_length_m"):
             if getattr(event, name) is not None:
-                _not_live(f"events.{number}.{name}", _plain(event, name))
+                refuse_live(f"events.{number}.{name}", _plain(event, name))
     # A swing of an angle has the deflection L times it; an unshaped step's is v / w.
     length = crane.cable_length_m
     step_m = request.speed_m_s / crane.slowest_rad_s
@@ -78,7 +78,19 @@ def _plain(event: EventIn, name: str) -> object:
     return value if isinstance(value, float) else "a distance"
 
 
-def _not_live(field: str, value: object) -> None:
+def refuse_live(field: str, value: object) -> None:
+    """Refuse what is not shaped live.
+
+    Parameters
+    ----------
+    field, value
+        What was given, and where.
+
+    Raises
+    ------
+    InvalidInputError
+        Always.
+    """
     raise InvalidInputError(
         field,
         value,
@@ -95,13 +107,13 @@ def _kind_of(shaper: ShaperRequest) -> LiveKind:
         for field in dataclasses.fields(options):
             value = getattr(options, field.name)
             if field.name != "slope" and value != field.default:
-                _option_not_live(field.name, value)
+                _optionrefuse_live(field.name, value)
         if shaper.sample_time_s is not None:
-            _option_not_live("sample_time_s", shaper.sample_time_s)
+            _optionrefuse_live("sample_time_s", shaper.sample_time_s)
     return kind
 
 
-def _option_not_live(name: str, value: object) -> None:
+def _optionrefuse_live(name: str, value: object) -> None:
     raise InvalidInputError(
         name,
         value,

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from design.analysis.drive_sensitivity import require_parameters
 from design.analysis.sensitivity import Sensitivity, sensitivity
 from design.errors import DesignError
 from design.model.actuators.registry import Actuator
@@ -52,6 +53,8 @@ def requested_design(request: DesignRequest) -> RequestedDesign:
     if request.sensitivity is not None:
         with name_field("sensitivity"):
             curve_range = request.sensitivity.to_design()
+    if request.drive is not None:
+        require_parameters(actuator)
     if request.fit is not None:
         read_fit(request.shaper, request.fit, request.plant.kind, plant)
     kind = request.shaper.shaper_kind()

@@ -31,7 +31,9 @@ by_drive = pytest.mark.parametrize("drive", DRIVES)
 
 def carried(machine: LiveMachine, plan: Plan, until_s: float) -> AxisState:
     """Return an axis that was at rest before its plan."""
-    return carry(rows_of(machine), replace(at_rest(len(machine.modes)), plan=plan), until_s)
+    return carry(
+        rows_of(machine), replace(at_rest(len(machine.modes), machine.kind), plan=plan), until_s
+    )
 
 
 @by_drive
@@ -66,7 +68,7 @@ def test_carrying_in_parts_is_carrying_at_once(drive: Unlimited) -> None:
         plant=TWO, actuator=replace(drive, dead_time_s=0.13) if drive.kind != "ideal" else drive
     )
     rows = rows_of(machine)
-    parts = replace(at_rest(2), plan=PLAN)
+    parts = replace(at_rest(2, machine.kind), plan=PLAN)
     for until_s in (0.05, 0.2, 0.7, 0.75, 2.1, 2.6):
         parts = carry(rows, parts, until_s)
     whole = carried(machine, PLAN, 2.6)

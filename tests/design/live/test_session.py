@@ -9,6 +9,7 @@ from design.live.machine import LiveKind, LiveMachine
 from design.live.session import LiveState, Press, Request, event, init, step
 from design.model.actuators.rate_limited import Unlimited
 from design.model.actuators.second_order import SecondOrder
+from design.model.plants.double_pendulum import DoublePendulum
 from design.model.plants.mode import Mode
 from design.rig.crane import Crane
 from design.rig.machine import Machine
@@ -100,7 +101,7 @@ def test_random_strings_of_events_end_at_rest_within_range(drive: Unlimited, kin
     states = []
     for seed in range(25):
         rng = np.random.default_rng(seed)
-        states += played(machine, random_events(rng, (kind, "numzv")))
+        states += played(machine, random_events(rng, (kind, "numzv", "umzv")))
     assert all(state.certificate is not None and state.certificate.verified for state in states)
     assert sum(state.fallback is not None for state in states) <= 0.02 * len(states)
     levels = [
@@ -188,6 +189,37 @@ def test_a_shaper_for_an_ideal_drive_is_proven_for_that_alone() -> None:
     assert largest(pressed) < 1e-10
     done = step(ideal, pressed, pressed.last_switch_s)
     assert abs(done.x.vibration[0]) > 0.05
+
+
+def test_another_kind_serves_the_plans_from_then_on() -> None:
+    events: Events = [
+        (0.0, Press(x=1.0)),
+        (0.2, LiveKind(name="numzvd")),
+        (2.0, Press(x=0.0)),
+    ]
+    pressed, changed, released = played(MACHINE, events)
+    assert changed.x.plan.times_s == pressed.x.plan.times_s[1:]
+    assert len(released.x.plan.times_s) == 5
+    assert released.certificate is not None
+    assert [claim.quantity for claim in released.certificate.claims] == ["residual", "slope"]
+    assert released.certificate.verified
+
+
+def test_two_modes_start_in_the_least_time_known() -> None:
+    # THEORY section 11: five steps, switched.
+    load = DoublePendulum(
+        hook_mass_kg=0.385,
+        load_mass_kg=0.6,
+        cable_length_m=0.8,
+        load_length_m=0.25,
+        gravity_m_s2=9.81,
+    )
+    machine = LiveMachine(plant=load, actuator=KIM, kind=LiveKind(name="num_multi"))
+    pressed, released = played(machine, [(0.0, Press(x=1.0)), (1.4, Press(x=0.0))])
+    known = (0.0, 0.2421622, 0.37058803, 0.54579808, 0.74026527)
+    assert pressed.x.plan.times_s == pytest.approx(known, abs=1e-7)
+    assert released.fallback is None
+    assert largest(released) < 1e-10
 
 
 def test_what_cannot_happen_is_refused() -> None:
