@@ -1,12 +1,13 @@
 """Wire form of what happens in a run: events, and played courses."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
 from design.checks import MAX_VALUE
 from design.errors import InvalidInputError
+from design.live.emergency_request import EmergencyRequest
 from design.rig.scenario import Played, played_positions
 from schemas.base import Positive, Wire
 from schemas.shapers import ShaperIn
@@ -37,7 +38,7 @@ class DistancesIn(Wire):
 
 
 class HappeningIn(Wire):
-    """What happens: a direction, a move, or a hoist."""
+    """What happens: a direction, a move, a hoist, or an emergency stop."""
 
     direction: Annotated[
         DirectionIn | None, Field(description="The buttons that are pressed from then on.")
@@ -70,6 +71,45 @@ class HappeningIn(Wire):
     over_s: Annotated[
         Positive | None, Field(description="With cable_length_m: how long that takes [s].")
     ] = None
+    stop: Annotated[
+        Literal["emergency"] | None,
+        Field(
+            description="In live mode: both axes stop at once, without a reversal, on the "
+            "shortest way after which no more than swing_left swings."
+        ),
+    ] = None
+    swing_left: Annotated[
+        Distance | None,
+        Field(
+            description="With stop: what may swing at its end, as a share of an unshaped step's "
+            "swing, 0 to below 1; 0 if not given [-]."
+        ),
+    ] = None
+    within_periods: Annotated[
+        Distance | None,
+        Field(
+            description="With stop: how long it may take, in periods of the slowest mode, 0.05 "
+            "to 8; 1 if not given [-]."
+        ),
+    ] = None
+
+    def emergency(self) -> EmergencyRequest | None:
+        """Build the design record of an emergency stop.
+
+        Returns
+        -------
+        EmergencyRequest or None
+            None where the event is something else.
+
+        Raises
+        ------
+        InvalidInputError
+            If what may swing, or how long it may take, is out of range.
+        """
+        if self.stop is None:
+            return None
+        given = {"swing_left": self.swing_left, "within_periods": self.within_periods}
+        return EmergencyRequest(**{name: one for name, one in given.items() if one is not None})
 
     def require_one(self) -> None:
         """Check that the event is one thing, and has what belongs to that alone.
@@ -79,13 +119,13 @@ class HappeningIn(Wire):
         InvalidInputError
             If it is not.
         """
-        parts = ("direction", "move", "cable_length_m")
+        parts = ("direction", "move", "cable_length_m", "stop")
         given = [name for name in parts if getattr(self, name) is not None]
         if len(given) != 1:
             raise InvalidInputError(
                 (),
                 " and ".join(given) or "none",
-                "an event of direction, move or cable_length_m",
+                "an event of direction, move, cable_length_m or stop",
                 code="unknown_event",
             )
         # A direction of 0 is a stop, a move of 0 is none.
@@ -103,6 +143,8 @@ class HappeningIn(Wire):
             ("for_s", "direction"),
             ("shaper", "move"),
             ("over_s", "cable_length_m"),
+            ("swing_left", "stop"),
+            ("within_periods", "stop"),
         ):
             value = getattr(self, name)
             if value is not None and owner not in given:

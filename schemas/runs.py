@@ -141,6 +141,13 @@ class RunRequest(Wire):
         Annotated[NoShaping | DelayLine | LiveShaping, Field(discriminator="mode")] | None,
         Field(description="What becomes of commands before the drive; nothing if null."),
     ] = None
+    deflection_limit: Annotated[
+        Distance | None,
+        Field(
+            description="In live mode: largest deflection of the payload on the way, as a share of "
+            "an unshaped step's, 0.05 to 10; any if not given [-]."
+        ),
+    ] = None
     model: Annotated[
         CraneModel, Field(description="Whether swings count as small, or as large as they are.")
     ] = "linear"

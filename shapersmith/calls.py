@@ -341,6 +341,7 @@ class Calls(ABC):
         speed_m_s: float,
         events: Sequence[Json] | None = None,
         shaping: Json | None = None,
+        deflection_limit: float | None = None,
         model: CraneModel = "linear",
         played: Json | None = None,
         load: Json | None = None,
@@ -364,6 +365,9 @@ class Calls(ABC):
             What happens when, each as JSON has it: ``{"at_s": 0.0, "direction": {"x": 1}}``.
         shaping
             ``{"mode": "delay_line", "shaper": {...}}``; nothing shapes the commands if not given.
+        deflection_limit
+            In live mode: largest deflection on the way, over that of an unshaped step; any if not
+            given [-].
         model
             Whether swings count as small, or as large as they are.
         played
@@ -404,6 +408,7 @@ class Calls(ABC):
             speed_m_s=speed_m_s,
             events=None if events is None else list(events),
             shaping=shaping,
+            deflection_limit=deflection_limit,
             model=model,
             played=played,
             load=load,

@@ -25,6 +25,10 @@ Steady = Mode | Pendulum | SpringMass | Modes | DoublePendulum
 LIVE_KINDS = ("numzv", "numzvd", "num_multi", "umzv")
 """Kinds of shapers whose claims a plan can keep."""
 
+MIN_LIMIT, MAX_LIMIT = 0.05, 10.0
+"""Limits to the deflection: below, a start takes more than three periods and its steps are coarse,
+above, nothing is limited [-]."""
+
 MAX_ITERATIONS = 12
 """Of Newton's method from one start: it converges in four to nine steps."""
 
@@ -79,6 +83,8 @@ class LiveMachine:
         any if None [-].
     sample_time_s
         Events come at most once in it; any if None [s].
+    deflection_limit
+        Largest deflection on the way, over that of an unshaped step; any if None [-].
     max_iterations
         Of Newton's method from one start.
     """
@@ -88,6 +94,7 @@ class LiveMachine:
     kind: LiveKind = LiveKind()
     largest_swing: float | None = None
     sample_time_s: float | None = None
+    deflection_limit: float | None = None
     max_iterations: int = MAX_ITERATIONS
 
     def __post_init__(self) -> None:
@@ -97,6 +104,20 @@ class LiveMachine:
             require_scale("largest_swing", self.largest_swing)
         if self.sample_time_s is not None:
             require_between("sample_time_s", self.sample_time_s, 0.0, MAX_VALUE)
+        if self.deflection_limit is not None:
+            require_between("deflection_limit", self.deflection_limit, MIN_LIMIT, MAX_LIMIT)
+        self.require_kind(self.kind)
+
+    def require_kind(self, kind: LiveKind) -> None:
+        """Check that plans of a kind can keep the limit to the deflection.
+
+        Raises
+        ------
+        InvalidInputError
+            If it asks for more than no residual, or ignores the drive.
+        """
+        if self.deflection_limit is not None:
+            require_kind_with_limit(kind)
 
     @property
     def modes(self) -> tuple[Mode, ...]:
@@ -107,6 +128,24 @@ class LiveMachine:
     def drive_row(self) -> FloatArray:
         """The drive, as the kernel knows it."""
         return drive_row(self.actuator)
+
+
+def require_kind_with_limit(kind: LiveKind) -> None:
+    """Check that plans of a kind can keep a limit to the deflection.
+
+    Raises
+    ------
+    InvalidInputError
+        If it asks for more than no residual, or ignores the drive.
+    """
+    if kind.slope or kind.ideal:
+        raise InvalidInputError(
+            "kind",
+            kind.name,
+            "numzv, or num_multi without slope, with deflection_limit: a command that keeps "
+            "the limit makes the residual zero behind this drive, and nothing more",
+            code="kind_not_with_deflection_limit",
+        )
 
 
 def live_drive(actuator: Actuator) -> Unlimited:

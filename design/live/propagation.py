@@ -7,7 +7,7 @@ import numpy as np
 
 from design.live.kernel import FIRST, SECOND, SWITCHED, lag_flow, set_of, switch, wait
 from design.live.machine import IDEAL_ROW
-from design.live.state import AxisState, Plan
+from design.live.state import AxisState
 from design.types import FloatArray
 
 
@@ -50,7 +50,7 @@ def carry(rows: Rows, axis: AxisState, until_s: float, *, through: bool = True) 
     if not made:
         return axis
     plan = axis.plan
-    left = Plan(times_s=plan.times_s[made:], levels=plan.levels[made:], fallback=plan.fallback)
+    left = replace(plan, times_s=plan.times_s[made:], levels=plan.levels[made:])
     return replace(axis, plan=left)
 
 

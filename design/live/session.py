@@ -22,21 +22,20 @@ import numpy as np
 
 from design.analysis.certificate import Certificate, Claim
 from design.errors import InvalidInputError
+from design.live.demands import limit_deflection
+from design.live.emergency import emergency_stop
+from design.live.emergency_request import EmergencyRequest
 from design.live.machine import LiveKind, LiveMachine
+from design.live.plan_claims import Witnessed, claims_of_plan
 from design.live.planning import NOTHING, Task, last_switch_s, solve_plan, task_of, wait_and_solve
 from design.live.propagation import carry
 from design.live.state import AxisState, Plan, at_rest
 from design.live.witness import (
     METHOD,
-    Route,
-    Witness,
-    carry_witness,
-    claims_of,
-    route_of,
     without_slope,
     witness_at_rest,
 )
-from design.model.actuators.ideal import Ideal
+from design.live.witnesses import Witnesses, carry_witnesses, routes_of
 from design.model.plants.mode import Mode
 
 AxisName = Literal["x", "y"]
@@ -65,16 +64,8 @@ class Press:
                 raise InvalidInputError(name, level, "between -1 and 1", code="out_of_range")
 
 
-Request = Press | LiveKind
-"""What can happen: buttons, or a new kind of shaper."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Witnesses:
-    """The second opinion on an axis: behind the drive, and behind an ideal one."""
-
-    given: Witness
-    ideal: Witness
+Request = Press | LiveKind | EmergencyRequest
+"""What can happen: buttons, another kind of shaper, or an emergency stop of both axes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -118,14 +109,9 @@ class LiveState:
         return max(last_switch_s(self.x), last_switch_s(self.y), self.time_s)
 
 
-class _Routes(NamedTuple):
-    given: Route
-    ideal: Route
-
-
 def init(machine: LiveMachine) -> LiveState:
     """Return the state of a machine at rest at time 0."""
-    routes = _routes(machine, machine.modes)
+    routes = routes_of(machine, machine.modes)
     at = Witnesses(given=witness_at_rest(routes.given), ideal=witness_at_rest(routes.ideal))
     rest = at_rest(len(machine.modes), machine.kind)
     return LiveState(
@@ -138,10 +124,6 @@ def init(machine: LiveMachine) -> LiveState:
         witness_x=at,
         witness_y=at,
     )
-
-
-def _routes(machine: LiveMachine, modes: tuple[Mode, ...]) -> _Routes:
-    return _Routes(route_of(machine.actuator, modes), route_of(Ideal(), modes))
 
 
 def _task(machine: LiveMachine, modes: tuple[Mode, ...]) -> Task:
@@ -181,27 +163,17 @@ def _moved(machine: LiveMachine, state: LiveState, until_s: float, *, through: b
             f"not before the latest event or step, at {state.time_s:.9g} s",
             code="event_in_the_past",
         )
-    task, routes = _task(machine, state.modes), _routes(machine, state.modes)
+    task, routes = _task(machine, state.modes), routes_of(machine, state.modes)
 
     def move(axis: AxisState, witnesses: Witnesses) -> tuple[AxisState, Witnesses]:
         after = carry(task.rows, axis, until_s, through=through)
         made = len(axis.plan.times_s) - len(after.plan.times_s)
         plan = Plan(times_s=axis.plan.times_s[:made], levels=axis.plan.levels[:made])
-        return after, _witnessed(machine, routes, witnesses, plan, until_s)
+        return after, carry_witnesses(machine, routes, witnesses, plan, until_s)
 
     x, witness_x = move(state.x, state.witness_x)
     y, witness_y = move(state.y, state.witness_y)
     return replace(state, time_s=until_s, x=x, y=y, witness_x=witness_x, witness_y=witness_y)
-
-
-def _witnessed(
-    machine: LiveMachine, routes: _Routes, witnesses: Witnesses, plan: Plan, until_s: float
-) -> Witnesses:
-    acts = [time_s + machine.actuator.dead_time_s for time_s in plan.times_s]
-    return Witnesses(
-        given=carry_witness(routes.given, witnesses.given, acts, plan.levels, until_s),
-        ideal=carry_witness(routes.ideal, witnesses.ideal, acts, plan.levels, until_s),
-    )
 
 
 def event(machine: LiveMachine, state: LiveState, at_s: float, request: Request) -> LiveState:
@@ -235,11 +207,16 @@ def event(machine: LiveMachine, state: LiveState, at_s: float, request: Request)
     now = _without_old_slopes(machine, now)
     kind, x, y = now.kind, now.x.target, now.y.target
     if isinstance(request, LiveKind):
+        machine.require_kind(request)
         kind = request
-    else:
+    elif isinstance(request, Press):
         x, y = x if request.x is None else request.x, y if request.y is None else request.y
-    planned_x = _planned(machine, now, now.x, now.witness_x, kind, x)
-    planned_y = _planned(machine, now, now.y, now.witness_y, kind, y)
+    if isinstance(request, EmergencyRequest):
+        planned_x = _stopped(machine, now, now.x, now.witness_x, request)
+        planned_y = _stopped(machine, now, now.y, now.witness_y, request)
+    else:
+        planned_x = _planned(machine, now, now.x, now.witness_x, kind, x)
+        planned_y = _planned(machine, now, now.y, now.witness_y, kind, y)
     reasons = [
         f"{name}: {one.reason}"
         for name, one in (("x", planned_x), ("y", planned_y))
@@ -262,7 +239,7 @@ def _without_old_slopes(machine: LiveMachine, state: LiveState) -> LiveState:
     The slope says what an error of the frequency does to the next moment of rest. What earlier
     moves did is over: a phase that an error has turned since then cancels nothing.
     """
-    routes = _routes(machine, state.modes)
+    routes = routes_of(machine, state.modes)
 
     def forget(axis: AxisState, witnesses: Witnesses) -> tuple[AxisState, Witnesses]:
         if axis.plan.times_s or np.abs(axis.rings[:, :2]).max() > NOTHING:
@@ -294,7 +271,7 @@ def _require_sampled(machine: LiveMachine, state: LiveState, at_s: float) -> Non
 def _require_small(machine: LiveMachine, state: LiveState) -> None:
     if machine.largest_swing is None:
         return
-    unshaped = _routes(machine, state.modes).given.unshaped
+    unshaped = routes_of(machine, state.modes).given.unshaped
     for name, axis in (("x", state.x), ("y", state.y)):
         largest = float((np.abs(np.array(axis.vibration)) / unshaped).max())
         if largest > machine.largest_swing:
@@ -323,26 +300,27 @@ def _planned(
     kind: LiveKind,
     target: float,
 ) -> _Planned:
-    task, routes = _task(machine, state.modes), _routes(machine, state.modes)
-    dead_s = machine.actuator.dead_time_s
+    task = _task(machine, state.modes)
 
     def claims(one: AxisState, of: LiveKind) -> tuple[Claim, ...]:
-        ends_s = [state.time_s, *(time_s + dead_s for time_s in one.plan.times_s)]
-        done = _witnessed(machine, routes, witnesses, one.plan, ends_s[-1])
-        if of.ideal:
-            return claims_of(routes.ideal, done.ideal, slopes=of.slope)
-        return claims_of(routes.given, done.given, slopes=of.slope)
+        return _claims(machine, state, witnesses, one.plan, of)
 
     if target == axis.target:
         found = claims(axis, kind)
         if kind != axis.kind and not all(claim.holds for claim in found):
             return _Planned(axis, axis.plan.fallback, claims(axis, axis.kind))
         return _Planned(replace(axis, kind=kind), axis.plan.fallback, found)
-    # What was sent within the dead time is answered whatever happens now.
-    sent = sum(time_s < state.time_s for time_s in axis.plan.times_s)
-    flying = Plan(times_s=axis.plan.times_s[:sent], levels=axis.plan.levels[:sent])
-    ahead = carry(task.rows, replace(axis, plan=flying), state.time_s + dead_s)
+    flying, ahead = _ahead(machine, state, axis)
     solved = solve_plan(task, kind, ahead, target)
+    if machine.deflection_limit is not None:
+        free = None if solved is None else solved.plan
+        plan = limit_deflection(machine, state.modes, ahead, target, free)
+        if plan is not None:
+            limited = replace(flying + plan, fallback=plan.fallback)
+            found = _claims(machine, state, witnesses, limited, kind)
+            if all(claim.holds for claim in found if claim.quantity == "residual"):
+                limited_axis = replace(axis, target=target, plan=limited, kind=kind)
+                return _Planned(limited_axis, plan.fallback, found)
     if solved is not None:
         solved = replace(axis, target=target, plan=flying + solved.plan)
     for waits in (False, True):
@@ -358,8 +336,52 @@ def _planned(
     return _Planned(kept, reason, claims(kept, kept.kind))
 
 
+def _ahead(machine: LiveMachine, state: LiveState, axis: AxisState) -> tuple[Plan, AxisState]:
+    """Return what was sent within the dead time, and the axis once it is answered."""
+    sent = sum(time_s < state.time_s for time_s in axis.plan.times_s)
+    flying = Plan(times_s=axis.plan.times_s[:sent], levels=axis.plan.levels[:sent])
+    rows = _task(machine, state.modes).rows
+    then_s = state.time_s + machine.actuator.dead_time_s
+    return flying, carry(rows, replace(axis, plan=flying), then_s)
+
+
+def _stopped(
+    machine: LiveMachine,
+    state: LiveState,
+    axis: AxisState,
+    witnesses: Witnesses,
+    request: EmergencyRequest,
+) -> _Planned:
+    """Return an axis with its emergency stop, and what swings when its time is over."""
+    flying, ahead = _ahead(machine, state, axis)
+    found = emergency_stop(machine.actuator, state.modes, ahead, request)
+    plan = replace(
+        flying + found.plan,
+        fallback=found.plan.fallback,
+        swing_left=request.swing_left,
+        rests_s=found.end_s,
+    )
+    stopped = replace(axis, target=0.0, plan=plan, kind=state.kind)
+    claims = _claims(machine, state, witnesses, plan, state.kind)
+    return _Planned(stopped, plan.fallback, claims)
+
+
+def _claims(
+    machine: LiveMachine, state: LiveState, witnesses: Witnesses, plan: Plan, kind: LiveKind
+) -> tuple[Claim, ...]:
+    """Return what is found of a plan of an axis."""
+    routes = routes_of(machine, state.modes)
+    seen = Witnessed(routes.given, witnesses.given)
+    if kind.ideal and plan.rests_s is None:
+        seen = Witnessed(routes.ideal, witnesses.ideal)
+    return claims_of_plan(machine, state.modes, seen, plan, kind)
+
+
 def _worst(one: tuple[Claim, ...], other: tuple[Claim, ...]) -> tuple[Claim, ...]:
-    """Return the larger of both axes' claims; where they claim different things, all of them."""
+    """Return the claims nearer to their limits; where both axes claim different things, all."""
     if [claim.quantity for claim in one] != [claim.quantity for claim in other]:
         return one + other
-    return tuple(max(pair, key=lambda claim: claim.value) for pair in zip(one, other, strict=True))
+    return tuple(
+        max(pair, key=lambda claim: claim.value / claim.limit)
+        for pair in zip(one, other, strict=True)
+    )

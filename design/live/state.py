@@ -20,12 +20,19 @@ class Plan:
     levels
         Level of the command from each on, signed [-].
     fallback
-        Why this is an older plan than the event asked for; None where it is its own.
+        Why this is an older plan than the event asked for, or what of it is not kept; None where it
+        is its own.
+    swing_left
+        What may swing after it, over an unshaped step's swing: an emergency stop's [-].
+    rests_s
+        When no more than that swings; None if that is after the last switch [s].
     """
 
     times_s: tuple[float, ...] = ()
     levels: tuple[float, ...] = ()
     fallback: str | None = None
+    swing_left: float = 0.0
+    rests_s: float | None = None
 
     def __add__(self, later: "Plan") -> "Plan":
         """Return both in one."""

@@ -1,18 +1,27 @@
 """Events of a run, shaped live: the command of each axis is solved anew at each of them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from design.analysis.certificate import Certificate
 from design.errors import InvalidInputError
+from design.live.emergency_request import EmergencyRequest
 from design.live.machine import LiveMachine
 from design.live.session import SAME_TIME_S, LiveState, Press, event, init
 from design.live.state import Plan
 from design.model.impulses import Impulses
 from design.rig.crane import AXES, AxisName
 from design.rig.scenario import Drive, steps_of
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Emergency:
+    """An emergency stop of both axes, and when it is asked for [s]."""
+
+    at_s: float
+    stop: EmergencyRequest
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,11 +57,13 @@ class _Moment:
     """What is asked of both axes at a time, and by which events."""
 
     at_s: float
-    press: Press
+    request: Press | EmergencyRequest
     events: frozenset[int]
 
 
-def live_commands(machine: LiveMachine, drives: Sequence[Drive]) -> LiveCommands:
+def live_commands(
+    machine: LiveMachine, drives: Sequence[Drive], stops: Mapping[int, Emergency]
+) -> LiveCommands:
     """Solve the commands of the axes, event after event.
 
     Parameters
@@ -61,6 +72,8 @@ def live_commands(machine: LiveMachine, drives: Sequence[Drive]) -> LiveCommands
         Drive and modes of both axes.
     drives
         What events ask of the axes, in any order.
+    stops
+        Emergency stops among the events, by their numbers.
 
     Returns
     -------
@@ -76,11 +89,11 @@ def live_commands(machine: LiveMachine, drives: Sequence[Drive]) -> LiveCommands
     sent: dict[AxisName, list[tuple[float, float]]] = {axis: [] for axis in AXES}
     answers: dict[int, LiveAnswer] = {}
     state = init(machine)
-    for moment in _moments(drives):
+    for moment in _moments(drives, stops):
         _send(sent, state, moment.at_s)
         number = min(moment.events)
         try:
-            state = event(machine, state, moment.at_s, moment.press)
+            state = event(machine, state, moment.at_s, moment.request)
         except InvalidInputError as error:
             raise error.within(f"events.{number}") from None
         if state.certificate is not None:
@@ -110,8 +123,8 @@ def _steps(switches: list[tuple[float, float]]) -> Impulses:
     return Impulses(times_s=times, amplitudes=np.diff(levels, prepend=0.0))
 
 
-def _moments(drives: Sequence[Drive]) -> list[_Moment]:
-    """Return what is asked at each time, in order."""
+def _moments(drives: Sequence[Drive], stops: Mapping[int, Emergency]) -> list[_Moment]:
+    """Return what is asked at each time, in order; a stop after the presses of its time."""
     courses = {axis: dict(zip(*map(list, steps_of(drives, axis)), strict=True)) for axis in AXES}
     found: list[_Moment] = []
     for at_s in sorted({time_s for course in courses.values() for time_s in course}):
@@ -121,5 +134,9 @@ def _moments(drives: Sequence[Drive]) -> list[_Moment]:
             if min(abs(one.at_s - at_s), abs(one.end_s - at_s)) <= SAME_TIME_S
         )
         press = Press(x=courses["x"].get(at_s), y=courses["y"].get(at_s))
-        found.append(_Moment(at_s=float(at_s), press=press, events=events))
-    return found
+        found.append(_Moment(at_s=float(at_s), request=press, events=events))
+    found += [
+        _Moment(at_s=one.at_s, request=one.stop, events=frozenset((number,)))
+        for number, one in stops.items()
+    ]
+    return sorted(found, key=lambda one: (one.at_s, isinstance(one.request, EmergencyRequest)))

@@ -164,6 +164,21 @@ EXAMPLES: dict[str, dict[str, Example]] = {
                 "points": 201,
             },
         ),
+        "emergency": Example(
+            summary="A start with limited deflection, and an emergency stop",
+            value={
+                "plant": THESIS_CRANE["plant"],
+                "actuator": {**THESIS_CRANE["actuator"], "model": "switched"},
+                "speed_m_s": 0.2,
+                "shaping": {"mode": "live", "shaper": {"kind": "numzv"}},
+                "deflection_limit": 0.5,
+                "events": [
+                    {"at_s": 0.0, "direction": {"x": 1}},
+                    {"at_s": 2.0, "stop": "emergency", "swing_left": 0.05, "within_periods": 1},
+                ],
+                "points": 201,
+            },
+        ),
         "square": Example(
             summary="A square of 42 cm through a delay line, swings as large as they are",
             value={

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from design.analysis.certificate import Certificate
+from design.live.emergency_request import EmergencyRequest
 from design.live.machine import LiveMachine
 from design.live.session import LiveState, Press, event
 from design.model.impulses import Impulses
@@ -108,7 +109,7 @@ class Resolved:
     machine: LiveMachine
     state: LiveState
 
-    def pressed(self, at_s: float, press: Press) -> tuple["Resolved", Planned]:
+    def pressed(self, at_s: float, press: Press | EmergencyRequest) -> tuple["Resolved", Planned]:
         """Return the commands after buttons, and what is to come.
 
         Parameters
@@ -116,7 +117,7 @@ class Resolved:
         at_s
             When they are pressed, not before the event before [s].
         press
-            The levels asked for.
+            The levels asked for, or an emergency stop.
 
         Returns
         -------

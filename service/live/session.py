@@ -26,7 +26,7 @@ from schemas.live import LiveAxisOut, LiveMessage, LivePlanOut, LiveStateOut
 from schemas.run_events import HappeningIn
 from schemas.runs import CommandsOut, CourseOut, DelayLine, LiveShaping, RunRequest
 from service.live.commands import Commands, Convolved, Planned, Resolved, Switch
-from service.operations.live_run import live_machine, refuse_live
+from service.operations.live_run import live_machine, refuse_live, refuse_without_live
 from service.operations.run_crane import crane_of, shaper_of
 from service.operations.subject import subject_of
 from service.problems import (
@@ -201,6 +201,8 @@ def _begun(request: RunRequest) -> _Session:
             code="course_in_live_session",
         )
     commands: Commands
+    if request.deflection_limit is not None and not isinstance(request.shaping, LiveShaping):
+        refuse_without_live("deflection_limit", request.deflection_limit)
     if isinstance(request.shaping, LiveShaping):
         machine = live_machine(request, request.shaping, crane, swinging, plant, actuator)
         commands = Resolved(machine, init(machine))
@@ -231,7 +233,13 @@ def _happened(held: _Session, at_s: float, happening: HappeningIn) -> Seen:
     at_s, machine = _machine_at(held, at_s)
     direction = happening.direction
     press = Press() if direction is None else Press(x=direction.x, y=direction.y)
-    commands, planned = held.commands.pressed(at_s, press)
+    stop = happening.emergency()
+    if stop is None:
+        commands, planned = held.commands.pressed(at_s, press)
+    elif isinstance(held.commands, Resolved):
+        commands, planned = held.commands.pressed(at_s, stop)
+    else:
+        refuse_without_live("stop", happening.stop)
     for axis in AXES:
         machine.withdraw(axis)
     for switch in planned.switches:

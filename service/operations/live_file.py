@@ -8,6 +8,7 @@ from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from schemas.base import name_field
 from schemas.runs import LiveShaping, RunRequest
+from service.operations.live_run import live_kind, refuse_live
 from service.operations.subject import subject_of
 from service.version import version
 
@@ -59,6 +60,17 @@ def live_file(request: RunRequest, format_name: str, real: "Real" = "LREAL") -> 
             "left out for a block, which knows one mode",
             code="load_without_block",
         )
+    if request.played is not None:
+        refuse_live("played", "a course")
+    with name_field("shaping"):
+        kind = live_kind(request.shaping.shaper)
+    if request.deflection_limit is not None:
+        raise InvalidInputError(
+            "deflection_limit",
+            request.deflection_limit,
+            "left out for a block, which plans without it",
+            code="limit_without_block",
+        )
     plant, actuator = subject_of(request)
     lengths = []
     for number, event in enumerate(request.events or ()):
@@ -69,7 +81,8 @@ def live_file(request: RunRequest, format_name: str, real: "Real" = "LREAL") -> 
     block = live_block(
         plant,
         actuator,
-        kind=request.shaping.shaper.kind,
+        kind=kind.name,
+        cycle_s=request.shaping.sample_time_s,
         lengths_m=lengths,
         speed_m_s=request.speed_m_s,
         request_json=request.canonical(),

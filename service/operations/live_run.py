@@ -1,6 +1,7 @@
 """A run whose commands are shaped live: its machine, and what each event led to."""
 
 import dataclasses
+from typing import NoReturn
 
 from design.errors import InvalidInputError
 from design.live.machine import (
@@ -8,11 +9,12 @@ from design.live.machine import (
     LiveMachine,
     live_drive,
     live_plant,
+    require_kind_with_limit,
 )
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.rig.crane import MAX_SWING_RAD, Crane
-from design.rig.live_events import LiveAnswer
+from design.rig.live_events import Emergency, LiveAnswer
 from schemas.base import name_field
 from schemas.certificates import CertificateOut
 from schemas.run_events import EventIn
@@ -54,13 +56,16 @@ def live_machine(
     if swinging.cable is not None:
         subject = subject_at_length(crane, swinging.cable, crane.cable_length_m)
     with name_field("shaping"):
-        kind = _kind_of(shaping.shaper)
+        kind = live_kind(shaping.shaper)
     if request.played is not None:
         refuse_live("played", "a course")
     for number, event in enumerate(request.events or ()):
         for name in ("move", "cable_length_m"):
             if getattr(event, name) is not None:
                 refuse_live(f"events.{number}.{name}", _plain(event, name))
+    if request.deflection_limit is not None:
+        with name_field("shaping.shaper"):
+            require_kind_with_limit(kind)
     # A swing of an angle has the deflection L times it; an unshaped step's is v / w.
     length = crane.cable_length_m
     step_m = request.speed_m_s / crane.slowest_rad_s
@@ -70,6 +75,61 @@ def live_machine(
         kind=kind,
         largest_swing=MAX_SWING_RAD * length / step_m if crane.load is None else None,
         sample_time_s=shaping.sample_time_s,
+        deflection_limit=request.deflection_limit,
+    )
+
+
+def emergencies(request: RunRequest) -> dict[int, Emergency]:
+    """Return the emergency stops among the events, by their numbers.
+
+    Parameters
+    ----------
+    request
+        The run.
+
+    Returns
+    -------
+    dict
+        Empty where there are none.
+
+    Raises
+    ------
+    InvalidInputError
+        If one is out of its range, or it or a limit to the deflection is not in live mode.
+    """
+    found = {}
+    live = isinstance(request.shaping, LiveShaping)
+    for number, event in enumerate(request.events or ()):
+        with name_field(f"events.{number}"):
+            stop = event.emergency()
+            if stop is None:
+                continue
+            if not live:
+                refuse_without_live("stop", event.stop)
+            found[number] = Emergency(at_s=event.at_s, stop=stop)
+    if request.deflection_limit is not None and not live:
+        refuse_without_live("deflection_limit", request.deflection_limit)
+    return found
+
+
+def refuse_without_live(field: str, value: object) -> NoReturn:
+    """Raise InvalidInputError: a field serves live mode alone.
+
+    Parameters
+    ----------
+    field, value
+        Its path, and what it is.
+
+    Raises
+    ------
+    InvalidInputError
+        Always.
+    """
+    raise InvalidInputError(
+        field,
+        value,
+        "left out without shaping of mode live, which solves the command from the state",
+        code="only_shaped_live",
     )
 
 
@@ -99,7 +159,24 @@ def refuse_live(field: str, value: object) -> None:
     )
 
 
-def _kind_of(shaper: ShaperRequest) -> LiveKind:
+def live_kind(shaper: ShaperRequest) -> LiveKind:
+    """Return what plans keep by a shaper of a request.
+
+    Parameters
+    ----------
+    shaper
+        Of the request.
+
+    Returns
+    -------
+    LiveKind
+        Its kind, and whether its slope is zero too.
+
+    Raises
+    ------
+    InvalidInputError
+        If the kind or an option is not served live.
+    """
     with name_field("shaper"):
         options = shaper.options()
         slope = bool(getattr(options, "slope", False))
@@ -107,13 +184,13 @@ def _kind_of(shaper: ShaperRequest) -> LiveKind:
         for field in dataclasses.fields(options):
             value = getattr(options, field.name)
             if field.name != "slope" and value != field.default:
-                _optionrefuse_live(field.name, value)
+                _refuse_option(field.name, value)
         if shaper.sample_time_s is not None:
-            _optionrefuse_live("sample_time_s", shaper.sample_time_s)
+            _refuse_option("sample_time_s", shaper.sample_time_s)
     return kind
 
 
-def _optionrefuse_live(name: str, value: object) -> None:
+def _refuse_option(name: str, value: object) -> None:
     raise InvalidInputError(
         name,
         value,

@@ -95,6 +95,8 @@ class LiveBlock:
         Of the tool.
     real
         Type of numbers in Structured Text.
+    cycle_s
+        Of the task, in the example of a call; a usual one if None [s].
     """
 
     plant: LivePlant
@@ -104,6 +106,16 @@ class LiveBlock:
     request_json: str
     version: str
     real: Real = "LREAL"
+    cycle_s: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.cycle_s is not None and self.cycle_s > self.longest_cycle_s:
+            raise InvalidInputError(
+                "shaping.sample_time_s",
+                self.cycle_s,
+                f"at most {self.longest_cycle_s:.6g} s in a block, a tenth of the shortest period",
+                code="cycle_without_block",
+            )
 
     @property
     def name(self) -> str:
@@ -159,6 +171,8 @@ class LiveBlock:
     @property
     def example_cycle_s(self) -> float:
         """Cycle of the example of a call [s]."""
+        if self.cycle_s is not None:
+            return self.cycle_s
         return min(0.01, float(f"{self.longest_cycle_s / 5:.1g}"))
 
     @property
@@ -256,6 +270,7 @@ def live_block(
     request_json: str,
     version: str,
     real: Real = "LREAL",
+    cycle_s: float | None = None,
 ) -> LiveBlock:
     """Return a machine as the writers of its block have it.
 
@@ -275,6 +290,8 @@ def live_block(
         Of the tool.
     real
         Type of numbers in Structured Text.
+    cycle_s
+        Of the task; a usual one if None [s].
 
     Returns
     -------
@@ -284,7 +301,7 @@ def live_block(
     Raises
     ------
     InvalidInputError
-        If a block serves the kind, the plant or the drive not.
+        If a block serves the kind, the plant, the drive or the cycle not.
     """
     drive = live_drive(actuator)
     if kind != KIND:
@@ -310,6 +327,7 @@ def live_block(
         request_json=request_json,
         version=version,
         real=real,
+        cycle_s=cycle_s,
     )
 
 

@@ -17,6 +17,8 @@ from tests.plc_files import plcopen_text, scl_text, twincat_text
 from tests.refusals import refused
 from tests.service.cli.commands import shapersmith
 
+LIVE: dict[str, Any] = {"mode": "live", "shaper": {"kind": "numzv"}}
+
 REQUEST: dict[str, Any] = {
     "plant": {"kind": "pendulum", "cable_length_m": 9},
     "actuator": {
@@ -26,7 +28,7 @@ REQUEST: dict[str, Any] = {
         "model": "switched",
     },
     "speed_m_s": 1,
-    "shaping": {"mode": "live", "shaper": {"kind": "numzv"}},
+    "shaping": LIVE,
     "events": [{"at_s": 0, "cable_length_m": 3, "over_s": 10}],
 }
 
@@ -60,6 +62,12 @@ def test_the_block_works_between_all_lengths_of_the_run() -> None:
     assert "plant: cable 9 to 9 m" in one
 
 
+def test_the_cycle_of_the_run_is_that_of_the_call() -> None:
+    timed = {**REQUEST, "shaping": {**LIVE, "sample_time_s": 0.004}}
+    told = shapersmith("run", "-", "--format", "st", given=timed).stdout
+    assert "cycle_time_s := 0.004" in told
+
+
 def test_the_numbers_are_of_the_type_asked_for() -> None:
     for real in ("LREAL", "REAL"):
         done = shapersmith("run", "-", "--format", "st", "--real", real, given=REQUEST)
@@ -73,6 +81,8 @@ def test_the_numbers_are_of_the_type_asked_for() -> None:
         ({"shaping": None}, "/shaping/mode"),
         ({"shaping": {"mode": "live", "shaper": {"kind": "zv"}}}, "/shaping/shaper/kind"),
         ({"load": {"mass_kg": 1, "length_m": 0.2}}, "/load"),
+        ({"deflection_limit": 0.3}, "/deflection_limit"),
+        ({"shaping": {**LIVE, "sample_time_s": 0.5}}, "/shaping/sample_time_s"),
         ({"plant": {"kind": "mode", "natural_frequency_rad_s": 3}}, "/events/0/cable_length_m"),
         (
             {
@@ -102,6 +112,11 @@ def test_codes_of_refusals() -> None:
         file_of_machine(request, "csv")
     with refused("block_needs_live", "shaping.mode"):
         file_of_machine(request.model_copy(update={"shaping": None}), "st")
+    with refused("limit_without_block", "deflection_limit"):
+        file_of_machine(request.model_copy(update={"deflection_limit": 0.3}), "st")
+    slow = {**LIVE, "sample_time_s": 0.5}
+    with refused("cycle_without_block", "shaping.sample_time_s"):
+        file_of_machine(RunRequest.model_validate({**REQUEST, "shaping": slow}), "st")
     loaded = RunRequest.model_validate({**REQUEST, "load": {"mass_kg": 1, "length_m": 0.2}})
     with refused("load_without_block", "load"):
         file_of_machine(loaded, "st")

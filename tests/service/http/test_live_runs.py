@@ -1,5 +1,6 @@
 """Runs in live mode over HTTP: what each event led to, and what is refused."""
 
+import math
 from typing import Any
 
 import httpx
@@ -19,6 +20,7 @@ LIMITED = {
     "decel_limit_m_s2": 1.0,
     "speed_m_s": 0.2,
 }
+STOP = {"at_s": 3.0, "stop": "emergency"}
 LOADED = {"mass_kg": 0.6, "length_m": 0.25}
 
 
@@ -58,6 +60,35 @@ def test_a_shaper_for_an_ideal_drive_says_so(client: httpx.Client) -> None:
     run = ask(client, events=EVENTS[:2], shaping={"mode": "live", "shaper": {"kind": "umzv"}})
     assert {event["certificate"]["actuator"] for event in run["events"]} == {"ideal"}
     assert run["residual"] > 0.01
+
+
+def test_an_emergency_stop_brings_both_axes_to_rest_within_a_period(client: httpx.Client) -> None:
+    events = [{"at_s": 0.0, "direction": {"x": 1, "y": -1}}, {**STOP, "swing_left": 0.05}]
+    run = ask(client, events=events, shaping=LIVE)
+    told = run["events"][1]
+    assert told["certificate"]["verified"] is True
+    assert told["fallback"] is None
+    assert told["certificate"]["claims"][0]["value"] == pytest.approx(0.05, abs=1e-9)
+    assert told["certificate"]["claims"][0]["limit"] == 0.05
+    # The root of the energies of two axes, alike.
+    assert run["residual"] == pytest.approx(0.05 * 2**0.5, rel=1e-6)
+    assert 3.0 < told["last_switch_s"] <= 3.0 + 2 * math.pi / 3.5
+    assert min(run["command"]["x"]["levels"]) == 0.0
+    assert max(run["command"]["y"]["levels"]) == 0.0
+
+
+def test_a_start_keeps_a_limit_to_the_deflection_on_the_rig(client: httpx.Client) -> None:
+    events = [PRESS, {"at_s": 3.0, "direction": {"x": 0}}]
+    run = ask(client, events=events, shaping=LIVE, deflection_limit=0.4)
+    unshaped = ask(client, events=events[:1], shaping={"mode": "none"})
+    for event in run["events"]:
+        assert event["certificate"]["verified"] is True
+        assert [one["quantity"] for one in event["certificate"]["claims"]][-1] == "deflection"
+        assert event["certificate"]["claims"][-1]["value"] <= 0.4
+    largest, swing = (max(map(abs, one["history"]["deflection_m"])) for one in (run, unshaped))
+    # A step swings by the drive's gain, and a little above it while the drive comes to speed.
+    assert largest <= 0.4 * swing * 1.01
+    assert run["residual"] < 1e-8
 
 
 def test_events_without_live_mode_are_told_as_before(client: httpx.Client) -> None:
@@ -107,6 +138,49 @@ def test_events_without_live_mode_are_told_as_before(client: httpx.Client) -> No
             "only command",
         ),
         ({"speed_m_s": 6.0}, "swing_beyond_model", "/events/2/at_s", "does not hold"),
+        ({"deflection_limit": -0.5}, "out_of_range", "/deflection_limit", "0.05 and 10"),
+        (
+            {"deflection_limit": 0.5, "shaping": {"mode": "live", "shaper": {"kind": "numzvd"}}},
+            "kind_not_with_deflection_limit",
+            "/shaping/shaper/kind",
+            "num_multi without slope",
+        ),
+        (
+            {"deflection_limit": 0.5, "shaping": {"mode": "none"}},
+            "only_shaped_live",
+            "/deflection_limit",
+            "mode live",
+        ),
+        (
+            {"events": [PRESS, STOP], "shaping": {"mode": "none"}},
+            "only_shaped_live",
+            "/events/1/stop",
+            "mode live",
+        ),
+        (
+            {"events": [PRESS, {**STOP, "swing_left": 1.0}]},
+            "out_of_range",
+            "/events/1/swing_left",
+            "between 0 and 1",
+        ),
+        (
+            {"events": [PRESS, {**STOP, "within_periods": 0.0}]},
+            "out_of_range",
+            "/events/1/within_periods",
+            "between 0.05 and 8",
+        ),
+        (
+            {"events": [{**PRESS, "swing_left": 0.1}]},
+            "part_of_other_event",
+            "/events/0/swing_left",
+            "without stop",
+        ),
+        (
+            {"events": [{**PRESS, "stop": "emergency"}]},
+            "unknown_event",
+            "/events/0",
+            "direction and stop",
+        ),
         ({"plant": MODE, "events": [{"at_s": 0.0}]}, "unknown_event", "/events/0", "direction"),
     ],
 )

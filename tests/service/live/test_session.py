@@ -182,6 +182,8 @@ def test_a_first_message_that_is_no_run_is_refused(
         (b'{"direction": {"x": NaN}}', "/direction/x"),
         (b'{"direction": {}}', "/direction"),
         (b'{"cable_length_m": -1, "over_s": 2}', "/cable_length_m"),
+        (b'{"stop": "emergency"}', "/stop: must be left out without shaping of mode live"),
+        (b'{"stop": "emergency", "swing_left": 2}', "/swing_left: must be between 0 and 1"),
     ],
 )
 def test_an_event_that_is_none_is_refused_and_changes_nothing(event: bytes, told: str) -> None:
@@ -189,6 +191,28 @@ def test_an_event_that_is_none_is_refused_and_changes_nothing(event: bytes, told
     refused = happen(held.session, 0.5, event)
     assert isinstance(refused, Problem)
     assert told in refused.detail
+
+
+def test_an_emergency_stop_sends_what_a_run_sends() -> None:
+    crane = {**CRANE, "shaping": SHAPINGS["live"], "deflection_limit": 0.5}
+    events = [EVENTS[0], {"at_s": 2.105, "stop": "emergency", "swing_left": 0.05}]
+    states = driven(crane, events, 4.0)
+    assert states
+    held = seen(begin(as_json(crane)))
+    held = seen(happen(held.session, 0.0, b'{"direction": {"x": 1}}'))
+    held = seen(happen(held.session, 2.0, b'{"stop": "emergency", "swing_left": 0.05}'))
+    (plan,) = (json.loads(message)["plan"] for message in held.messages)
+    assert plan["certificate"]["verified"] is True
+    assert plan["certificate"]["claims"][0]["limit"] == 0.05
+    later = [{"at_s": 0.0, "direction": {"x": 1}}, {**events[1], "at_s": plan["at_s"]}]
+    run = drive_crane(RunRequest.model_validate({**crane, "events": later}))
+    assert plan["last_switch_s"] == pytest.approx(run.events[1].last_switch_s, abs=1e-9)
+
+
+def test_a_limit_to_the_deflection_needs_live_mode() -> None:
+    refused = begin(as_json(CRANE | {"deflection_limit": 0.5}))
+    assert isinstance(refused, Problem)
+    assert refused.code == "only_shaped_live"
 
 
 def test_a_stroke_that_would_be_exceeded_ends_the_session() -> None:
