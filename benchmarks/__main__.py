@@ -15,6 +15,7 @@ PARTS = (
     "bands",
     "limits",
     "samples",
+    "rig",
     "tables",
     "command_line",
     "http",
@@ -23,6 +24,8 @@ PARTS = (
 
 if __name__ == "__main__":
     named = [word for word in sys.argv[1:] if word != "--page"]
+    if named and "--page" in sys.argv:
+        sys.exit("the page has all parts: leave out their names with --page")
     found: list[Figure] = []
     print("| what | measured | limit | |\n|---|---|---|---|")
     for part in named or PARTS:

@@ -38,17 +38,35 @@ def require_said_once(band: Band) -> None:
     if band.half_width is not None:
         for name in ("lower_ratio", "upper_ratio"):
             if getattr(band, name) is not None:
-                raise InvalidInputError(
-                    name,
-                    getattr(band, name),
-                    "left out where half_width is given",
-                    code="band_said_twice",
-                )
+                raise said_twice(name, getattr(band, name), "half_width")
     elif (band.lower_ratio is None) != (band.upper_ratio is None):
         missing = "lower_ratio" if band.lower_ratio is None else "upper_ratio"
-        raise InvalidInputError(
-            missing, None, "given where the other end of the band is", code="band_half_said"
-        )
+        raise half_said(missing)
+
+
+def said_twice(field: str, value: object, first: str) -> InvalidInputError:
+    """Return the refusal of a band that is said in a second way.
+
+    Parameters
+    ----------
+    field, value, first
+        The second way, what it is, and the field of the first.
+
+    Returns
+    -------
+    InvalidInputError
+        With the field to leave out.
+    """
+    return InvalidInputError(
+        field, value, f"left out where {first} is given", code="band_said_twice"
+    )
+
+
+def half_said(missing: str) -> InvalidInputError:
+    """Return the refusal of a band with one end, by the field of the other."""
+    return InvalidInputError(
+        missing, None, "given where the other end of the band is", code="band_half_said"
+    )
 
 
 def ends_of(band: Band) -> tuple[float, float]:

@@ -4,11 +4,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
-Quantity = Literal["residual", "slope", "second_derivative", "third_derivative", "band"]
+Quantity = Literal[
+    "residual", "slope", "second_derivative", "third_derivative", "band", "deflection"
+]
 """What a shaper may claim to keep small.
 
 Its residual vibration; derivatives of its vector V, ``|d^k V / d(ln w)^k|`` with z fixed, over the
-unshaped step; the largest residual over a band of frequencies.
+unshaped step; the largest residual over a band of frequencies; the largest deflection on the way.
 """
 
 

@@ -6,6 +6,7 @@ from pydantic import Field
 
 from schemas.actuators import ActuatorIn
 from schemas.base import Wire
+from schemas.drive_sensitivity import DriveIn
 from schemas.fits import FitIn
 from schemas.plants import PlantIn
 from schemas.sensitivity_curves import SensitivityIn
@@ -25,6 +26,10 @@ class DesignRequest(Wire):
     sensitivity: Annotated[
         SensitivityIn | None, Field(description="Range of the curve; null for no curve.")
     ] = SensitivityIn()
+    drive: Annotated[
+        DriveIn | None,
+        Field(description="By how much the drive may be off; null for no residual of such drives."),
+    ] = None
     fit: Annotated[
         FitIn | None, Field(description="Request for curve coefficients with the design.")
     ] = None

@@ -9,6 +9,7 @@ from design.pipeline import Design
 from schemas.base import Version, Wire, leave_out_none
 from schemas.certificates import CertificateOut
 from schemas.designed_shaper import ShaperOut
+from schemas.drive_sensitivity import DriveOut
 from schemas.fits import FitOut
 from schemas.impulses import ImpulsesWire
 from schemas.large_swings import OfLargeSwing, large_swing_of
@@ -44,6 +45,7 @@ class DesignResponse(Wire):
     limits: OfLimits
     certificate: Annotated[CertificateOut, Field(description="Promises of the shaper, recomputed.")]
     sensitivity: Annotated[SensitivityOut | None, Field(description="Its curve, or null.")]
+    drive: Annotated[DriveOut | None, leave_out_none("Residual where the drive is off, if asked.")]
     modes: OfModes
     scheduled: Annotated[
         RangeOut | None,
@@ -67,6 +69,7 @@ class DesignResponse(Wire):
         ramps: RampFigures | None,
         sampled: SampledOut | None,
         sensitivity: SensitivityOut | None,
+        drive: DriveOut | None,
         modes: list[ModeOut] | None,
         scheduled: RangeOut | None,
         fit: FitOut | None,
@@ -79,7 +82,7 @@ class DesignResponse(Wire):
         ----------
         kind, design
             Name of the kind; the shaper that is sent, on samples where they were asked for.
-        ramps, sampled, sensitivity, modes, scheduled, fit, trace
+        ramps, sampled, sensitivity, drive, modes, scheduled, fit, trace
             Each part that was asked for; None where it was not.
         version
             Of the tool.
@@ -102,6 +105,7 @@ class DesignResponse(Wire):
             limits=None if ramps is None else LimitsOut.from_design(ramps),
             certificate=CertificateOut.from_design(design.certificate, given=not design.for_ideal),
             sensitivity=sensitivity,
+            drive=drive,
             modes=modes,
             scheduled=scheduled,
             large_swing=design.large_swing and large_swing_of(design.large_swing),

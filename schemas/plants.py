@@ -280,7 +280,7 @@ class LengthCourseIn(WireOf[LengthCourse]):
 
 
 class HoistingIn(WireOf[Hoisting]):
-    """A load on a cable that is hoisted or lowered meanwhile: in maneuvers and simulations."""
+    """A load on a cable that is hoisted or lowered: in maneuvers, simulations and runs."""
 
     ALSO: ClassVar[tuple[str, ...]] = (
         "hoisted",

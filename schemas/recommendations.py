@@ -1,13 +1,13 @@
 """Wire form of recommendations."""
 
-import math
 from typing import Annotated, Any, Self
 
 from pydantic import Field
 
+from design.analysis.drive_sensitivity import MAX_OFF
 from design.recommendations.candidates import Refused
 from design.recommendations.choices import Choice
-from design.recommendations.judging import Candidate, Verdict
+from design.recommendations.judging import Candidate
 from design.recommendations.recommendation import Recommendation
 from design.recommendations.requirements import (
     MAX_COMMAND,
@@ -25,6 +25,7 @@ from schemas.impulses import ImpulsesWire
 from schemas.insensitivity import InsensitivityOut
 from schemas.plants import BareMode, PlantIn
 from schemas.printed import FirmwareName, MaybePrinted
+from schemas.verdicts import VerdictOut, finite_or_none
 from schemas.warnings import WarningOut, Warnings
 
 
@@ -105,6 +106,14 @@ class RecommendationRequest(MaybePrinted):
             description="Sample time of a controller, on whose samples the impulses then lie [s]."
         ),
     ] = None
+    drive_off_by: Annotated[
+        float | None,
+        Field(
+            description="The tolerance holds as well where every parameter of the drive is off by "
+            "this share, up or down, 0.1; null if those given are right [-].",
+            json_schema_extra={"exclusiveMinimum": 0, "maximum": MAX_OFF},
+        ),
+    ] = None
     firmware: Annotated[
         FirmwareName | None,
         Field(
@@ -132,42 +141,8 @@ class RecommendationRequest(MaybePrinted):
             highest_command=self.highest_command,
             max_high_mode_gain=self.max_high_mode_gain,
             sample_time_s=self.sample_time_s,
+            drive_off_by=self.drive_off_by,
             firmware=firmware,
-        )
-
-
-def _finite_or_none(value: float | None) -> float | None:
-    """Return a number that JSON knows: none for one without bound."""
-    return value if value is None or math.isfinite(value) else None
-
-
-class VerdictOut(Wire):
-    """One requirement, and whether a shaper meets it."""
-
-    requirement: Annotated[str, Field(description="Field of the request.")]
-    met: Annotated[bool, Field(description="Whether the shaper meets it.")]
-    value: Annotated[
-        float | None,
-        Field(
-            description="Figure that is held against the limit, in the field's unit; null for "
-            "a sign, and where there is no bound."
-        ),
-    ]
-    limit: Annotated[
-        float | None,
-        Field(description="Limit of the request, in the field's unit; null for a sign."),
-    ]
-    reason: Annotated[str, Field(description="Verdict in words.")]
-
-    @classmethod
-    def from_design(cls, verdict: Verdict) -> Self:
-        """Wrap the design record."""
-        return cls.model_construct(
-            requirement=verdict.requirement,
-            met=verdict.met,
-            value=_finite_or_none(verdict.value),
-            limit=verdict.limit,
-            reason=verdict.reason,
         )
 
 
@@ -267,7 +242,7 @@ class CandidateOut(Wire):
             ramp_end_s=None if candidate.end_s == candidate.duration_s else candidate.end_s,
             meets_all=not candidate.missed,
             requirements=[VerdictOut.from_design(one) for one in candidate.verdicts],
-            worst_residual=_finite_or_none(made.worst_residual),
+            worst_residual=finite_or_none(made.worst_residual),
             residual=candidate.residual,
             insensitivity=None
             if candidate.insensitivity is None

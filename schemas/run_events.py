@@ -1,14 +1,16 @@
 """Wire form of what happens in a run: events, and played courses."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
 
 from design.checks import MAX_VALUE
 from design.errors import InvalidInputError
+from design.live.emergency_request import EmergencyRequest
 from design.rig.scenario import Played, played_positions
 from schemas.base import Positive, Wire
+from schemas.shapers import ShaperIn
 from schemas.simulations import MAX_HISTORY_POINTS
 
 Time = Annotated[float, Field(ge=0, le=MAX_VALUE)]
@@ -35,10 +37,9 @@ class DistancesIn(Wire):
     y_m: Annotated[Distance, Field(description="Along y [m].")] = 0.0
 
 
-class EventIn(Wire):
-    """What happens at a time: a direction, a move, or a hoist."""
+class HappeningIn(Wire):
+    """What happens: a direction, a move, a hoist, or an emergency stop."""
 
-    at_s: Annotated[Time, Field(description="When [s].")]
     direction: Annotated[
         DirectionIn | None, Field(description="The buttons that are pressed from then on.")
     ] = None
@@ -51,7 +52,17 @@ class EventIn(Wire):
     ] = None
     move: Annotated[
         DistancesIn | None,
-        Field(description="Exact distances, travelled by pressing as long as they take."),
+        Field(
+            description="Exact distances, travelled by pressing as long as they take, or, with "
+            "shaper, by whole moves."
+        ),
+    ] = None
+    shaper: Annotated[
+        ShaperIn | None,
+        Field(
+            description="With move: starts and stops designed by this kind, each without "
+            "vibration, as POST /v1/maneuvers does; they do not pass the delay line."
+        ),
     ] = None
     cable_length_m: Annotated[
         float | None,
@@ -60,6 +71,45 @@ class EventIn(Wire):
     over_s: Annotated[
         Positive | None, Field(description="With cable_length_m: how long that takes [s].")
     ] = None
+    stop: Annotated[
+        Literal["emergency"] | None,
+        Field(
+            description="In live mode: both axes stop at once, without a reversal, on the "
+            "shortest way after which no more than swing_left swings."
+        ),
+    ] = None
+    swing_left: Annotated[
+        Distance | None,
+        Field(
+            description="With stop: what may swing at its end, as a share of an unshaped step's "
+            "swing, 0 to below 1; 0 if not given [-]."
+        ),
+    ] = None
+    within_periods: Annotated[
+        Distance | None,
+        Field(
+            description="With stop: how long it may take, in periods of the slowest mode, 0.05 "
+            "to 8; 1 if not given [-]."
+        ),
+    ] = None
+
+    def emergency(self) -> EmergencyRequest | None:
+        """Build the design record of an emergency stop.
+
+        Returns
+        -------
+        EmergencyRequest or None
+            None where the event is something else.
+
+        Raises
+        ------
+        InvalidInputError
+            If what may swing, or how long it may take, is out of range.
+        """
+        if self.stop is None:
+            return None
+        given = {"swing_left": self.swing_left, "within_periods": self.within_periods}
+        return EmergencyRequest(**{name: one for name, one in given.items() if one is not None})
 
     def require_one(self) -> None:
         """Check that the event is one thing, and has what belongs to that alone.
@@ -69,20 +119,38 @@ class EventIn(Wire):
         InvalidInputError
             If it is not.
         """
-        parts = ("direction", "move", "cable_length_m")
+        parts = ("direction", "move", "cable_length_m", "stop")
         given = [name for name in parts if getattr(self, name) is not None]
         if len(given) != 1:
             raise InvalidInputError(
                 (),
                 " and ".join(given) or "none",
-                "an event of direction, move or cable_length_m",
+                "an event of direction, move, cable_length_m or stop",
                 code="unknown_event",
             )
-        for name, owner in (("for_s", "direction"), ("over_s", "cable_length_m")):
-            if getattr(self, name) is not None and owner not in given:
+        # A direction of 0 is a stop, a move of 0 is none.
+        pressed = None if self.direction is None else (self.direction.x, self.direction.y)
+        moved = None if self.move is None else (self.move.x_m or None, self.move.y_m or None)
+        for name, axes in (("direction", pressed), ("move", moved)):
+            if axes == (None, None):
                 raise InvalidInputError(
                     name,
-                    getattr(self, name),
+                    "none",
+                    "of x or y, or both: it does nothing otherwise",
+                    code="event_of_no_axis",
+                )
+        for name, owner in (
+            ("for_s", "direction"),
+            ("shaper", "move"),
+            ("over_s", "cable_length_m"),
+            ("swing_left", "stop"),
+            ("within_periods", "stop"),
+        ):
+            value = getattr(self, name)
+            if value is not None and owner not in given:
+                raise InvalidInputError(
+                    name,
+                    value.kind if name == "shaper" else value,
                     f"left out without {owner}",
                     code="part_of_other_event",
                 )
@@ -90,6 +158,12 @@ class EventIn(Wire):
             raise InvalidInputError(
                 "over_s", None, "given with cable_length_m", code="hoist_without_time"
             )
+
+
+class EventIn(HappeningIn):
+    """What happens at a time."""
+
+    at_s: Annotated[Time, Field(description="When [s].")]
 
 
 class PlayedIn(Wire):

@@ -12,6 +12,7 @@ from design.rig.crane import HOOK_MASS_KG, CraneModel, LimitSwitch, Load, Stroke
 from design.rig.encoder import PULSES_PER_REVOLUTION, TRAVEL_PER_REVOLUTION_M, Encoder
 from schemas.actuators import ActuatorIn
 from schemas.base import OutOf, Positive, Wire, WireOf, leave_out_none
+from schemas.certificates import CertificateOut
 from schemas.plants import PlantIn
 from schemas.run_events import Distance, EventIn, PlayedAxes, Time
 from schemas.shapers import ShaperIn
@@ -36,6 +37,27 @@ class DelayLine(Wire):
 
     mode: Literal["delay_line"]
     shaper: ShaperIn
+    cable_length_m: Annotated[
+        Positive | None,
+        Field(
+            description="Cable that the shaper is designed for, in place of the plant's; where it "
+            "is hoisted the first length if not given [m]."
+        ),
+    ] = None
+
+
+class LiveShaping(Wire):
+    """Commands are solved anew at each event, from the state of drive and payload then."""
+
+    mode: Literal["live"]
+    shaper: Annotated[
+        ShaperIn,
+        Field(description="What plans leave: numzv, numzvd, num_multi, or umzv for comparison."),
+    ]
+    sample_time_s: Annotated[
+        Positive | None,
+        Field(description="Buttons are read once in it; at any time if not given [s]."),
+    ] = None
 
 
 class LoadIn(WireOf[Load]):
@@ -116,8 +138,15 @@ class RunRequest(Wire):
     actuator: ActuatorIn
     speed_m_s: Annotated[Positive, Field(description="Full speed [m/s].")]
     shaping: Annotated[
-        Annotated[NoShaping | DelayLine, Field(discriminator="mode")] | None,
+        Annotated[NoShaping | DelayLine | LiveShaping, Field(discriminator="mode")] | None,
         Field(description="What becomes of commands before the drive; nothing if null."),
+    ] = None
+    deflection_limit: Annotated[
+        Distance | None,
+        Field(
+            description="In live mode: largest deflection of the payload on the way, as a share of "
+            "an unshaped step's, 0.05 to 10; any if not given [-]."
+        ),
     ] = None
     model: Annotated[
         CraneModel, Field(description="Whether swings count as small, or as large as they are.")
@@ -129,7 +158,13 @@ class RunRequest(Wire):
     played: Annotated[
         PlayedAxes | None, Field(description="Courses that a controller has computed or recorded.")
     ] = None
-    hook_mass_kg: Annotated[Positive, Field(description="Mass of the hook [kg].")] = HOOK_MASS_KG
+    hook_mass_kg: Annotated[
+        Positive | None,
+        Field(
+            description=f"Mass of the hook; {HOOK_MASS_KG:g} if not given, and that of the plant "
+            "where it is of kind double_pendulum [kg]."
+        ),
+    ] = None
     load: Annotated[
         LoadIn | None, Field(description="What swings under the hook; nothing if not given.")
     ] = None
@@ -180,6 +215,19 @@ class EventOut(Wire):
     at_s: Annotated[float, Field(description="When it happens [s].")]
     last_switch_s: Annotated[
         float, Field(description="When its last switch is, or its hoist ends [s].")
+    ]
+
+
+class LiveEventOut(EventOut):
+    """An event shaped live, and the proof of the command that it led to."""
+
+    certificate: Annotated[
+        CertificateOut,
+        Field(description="Of the command until its last switch, recomputed by another route."),
+    ]
+    fallback: Annotated[
+        str | None,
+        Field(description="Why an axis keeps an older plan; null where none does."),
     ]
 
 
@@ -237,7 +285,9 @@ class RunResponse(Wire):
     """Answer of `POST /v1/runs`."""
 
     command: Annotated[CommandsOut, Field(description="What is sent to the drives.")]
-    events: Annotated[list[EventOut], Field(description="The events, in the order given.")]
+    events: Annotated[
+        list[LiveEventOut | EventOut], Field(description="The events, in the order given.")
+    ]
     history: Annotated[RunHistory, Field(description="The motion over time.")]
     residual: Annotated[
         float | None,
@@ -257,7 +307,7 @@ class RunResponse(Wire):
     def from_design(
         cls,
         run: "Run",
-        events: list[tuple[float, float]],
+        events: list[EventOut],
         sensed: "Sensed | None",
         *,
         has_cable: bool,
@@ -270,7 +320,7 @@ class RunResponse(Wire):
         run
             What happened, at n times.
         events
-            When each event happens, and when its last switch is [s].
+            When each event happens, when its last switch is, and what is proven of it.
         sensed
             What sensors report; None without any.
         has_cable, hoisted
@@ -287,7 +337,7 @@ class RunResponse(Wire):
             command=CommandsOut(**{
                 axis: CourseOut.from_design(one) for axis, one in run.commands.items()
             }),
-            events=[EventOut(at_s=at, last_switch_s=last) for at, last in events],
+            events=list(events),
             history=RunHistory(
                 times_s=run.track.times_s.tolist(),
                 y=y if "y" in run.commands else None,

@@ -5,7 +5,6 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
-from itertools import zip_longest
 from typing import Any
 
 from pydantic import ValidationError
@@ -15,7 +14,6 @@ from design.errors import (
     DesignError,
     InfeasibleDesignError,
     InvalidInputError,
-    Path,
     SolverFailedError,
     TimeLimitError,
     path_of,
@@ -25,9 +23,9 @@ from schemas.pointers import json_pointer
 from schemas.pointers import path_of as path_of_pointer
 from schemas.problems import FieldFault, ProblemDocument
 from schemas.trace import TraceStepOut
-from schemas.units import other_names
 from service.belonging import owner_of_request
 from service.design_words import refusal_of_design
+from service.given_names import as_given, pointer, without_made_modes
 from service.plain_words import echo, refusal
 from service.repeated_names import RepeatedNameError
 from service.suggestions import listed
@@ -72,6 +70,7 @@ TOO_LARGE = ProblemKind(
 REQUEST_TIMEOUT = ProblemKind(
     "request-timeout", HTTPStatus.REQUEST_TIMEOUT, 1, "The body did not arrive in time"
 )
+FORBIDDEN = ProblemKind("forbidden", HTTPStatus.FORBIDDEN, 1, "Not allowed from there")
 NOT_FOUND = ProblemKind("not-found", HTTPStatus.NOT_FOUND, 1, "Not found")
 CONFLICT = ProblemKind("conflict", HTTPStatus.CONFLICT, 1, "Not possible in this state")
 RANGE_NOT_SATISFIABLE = ProblemKind(
@@ -241,8 +240,8 @@ def problem_of_design(error: DesignError, body: bytes | str = b"null") -> Proble
         return invalid_fields(told, (FieldFault(pointer="", code=error.code, detail=told),))
     if isinstance(error, InvalidInputError):
         request = json.loads(body)
-        error = _without_made_modes(error, request)
-        path = _as_given(error.path, request)
+        error = without_made_modes(error, request)
+        path = as_given(error.path, request)
         told = refusal_of_design(error, path, request)
         fault = FieldFault(pointer=_shorten(json_pointer(path)), code=error.code, detail=told)
         return invalid_fields(_sentence(fault), (fault,))
@@ -307,83 +306,6 @@ def problem_of_repetition(error: RepeatedNameError) -> Problem:
         pointer=_shorten(error.pointer), code="name_repeated", detail="must be given once"
     )
     return invalid_fields(_sentence(fault), (fault,))
-
-
-def pointer(location: tuple[int | str, ...], body: Any) -> str:  # noqa: ANN401 - any JSON
-    """Return the JSON pointer of a fault.
-
-    Pydantic's location also holds the tags of unions, as ``("plant", "mode", "damping_ratio")``; a
-    tag is known by the ``kind`` of the object it stands in, or, of unions without a kind, as a name
-    that is not there though it is not the last, or that no object is there to hold.
-
-    Parameters
-    ----------
-    location
-        Names, tags and numbers of list items, from the body inward.
-    body
-        The JSON that the model was given, parsed.
-
-    Returns
-    -------
-    str
-        The pointer, without the tags.
-    """
-    parts: list[str] = []
-    here = body
-    for said, after in zip_longest(location, location[1:]):
-        step = _name_given(said, here)
-        if isinstance(here, dict) and here.get("kind") == step:
-            # A field may have the name of the tag: a list is not entered by a name.
-            entered = isinstance(after, str) and not isinstance(here.get(step), dict)
-            if step not in here or entered:
-                continue
-        named_here = isinstance(here, dict) and (step in here or after is None)
-        if isinstance(step, str) and here is not None and not named_here:
-            continue
-        parts.append(str(step))
-        if isinstance(here, dict):
-            here = here.get(step)
-        elif isinstance(here, list) and isinstance(step, int) and step < len(here):
-            here = here[step]
-        else:
-            here = None
-    return json_pointer(parts)
-
-
-def _name_given(name: int | str, here: Any) -> int | str:  # noqa: ANN401 - any JSON
-    """Return the name by which an object has a field: in another unit, maybe."""
-    if not isinstance(here, dict) or not isinstance(name, str) or name in here:
-        return name
-    return next((other for other in other_names(name) if other in here), name)
-
-
-def _without_made_modes(error: InvalidInputError, here: Any) -> InvalidInputError:  # noqa: ANN401
-    """Return a fault of modes as that of the plant whose fields make them, if it is one.
-
-    Only a plant of kind ``modes`` lists them.
-    """
-    for depth, name in enumerate(error.path):
-        if name == "modes" and isinstance(here, dict) and "modes" not in here and "kind" in here:
-            damped = error.path[-1] == "damping_ratio"
-            field = "damping_ratio" if damped else "kind"
-            return error.at((*error.path[:depth], field), error.value)
-        here = here.get(name) if isinstance(here, dict) else None
-    return error
-
-
-def _as_given(path: Path, here: Any) -> Path:  # noqa: ANN401
-    """Return a path with the names by which the request has its fields."""
-    parts: list[str] = []
-    for name in path:
-        given = str(_name_given(name, here))
-        parts.append(given)
-        if isinstance(here, dict):
-            here = here.get(given)
-        elif isinstance(here, list) and name.isdecimal() and int(name) < len(here):
-            here = here[int(name)]
-        else:
-            here = None
-    return tuple(parts)
 
 
 def _fault(

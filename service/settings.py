@@ -107,6 +107,14 @@ class Settings(BaseModel):
         int, Field(ge=1, description="Tasks running and waiting beyond which requests get 503.")
     ] = 256
 
+    max_live: Annotated[
+        int, Field(ge=0, description="Most live sessions (`WS /v1/live`) at a time.")
+    ] = 16
+    live_idle_s: Annotated[
+        float,
+        Field(gt=0, description="A live session without an event for so long is stopped [s]."),
+    ] = 600.0
+
     @classmethod
     def from_environment(cls, environment: Mapping[str, str]) -> Self:
         """Read the settings.

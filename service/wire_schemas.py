@@ -11,7 +11,9 @@ from schemas.catalogue import Catalogue
 from schemas.health import Live, Ready
 from schemas.json_schema import Mode, json_schema_of
 from schemas.listed_schemas import ListedSchema, ListedSchemas
+from schemas.live import LiveMessage
 from schemas.problems import ProblemDocument
+from schemas.run_events import HappeningIn
 from schemas.table_jobs import TableJob, TableJobs
 from schemas.tables import TableRequest
 from service.files import write_whole
@@ -44,6 +46,8 @@ OTHERS: dict[str, _Entry] = {
     "schemas-response": _Entry(ListedSchemas, "serialization", f"Answer of GET {PATH}"),
     "live-response": _Entry(Live, "serialization", "Answer of GET /health/live"),
     "ready-response": _Entry(Ready, "serialization", "Answer of GET /health/ready"),
+    "session-event": _Entry(HappeningIn, "validation", "Event of WS /v1/live, which happens now"),
+    "session-message": _Entry(LiveMessage, "serialization", "Message that WS /v1/live sends"),
     "problem": _Entry(ProblemDocument, "serialization", "A refusal or an error"),
 }
 """Those that are of no operation; a batch has a request and a response of a design a line."""

@@ -11,7 +11,7 @@ from design.maps.map_case import Quantity
 from design.model.actuators.model import Model
 from design.moves.hoisting_moves import Retime
 from design.recommendations.requirements import Sign
-from design.rig.crane import HOOK_MASS_KG, CraneModel
+from design.rig.crane import CraneModel
 from schemas.actuators import ActuatorIn
 from schemas.impulses import ImpulsesWire
 from schemas.plants import PlantIn
@@ -83,6 +83,7 @@ class Calls(ABC):
         shaper: Shaper,
         *,
         sensitivity: SensitivityRange | Json | None = USUAL_CURVE,
+        drive: DriveRange | Json | None = None,
         fit: FitRange | Json | None = None,
         trace: bool = False,
     ) -> Design:
@@ -96,6 +97,8 @@ class Calls(ABC):
             Kind of shaper.
         sensitivity
             Range of its sensitivity curve; None for no curve.
+        drive
+            By how much the drive may be off; None for no residual of such drives.
         fit
             Range of its curve coefficients; None for none.
         trace
@@ -123,6 +126,7 @@ class Calls(ABC):
             actuator=actuator,
             shaper=_shaper(shaper),
             sensitivity=sensitivity,
+            drive=drive,
             fit=fit,
             trace=trace,
         )
@@ -143,6 +147,7 @@ class Calls(ABC):
         highest_command: float = 1.0,
         max_high_mode_gain: float | None = None,
         sample_time_s: float | None = None,
+        drive_off_by: float | None = None,
         firmware: FirmwareName | None = None,
     ) -> Recommendation:
         """Return the fastest shaper that meets what is required, and why.
@@ -170,6 +175,8 @@ class Calls(ABC):
             Largest residual in any higher mode [-].
         sample_time_s
             Sample time of a controller [s].
+        drive_off_by
+            The tolerance holds as well where every parameter of the drive is off by this share [-].
         firmware
             Firmware of a printer, whose kinds alone are candidates; None for any.
 
@@ -201,6 +208,7 @@ class Calls(ABC):
             highest_command=highest_command,
             max_high_mode_gain=max_high_mode_gain,
             sample_time_s=sample_time_s,
+            drive_off_by=drive_off_by,
             firmware=firmware,
         )
 
@@ -333,10 +341,11 @@ class Calls(ABC):
         speed_m_s: float,
         events: Sequence[Json] | None = None,
         shaping: Json | None = None,
+        deflection_limit: float | None = None,
         model: CraneModel = "linear",
         played: Json | None = None,
         load: Json | None = None,
-        hook_mass_kg: float = HOOK_MASS_KG,
+        hook_mass_kg: float | None = None,
         strokes: Json | None = None,
         max_speed_m_s: float | None = None,
         camera: Json | None = None,
@@ -356,6 +365,9 @@ class Calls(ABC):
             What happens when, each as JSON has it: ``{"at_s": 0.0, "direction": {"x": 1}}``.
         shaping
             ``{"mode": "delay_line", "shaper": {...}}``; nothing shapes the commands if not given.
+        deflection_limit
+            In live mode: largest deflection on the way, over that of an unshaped step; any if not
+            given [-].
         model
             Whether swings count as small, or as large as they are.
         played
@@ -363,7 +375,7 @@ class Calls(ABC):
         load
             What swings under the hook: ``{"mass_kg": ..., "length_m": ...}``.
         hook_mass_kg
-            Mass of the hook [kg].
+            Mass of the hook; that of the mini-crane, or of a double pendulum, if not given [kg].
         strokes
             How far x and y can go: ``{"x": {"length_m": ..., "start_m": ..., "switch_m": ...}}``.
         max_speed_m_s
@@ -396,6 +408,7 @@ class Calls(ABC):
             speed_m_s=speed_m_s,
             events=None if events is None else list(events),
             shaping=shaping,
+            deflection_limit=deflection_limit,
             model=model,
             played=played,
             load=load,

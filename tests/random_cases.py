@@ -35,6 +35,7 @@ SHARES = {
     "multi_zv": 2,
     "multi_umzv": 2,
     "num_multi": 1,
+    "multi_si": 1,
     "convolved": 1,
     "num_si": 1,
     "num_2ei": 1,

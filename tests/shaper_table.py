@@ -15,6 +15,7 @@ from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.shapers.ei import ToleranceOptions
+from design.shapers.multi_si import BandsOptions
 from design.shapers.negative import NegativeOptions
 from design.shapers.num_multi import SeveralModesOptions
 from design.shapers.numei import HumpOptions
@@ -204,6 +205,13 @@ SHAPER_TABLE: dict[str, Row] = {
         actuators=(IDEAL, FIRST_ORDER, THESIS, LIMITED),
         options=(None, SeveralModesOptions(max_duration_periods=2.0)),
         impulses=3,
+    ),
+    "multi_si": Row(
+        plants=PLANTS,
+        actuators=(IDEAL, FIRST_ORDER, THESIS),
+        options=(None, BandsOptions(half_width=0.12), BandsOptions(half_widths=(0.11,))),
+        impulses=3,
+        unity=False,
     ),
     "convolved": _positive(2, ConvolvedOptions(base="zv")),
     "si": Row(

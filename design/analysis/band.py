@@ -90,6 +90,8 @@ def _largest_between(
             found[part] = _shares(impulses, actuator, frequencies[part], damping[part])
         return found.reshape(shares.shape)
 
+    if not along.any():  # a frequency that is known is one place, not as many peaks as places
+        return float(residuals(np.zeros(1))[0])
     # Damping moves the pole by as much as frequency does, up to its ratio of frequency.
     reach = abs(along[0]) + max(start[0], end[0]) * abs(along[1])
     nominal = np.array([mode.natural_frequency_rad_s])

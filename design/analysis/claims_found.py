@@ -12,6 +12,7 @@ IN_WORDS = {
     "second_derivative": "its second derivative is {value} of a step",
     "third_derivative": "its third derivative is {value} of a step",
     "band": "the residual is up to {value} from {low:.4g} to {high:.4g} of the frequency",
+    "deflection": "the deflection reaches {value} of a step",
 }
 """What a claim found, by its quantity."""
 

@@ -5,8 +5,7 @@ from itertools import product
 
 import numpy as np
 
-from design.analysis.residual import residual_vibration
-from design.analysis.workable import require_workable
+from design.analysis.residuals_of_many import residuals_of_cases
 from design.checks import require_between
 from design.errors import InvalidInputError
 from design.fields import vary
@@ -78,6 +77,28 @@ def parameters_of(actuator: Actuator) -> dict[Path, float]:
     return {}
 
 
+def require_parameters(actuator: Actuator, name: str = "drive") -> None:
+    """Check that a drive has parameters that may be off.
+
+    Parameters
+    ----------
+    actuator, name
+        The drive, and the field that asks for it to be off.
+
+    Raises
+    ------
+    InvalidInputError
+        If it has none.
+    """
+    if not parameters_of(actuator):
+        raise InvalidInputError(
+            name,
+            actuator.kind,
+            "left out for an actuator without parameters",
+            code="drive_without_parameters",
+        )
+
+
 def drive_sensitivity(
     impulses: Impulses, modes: tuple[Mode, ...], actuator: Actuator, wanted: DriveRange
 ) -> DriveSensitivity:
@@ -101,50 +122,91 @@ def drive_sensitivity(
     Raises
     ------
     InvalidInputError
-        If the drive has no parameters, or one breaks its rule where it is off.
+        If the drive has no parameters.
     """
-    given = parameters_of(actuator)
-    if not given:
-        raise InvalidInputError(
-            "drive",
-            actuator.kind,
-            "left out for an actuator without parameters",
-            code="drive_without_parameters",
-        )
+    require_parameters(actuator)
     shares = np.linspace(0.0, wanted.most, wanted.points)
+    corners = corners_of(actuator)
     residuals: list[float] = []
-    worst: tuple[float, ...] = ()
+    worst = corners[0]
     for share in shares.tolist():
-        each = [
-            (_largest(impulses, modes, _off(actuator, given, factors)), factors)
-            for factors in product((1 - share, 1 + share), repeat=len(given))
-        ]
-        most, worst = max(each, key=lambda one: one[0])
-        residuals.append(most)
-    names = (".".join(path) for path in given)
+        each = _residuals(impulses, modes, actuator, 1 + share * corners)
+        worst = 1 + share * corners[int(each.argmax())]
+        residuals.append(float(each.max()))
+    names = (".".join(path) for path in parameters_of(actuator))
     return DriveSensitivity(
         shares=shares,
         residuals=np.array(residuals),
-        worst=dict(zip(names, worst, strict=True)),
+        worst=dict(zip(names, worst.tolist(), strict=True)),
     )
 
 
-def _off(actuator: Actuator, given: dict[Path, float], factors: tuple[float, ...]) -> Actuator:
-    drive = actuator
-    for (path, value), factor in zip(given.items(), factors, strict=True):
-        try:
-            drive = vary(drive, list(path), factor * value)
-        except InvalidInputError as error:
-            raise InvalidInputError(
-                "drive.to",
-                round(abs(factor - 1), 9),
-                f"such that the drive stays within bounds; {'.'.join(path)} must be {error.rule}",
-                code="drive_off_bounds",
-            ) from None
-    return drive
+def drives_off(actuator: Actuator, share: float) -> tuple[Actuator, ...]:
+    """Return the drives in all corners: each parameter larger or smaller.
+
+    Parameters
+    ----------
+    actuator
+        The drive as given, of k parameters.
+    share
+        By which each of them is off [-].
+
+    Returns
+    -------
+    tuple of Actuator
+        2^k drives; one without parameters is the drive as given.
+
+    Raises
+    ------
+    InvalidInputError
+        If a parameter that is off breaks its rule.
+    """
+    given = parameters_of(actuator)
+    drives = []
+    for factors in (1 + share * corners_of(actuator)).tolist():
+        drive = actuator
+        for (path, value), factor in zip(given.items(), factors, strict=True):
+            try:
+                drive = vary(drive, path, factor * value)
+            except InvalidInputError as error:
+                raise error.at(".".join(path), factor * value) from None
+        drives.append(drive)
+    return tuple(drives)
 
 
-def _largest(impulses: Impulses, modes: tuple[Mode, ...], drive: Actuator) -> float:
-    for mode in modes:
-        require_workable(mode, drive)
-    return max(residual_vibration(impulses, mode, drive) for mode in modes)
+def corners_of(actuator: Actuator) -> FloatArray:
+    """Return the corners: where each of k parameters is off, shape (2^k, k).
+
+    An entry is -1 where the parameter is smaller than given, 1 where it is larger.
+    """
+    return np.array(list(product((-1.0, 1.0), repeat=len(parameters_of(actuator)))))
+
+
+def _residuals(
+    impulses: Impulses, modes: tuple[Mode, ...], actuator: Actuator, factors: FloatArray
+) -> FloatArray:
+    """Return the largest residual of any mode for each row of factors, shape (m,).
+
+    The coefficients of the lags are scaled, so that a drive that is off has no bounds to keep.
+    """
+    lags = (actuator.accel_lag, actuator.decel_lag)
+    by_set = factors.reshape(len(factors), 2, -1)
+    first_s = np.array([lag.first_s for lag in lags]) * by_set[..., -1]
+    second_s2 = np.zeros_like(first_s)
+    if by_set.shape[2] > 1:  # ``first = 2 z / w``, ``second = 1 / w^2``
+        first_s /= by_set[..., 0]
+        second_s2 = np.array([lag.second_s2 for lag in lags]) / by_set[..., 0] ** 2
+    limits = actuator if isinstance(actuator, RateLimited) else None
+    each = [
+        residuals_of_cases(
+            impulses,
+            np.full(len(factors), mode.pole_rad_s),
+            first_s,
+            second_s2,
+            actuator.model,
+            limits,
+        )
+        for mode in modes
+    ]
+    largest: FloatArray = np.max(each, axis=0)
+    return largest

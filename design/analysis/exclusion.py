@@ -1,12 +1,12 @@
 """Proof that no shaper is as short as a given duration, whatever its impulses: no solver in here.
 
-A shaper of duration D within the tolerance V over a band has, for any frequency ratios ``r_k`` of
-the band and any complex ``y_k``::
+A shaper of duration D within the tolerance V over bands of poles has, for any poles ``s_k`` of
+them and any complex ``y_k``::
 
-    sum_i A_i p(u_i) = Re sum_k y_k F(r_k) <= V sum_k |y_k|,    p(u) = Re sum_k y_k exp(s(r_k) u)
+    sum_i A_i p(u_i) = Re sum_k y_k F(s_k) <= V sum_k |y_k|,    p(u) = Re sum_k y_k exp(s_k u)
 
 where u runs back from the last impulse. If every command of the class has a larger left side over
-all of [0, D], none keeps the band. p is bounded between points by its derivatives, over intervals
+all of [0, D], none keeps the bands. p is bounded between points by its derivatives, over intervals
 that are halved until the bound is tight: the proof holds for all times, not for those of a grid.
 """
 
@@ -29,8 +29,7 @@ ROUNDING = 1e-13
 
 
 def excludes(
-    unit_pole: complex,
-    ratios: FloatArray,
+    unit_poles: ComplexArray,
     vectors: ComplexArray,
     duration_rad: float,
     tolerance: float,
@@ -42,10 +41,8 @@ def excludes(
 
     Parameters
     ----------
-    unit_pole
-        The mode's pole over its natural frequency, not to the right of the imaginary axis.
-    ratios
-        ``r_k``, within the band, shape (k,) [-].
+    unit_poles
+        ``s_k``, within the bands, not to the right of the imaginary axis, shape (k,) [-].
     vectors
         ``y_k``, shape (k,), complex.
     duration_rad
@@ -61,7 +58,7 @@ def excludes(
     bool
         False is no proof of the contrary: bounds may have been too loose.
     """
-    p = _Polynomial(unit_pole * ratios, vectors)
+    p = _Polynomial(unit_poles, vectors)
     largest = tolerance * p.size + ROUNDING * p.size
     if levels is None:
         return _stays_above(p, duration_rad, largest)

@@ -119,6 +119,7 @@ def residuals_of_cases(
     first_s: FloatArray,
     second_s2: FloatArray,
     model: Model,
+    limits: RateLimited | None = None,
 ) -> FloatArray:
     """Return the residuals of one command for many plants and actuators.
 
@@ -131,21 +132,27 @@ def residuals_of_cases(
     first_s, second_s2
         Coefficients of the actuators' lags, columns accel and decel, shape (m, 2) [s], [s^2].
     model
-        Of all actuators, none of them rate-limited.
+        Of all actuators.
+    limits
+        Those that all of them have; what follows its ramps does not count. None without limits.
 
     Returns
     -------
     FloatArray
         Residual vibration, shape (m,) [-].
     """
-    changes = reference(impulses, Ideal())
-    columns = heights_by_set(changes)
+    changes = reference(impulses, Ideal() if limits is None else limits)
+    heights = heights_by_set(changes)
+    columns = heights if limits is None else np.zeros_like(heights)
     if model == "switched":
-        columns = pass_on_state(lag_states(changes, first_s, second_s2, model), changes, second_s2)
-        columns[..., :2] += heights_by_set(changes)
+        passed = pass_on_state(lag_states(changes, first_s, second_s2, model), changes, second_s2)
+        passed[..., :2] += columns
+        columns = passed
     s = poles_rad_s[:, None]
-    swings = np.exp(s * (impulses.times_s[-1] - impulses.times_s))
+    swings = np.exp(s * (changes.times_s[-1] + changes.ramps_s[-1] - changes.times_s))
     sums = (swings[:, None, :] @ columns.astype(np.complex128))[:, 0]
+    if limits is not None:
+        sums[:, :2] += (swings * changes.factors(s)) @ heights.astype(np.complex128)
     below = 1 + s * (first_s + s * second_s2)
     return np.abs(join_over_accel(sums, poles_rad_s, below[:, 0], below[:, 1]))
 

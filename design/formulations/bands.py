@@ -1,28 +1,94 @@
 """A residual within a tolerance over a band of frequencies, in least time."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
+
+import numpy as np
 
 from design.claims import Promise, within
 from design.formulations.seeds import Seed
 from design.model.actuators.registry import Actuator
-from design.types import ComplexArray, FloatArray, Symbolic
+from design.model.plants.mode import Mode
+from design.types import ComplexArray, FloatArray, IntArray, Symbolic
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BandProblem:
-    """The fastest shaper whose residual stays within a tolerance over a band.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PoleBand:
+    """Where the pole of a mode may be: at a nominal pole times any ratio of a band.
 
     Attributes
     ----------
     unit_pole
-        The mode's pole over its natural frequency.
+        The nominal pole over the frequency that turns phases into times [-].
+    lower, upper
+        Least and largest ratio of the true frequency to the nominal one [-].
+    """
+
+    unit_pole: complex
+    lower: float
+    upper: float
+
+    @property
+    def width(self) -> float:
+        """From one end to the other [-]."""
+        return self.upper - self.lower
+
+
+def bands_of(
+    modes: tuple[Mode, ...], ends: tuple[tuple[float, float], ...]
+) -> tuple[PoleBand, ...]:
+    """Return the bands of modes, in phases of the slowest.
+
+    Bands that overlap are one where the modes have one damping ratio: a peak in both would be
+    counted twice, and no condition would say how much each of the two costs.
+
+    Parameters
+    ----------
+    modes
+        The modes.
+    ends
+        Least and largest ratio of the true frequency to the nominal one, of each mode [-].
+
+    Returns
+    -------
+    tuple of PoleBand
+        One for each mode or fewer.
+    """
+    slowest_rad_s = min(mode.natural_frequency_rad_s for mode in modes)
+    scales = [mode.natural_frequency_rad_s / slowest_rad_s for mode in modes]
+    own = [
+        (mode, scale * mode.unit_pole, lower, upper)
+        for mode, scale, (lower, upper) in zip(modes, scales, ends, strict=True)
+    ]
+    own.sort(key=lambda one: (one[0].damping_ratio, abs(one[1]) * one[2]))
+    bands: list[PoleBand] = []
+    damping: float | None = None
+    for mode, pole, lower, upper in own:
+        size = abs(pole)
+        if bands and mode.damping_ratio == damping:
+            before = bands[-1]
+            reach = abs(before.unit_pole)
+            if size * lower <= reach * before.upper:
+                end = max(before.upper, size * upper / reach)
+                bands[-1] = replace(before, upper=end)
+                continue
+        damping = mode.damping_ratio
+        bands.append(PoleBand(unit_pole=pole, lower=lower, upper=upper))
+    return tuple(bands)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class BandProblem:
+    """The fastest shaper whose residual stays within a tolerance over bands.
+
+    Attributes
+    ----------
+    bands
+        One for each mode, or fewer where bands of modes overlap.
     natural_frequency_rad_s
-        Turns phases into times [rad/s].
-    band
-        Lowest and highest ratio of the true frequency to the nominal one [-].
+        Turns phases into times: that of the slowest mode [rad/s].
     tolerance
-        Largest residual over the band [-].
+        Largest residual over the bands [-].
     levels
         Lowest and highest level of the command, at most 0 and at least 1; None for positive
         amplitudes, which need no limits.
@@ -30,41 +96,68 @@ class BandProblem:
         Longest duration [rad].
     designed_for
         The actuator of the claims.
+    claims
+        The tolerance over the band of each mode.
     """
 
-    unit_pole: complex
+    bands: tuple[PoleBand, ...]
     natural_frequency_rad_s: float
-    band: tuple[float, float]
     tolerance: float
     levels: tuple[float, float] | None
     horizon_rad: float
     designed_for: Actuator
+    claims: tuple[Promise, ...]
+
+    def poles_at(self, bands: IntArray, ratios: FloatArray) -> ComplexArray:
+        """Return poles over the problem's frequency.
+
+        Parameters
+        ----------
+        bands, ratios
+            Numbers of bands, and ratios within them, shape (k,).
+
+        Returns
+        -------
+        ComplexArray
+            shape (k,) [-].
+        """
+        unit_poles = np.array([one.unit_pole for one in self.bands], dtype=np.complex128)
+        poles: ComplexArray = unit_poles[bands] * ratios
+        return poles
 
     @property
-    def claims(self) -> tuple[Promise, ...]:
-        """The tolerance over the band."""
-        return (within(self.tolerance, self.band),)
+    def asked(self) -> str:
+        """What is to be kept, in words."""
+        if len(self.claims) == 1:
+            ((lower, upper),) = (one.band or (1.0, 1.0) for one in self.claims)
+            return (
+                f"a residual within {self.tolerance:g} from {lower:g} to {upper:g} of the natural "
+                "frequency"
+            )
+        return (
+            f"a residual within {self.tolerance:g} over a band of each of {len(self.claims)} modes"
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Obstacle:
     """What stands against a duration: a function of time that no shaper so short can pass.
 
-    ``p(u) = Re sum_k y_k exp(s(r_k) u)``, u back from the last impulse. A shaper within the
-    tolerance V over the band has ``sum A_i p(u_i) <= V sum |y_k|``, whatever the y.
+    ``p(u) = Re sum_k y_k exp(s_k u)``, u back from the last impulse. A shaper within the tolerance
+    V over the bands has ``sum A_i p(u_i) <= V sum |y_k|``, whatever the y.
 
     Attributes
     ----------
     duration_rad
         The duration that it excludes, and all below [rad].
-    ratios
-        Frequency ratios, within the band, shape (k,) [-].
+    unit_poles
+        s, each within a band, over the problem's frequency, shape (k,) [-].
     vectors
         y, shape (k,), complex [-].
     """
 
     duration_rad: float
-    ratios: FloatArray
+    unit_poles: ComplexArray
     vectors: ComplexArray
 
 

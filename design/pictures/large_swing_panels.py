@@ -88,7 +88,7 @@ def draw_swing(
 def draw_phase_plane(
     axes: Axes, command: Impulses, swing: LargeSwing, actuator: Actuator, times_s: FloatArray
 ) -> None:
-    """Draw the rate of the swing over its angle, with a mark at every step of the command.
+    """Draw the rate of the swing over its angle, each step marked.
 
     The vectors of a linear mode have no place here: those of a large swing do not add up.
 

@@ -10,10 +10,16 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, LogNorm, Normalize
 from matplotlib.figure import Figure
 
-from design.fields import Axis, name_in_words, unit_of
+from design.fields import Axis, unit_of
 from design.maps.map_case import Map, MapCase, Quantity
 from design.pictures.curve_sheet import LINE_IN, Curve, curve_sheet, write_subtitle
-from design.pictures.map_words import design_point, subtitle_of, title_of
+from design.pictures.map_words import (
+    axis_in_words,
+    design_point,
+    subtitle_of,
+    title_of,
+    worst_of_drives,
+)
 from design.pictures.sheet import Sheet
 from design.pictures.style import INK, SMALL_PT, house_style
 from design.types import FloatArray
@@ -119,6 +125,7 @@ def map_sheet(case: MapCase, x: Axis, y: Axis | None, found: Map) -> Figure:
     point = design_point(case, x, y)
     title = title_of(case, found.quantity)
     subtitle = subtitle_of(case, found.quantity, marked=point is not None)
+    subtitle += worst_of_drives(case, found, x, y)
     if y is None:
         curves = [
             Curve(name, x.values, look.unit * layer[0])
@@ -319,7 +326,7 @@ def _draw_scale(
 
 def axis_label(axis: Axis) -> str:
     """Name a field in words, its unit in brackets."""
-    words = " ".join([*axis.path[1:-1], name_in_words(axis.path[-1])])
+    words = axis_in_words(axis)
     words = "pulse duration" if words == "pulse" else words
     unit = unit_of(axis.path[-1])
     return f"{words} [{'-' if unit == '1' else unit.replace('^2', '²')}]"

@@ -3,8 +3,10 @@
 import textwrap
 from typing import Any
 
-from design.fields import Axis, Path
-from design.maps.map_case import MapCase, Quantity, Recipe
+import numpy as np
+
+from design.fields import Axis, Path, name_in_words, unit_of
+from design.maps.map_case import Map, MapCase, Quantity, Recipe
 
 LINE_CHARACTERS = 92
 """Characters of a line of the subtitle, which a page of one panel has room for [-]."""
@@ -77,6 +79,47 @@ def subtitle_of(case: MapCase, quantity: Quantity, *, marked: bool) -> list[str]
     if not isinstance(shaper, Recipe) or shaper.each:
         words.append(f"{where}: plant and actuator as given")
     return textwrap.wrap("; ".join(words), LINE_CHARACTERS)
+
+
+def worst_of_drives(case: MapCase, found: Map, x: Axis, y: Axis | None) -> list[str]:
+    """Return where a held command has its largest residual over drives.
+
+    Parameters
+    ----------
+    case, found
+        What is mapped, and the map.
+    x, y
+        The axes; without y, a curve.
+
+    Returns
+    -------
+    list of str
+        One sentence in lines; none of another map.
+    """
+    axes = [axis for axis in (y, x) if axis is not None]
+    held = not isinstance(case.shaper, Recipe) or not case.shaper.each
+    if (
+        found.quantity != "residual"
+        or not held
+        or any(axis.path[0] != "actuator" for axis in axes)
+        or np.isnan(found.values).all()
+    ):
+        return []
+    place = np.unravel_index(np.nanargmax(found.values), found.values.shape)
+    at = zip(axes[::-1], (place[1], place[0]), strict=False)
+    told = [f"{axis_in_words(axis)} {axis.values[where]:.4g}{_unit(axis)}" for axis, where in at]
+    worst = f"largest {100 * float(found.values[place]):.3g} %, at {', '.join(told)}"
+    return textwrap.wrap(worst, LINE_CHARACTERS)
+
+
+def axis_in_words(axis: Axis) -> str:
+    """Return the name of a field with the set or the part that it is of."""
+    return " ".join([*axis.path[1:-1], name_in_words(axis.path[-1])])
+
+
+def _unit(axis: Axis) -> str:
+    unit = unit_of(axis.path[-1])
+    return "" if unit == "1" else f" {unit.replace('^2', '²')}"
 
 
 def design_point(case: MapCase, x: Axis, y: Axis | None) -> tuple[float, float] | None:

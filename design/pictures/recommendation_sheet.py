@@ -192,13 +192,15 @@ def _facts(plant: Plant, actuator: Actuator, found: Recommendation) -> list[Fact
     also = f"residual at most {percent(asked.tolerance)}"
     if asked.damping is not None:
         also += f"\ndamping ratio {asked.damping[0]:.3g} to {asked.damping[1]:.3g}"
+    if asked.drive_off_by is not None:
+        also += f"\ndrive off by {percent(asked.drive_off_by)}"
     longest = max(mode.period_s for mode in question.nominal)
     return [
         Fact("plant", *plant_in_words(plant)),
         Fact("actuator", *actuator_in_words(actuator)),
         Fact("band asked", f"{question.band[0]:.4g} to {question.band[1]:.4g}", also),
         Fact("takes", f"{best.end_s:.4g} s", f"{best.end_s / longest:.3f} periods"),
-        Fact("residual at most", percent(best.designed.worst_residual), "over all that is asked"),
+        Fact("residual at most", percent(best.designed.largest), "over all that is asked"),
     ]
 
 

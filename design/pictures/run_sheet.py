@@ -36,7 +36,7 @@ def run_sheet(plant: Plant, scenario: Scenario, run: Run, version: str) -> Figur
     Parameters
     ----------
     plant
-        What swings, of one mode.
+        What swings.
     scenario
         What was done.
     run
@@ -82,6 +82,10 @@ def _facts(plant: Plant, scenario: Scenario, run: Run) -> list[Fact]:
     if run.residual is not None:
         remains = residual_in_words(run.residual), "of an unshaped step"
     kind = "a delay line" if scenario.shaper is not None else "no shaping"
+    if scenario.solved is not None:
+        kind = "shaped live"
+    if scenario.moves:
+        kind = "whole moves" if scenario.shaper is None else "whole moves, delay line"
     return [
         Fact("plant", *plant_in_words(plant)),
         Fact("actuator", *actuator_in_words(scenario.drive)),

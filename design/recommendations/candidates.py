@@ -7,23 +7,22 @@ damping ratios it may leave more. It is then designed for a smaller one.
 import math
 from dataclasses import dataclass, replace
 
-from design.analysis.band import largest_in_band
 from design.analysis.claims_found import claim_over_band
 from design.analysis.warnings import DesignWarning
 from design.errors import DesignError
 from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution
 from design.model.actuators.registry import Actuator
-from design.model.impulses import Impulses
 from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
 from design.pipeline import Design, design
 from design.recommendations.choices import Choice
 from design.recommendations.requirements import Question
+from design.recommendations.worst import drive_off_residual, work_of_worst, worst_residual
 from design.sampling.left import cuts_ramps
 from design.sampling.sampled_design import SAMPLE_TOLERANCE, sampled_design
 from design.sampling.sampled_free import has_free_amplitudes, may_be_between_levels
-from design.shapers.several_modes import FREQUENCIES_PER_RADIAN, impulses_of
+from design.shapers.several_modes import impulses_of
 from design.solvers.budget import Budget
 
 TIGHTENED, TIGHTENED_ON_SAMPLES = 6, 2
@@ -76,6 +75,8 @@ class Designed:
         The design, on samples where asked.
     worst_residual
         Its largest residual in the ranges asked, by simulation [-].
+    drive_off_residual
+        The same, its drive off by the share that is asked as well; None where none is [-].
     lower_bound_s
         No shaper of its class that keeps the tolerance over the band is as short: proven; None
         where nothing is [s].
@@ -84,7 +85,14 @@ class Designed:
     choice: Choice
     found: Design
     worst_residual: float
+    drive_off_residual: float | None = None
     lower_bound_s: float | None = None
+
+    @property
+    def largest(self) -> float:
+        """Largest residual of all that is held against the tolerance [-]."""
+        off = self.drive_off_residual
+        return self.worst_residual if off is None else off
 
     @property
     def warnings(self) -> tuple[DesignWarning, ...]:
@@ -160,7 +168,7 @@ def try_choice(choice: Choice, question: Question, budget: Budget) -> Designed |
         own = budget.part(MAX_WORK_PER_SHAPER)
         try:
             first = design_choice(choice, question, own)
-            over = first.worst_residual / asked.tolerance
+            over = first.largest / asked.tolerance
             if "tolerance" in choice.options and WITHIN < over <= NEARLY:
                 return _tighten(first, question, own) or first
         finally:
@@ -180,12 +188,10 @@ def _tighten(first: Designed, question: Question, budget: Budget) -> Designed | 
     misses, keeps = first, None
     for _ in range(TIGHTENED_ON_SAMPLES if sampled else TIGHTENED):
         if keeps is None:
-            excess = misses.worst_residual - AIM * asked
+            excess = misses.largest - AIM * asked
             smaller = max(_own(misses) - excess, _own(misses) / 4)
         else:
-            share = (AIM * asked - keeps.worst_residual) / (
-                misses.worst_residual - keeps.worst_residual
-            )
+            share = (AIM * asked - keeps.largest) / (misses.largest - keeps.largest)
             smaller = _own(keeps) + share * (_own(misses) - _own(keeps))
         if budget.spent:
             break
@@ -193,12 +199,12 @@ def _tighten(first: Designed, question: Question, budget: Budget) -> Designed | 
             again = design_choice(with_tolerance(first.choice, smaller), question, budget)
         except DesignError:
             break
-        if again.worst_residual <= WITHIN * asked:
+        if again.largest <= WITHIN * asked:
             keeps = replace(again, lower_bound_s=first.lower_bound_s)
             slower = keeps.found.impulses.duration_s > SLOWER * first.found.impulses.duration_s
-            if keeps.worst_residual >= ENOUGH * asked or not slower:
+            if keeps.largest >= ENOUGH * asked or not slower:
                 break
-        elif misses.worst_residual - again.worst_residual < FOLLOWS * (_own(misses) - smaller):
+        elif misses.largest - again.largest < FOLLOWS * (_own(misses) - smaller):
             break
         else:
             misses = again
@@ -333,11 +339,13 @@ def design_choice(choice: Choice, question: Question, budget: Budget) -> Designe
             between_levels=between_levels,
             budget=budget,
         )
-    budget.spend(_work_of_worst(found, question))
+    budget.spend(work_of_worst(found, question))
+    worst = worst_residual(found.impulses, question)
     return Designed(
         choice=choice,
         found=found,
-        worst_residual=worst_residual(found.impulses, question),
+        worst_residual=worst,
+        drive_off_residual=drive_off_residual(found.impulses, question, worst),
         lower_bound_s=found.solver.lower_bound_s if choice.bound_holds else None,
     )
 
@@ -349,33 +357,3 @@ def _work_of_samples(found: Design, actuator: Actuator, sample_time_s: float) ->
         return CUT_SAMPLED_WORK
     over_band = claim_over_band(found.certificate) is not None
     return BAND_SAMPLED_WORK if over_band else UNITY_SAMPLED_WORK
-
-
-def _work_of_worst(found: Design, question: Question) -> float:
-    """Return the work of `worst_residual`: impulses times frequencies, on each line [units]."""
-    band, lines = question.own_band, 1 if question.requirements.damping is None else 4
-    duration, impulses = found.impulses.duration_s, found.impulses.times_s.size
-    radians = (band[1] - band[0]) * duration * sum(
-        mode.natural_frequency_rad_s for mode in question.designed_for
-    )  # fmt: skip
-    return question.actuator.PROOF_WORK * impulses * FREQUENCIES_PER_RADIAN * radians * lines
-
-
-def worst_residual(impulses: Impulses, question: Question) -> float:
-    """Return the largest residual over all that the plant may be [-].
-
-    Parameters
-    ----------
-    impulses, question
-        The impulses, and what is asked.
-
-    Returns
-    -------
-    float
-        Over band and damping, with the actuator given, by simulation [-].
-    """
-    band, damping = question.own_band, question.requirements.damping
-    return max(
-        largest_in_band(impulses, mode, question.actuator, band, damping)
-        for mode in question.designed_for
-    )

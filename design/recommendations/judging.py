@@ -16,9 +16,10 @@ from design.errors import InvalidInputError
 from design.model.impulses import Impulses
 from design.model.plants.modes import Modes
 from design.model.plants.registry import Plant
-from design.recommendations.candidates import WITHIN, Designed, worst_residual
+from design.recommendations.candidates import WITHIN, Designed
 from design.recommendations.firmware import PLAYED_WITHIN, Firmware, Played
 from design.recommendations.requirements import Question
+from design.recommendations.worst import worst_residual
 
 MAX_SHOWN_AMPLITUDES = 4
 """Amplitudes that a reason repeats."""
@@ -115,7 +116,19 @@ class Candidate:
     @property
     def missed(self) -> tuple[str, ...]:
         """Requirements that it does not meet."""
-        return tuple(verdict.requirement for verdict in self.verdicts if not verdict.met)
+        return tuple(verdict.requirement for verdict in self.unmet)
+
+    @property
+    def unmet(self) -> tuple[Verdict, ...]:
+        """Verdicts on those that it does not meet.
+
+        What misses the tolerance with the drive as given is not said once more of one that is off.
+        """
+        unmet = [verdict for verdict in self.verdicts if not verdict.met]
+        beyond = any(verdict.requirement == "tolerance" for verdict in unmet)
+        return tuple(
+            verdict for verdict in unmet if not (beyond and verdict.requirement == "drive_off_by")
+        )
 
     @property
     def width(self) -> float:
@@ -233,6 +246,18 @@ def _verdicts(candidate: Candidate, question: Question) -> Iterator[Verdict]:
         reason=f"has a residual {_at_most(worst, met=met)} {ranges(question)}, "
         f"{'within' if met else 'above'} {percent(asked.tolerance)}",
     )
+    off = candidate.designed.drive_off_residual
+    if off is not None and asked.drive_off_by is not None:
+        met = off <= WITHIN * asked.tolerance
+        yield Verdict(
+            requirement="drive_off_by",
+            met=met,
+            value=off,
+            limit=asked.tolerance,
+            reason=f"has a residual {_at_most(off, met=met)} there with every parameter of the "
+            f"drive off by {percent(asked.drive_off_by)}, "
+            f"{'within' if met else 'above'} {percent(asked.tolerance)}",
+        )
     if asked.max_duration_s is not None:
         met = candidate.end_s <= asked.max_duration_s * (1 + ROUNDING)
         yield Verdict(

@@ -81,14 +81,12 @@ def unmet(
     told = [detail for _, detail in faults]
     if not faults:
         nearest = min(ranked, key=lambda one: (len(one.missed), one.end_s))
-        missed = [verdict.reason for verdict in nearest.verdicts if not verdict.met]
+        missed = [verdict.reason for verdict in nearest.unmet]
         told = [
             f"dropping any single limit does not help; {nearest.name} comes closest: "
             f"{', '.join(missed)}"
         ]
-        faults = [
-            (verdict.requirement, verdict.reason) for verdict in nearest.verdicts if not verdict.met
-        ]
+        faults = [(verdict.requirement, verdict.reason) for verdict in nearest.unmet]
     if question.requirements.max_duration_s is not None:
         told += shortest_possible(question, ranked)
     told += [f"{one.choice.name} {one.reason}" for one in refused if not one.searched]
@@ -109,7 +107,7 @@ def _describe_limits(question: Question) -> str:
     ]
     if asked.sign != "any":
         limits.append(f"sign {asked.sign}")
-    for name in ("max_duration_s", "max_high_mode_gain"):
+    for name in ("max_duration_s", "max_high_mode_gain", "drive_off_by"):
         if getattr(asked, name) is not None:
             limits.append(f"{name} {getattr(asked, name):g}")
     if asked.sample_time_s is not None:
@@ -131,22 +129,28 @@ def _nearest(limit: _Limit, candidates: Sequence[Candidate]) -> Iterator[Candida
 
 
 def _largest_residual(one: Candidate) -> float:
-    """Return the residual of a shaper as designed and as played, at most [-]."""
+    """Return the residual of a shaper as designed, as played, with its drive off [-]."""
     played = [told.value for told in one.verdicts if told.requirement == "firmware"]
     values = (math.inf if value is None else value for value in played)
-    return max(one.designed.worst_residual, *values) if played else one.designed.worst_residual
+    return max(one.designed.largest, *values) if played else one.designed.largest
 
 
 def _limits(question: Question) -> Iterator[_Limit]:
     asked = question.requirements
     yield _Limit(
-        fields=("tolerance", "firmware"),
+        fields=("tolerance", "drive_off_by", "firmware"),
         size=_largest_residual,
         describe=lambda one: (
             "within the other limits the smallest residual found is "
             f"{percent(_largest_residual(one))}, by {one.name}, {one.end_s:.4g} s"
         ),
     )
+    if asked.drive_off_by is not None:
+        yield _Limit(
+            fields=("drive_off_by",),
+            size=lambda one: one.end_s,
+            describe=lambda one: f"with the drive as given, {one.name} serves, {one.end_s:.4g} s",
+        )
     if asked.firmware is not None:
         title = asked.firmware.title
         yield _Limit(
@@ -240,9 +244,9 @@ def _eased_candidates(
     if longest is None:
         return
     short = [
-        one.designed.worst_residual
+        one.designed.largest
         for one in ranked
-        if one.end_s <= longest and set(one.missed) <= {"tolerance"}
+        if one.end_s <= longest and set(one.missed) <= {"tolerance", "drive_off_by"}
     ]
     for candidate in ranked:
         choice = candidate.designed.choice

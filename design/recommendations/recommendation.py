@@ -167,7 +167,7 @@ def _reasons(
         f"{percent(best.designed.worst_residual)} {ranges(question)}"
     )
     for verdict in best.verdicts:
-        if verdict.requirement == "firmware":
+        if verdict.requirement in {"drive_off_by", "firmware"}:
             yield f"{best.name} {verdict.reason}"
     if len(meeting) > 1:
         yield _over_the_next(best, meeting[1])
@@ -182,7 +182,7 @@ def _reasons(
     faster = [one for one in ranked if one.missed and one.end_s < best.end_s]
     if faster:
         nearest = min(faster, key=lambda one: (len(one.missed), one.designed.worst_residual))
-        missed = [verdict.reason for verdict in nearest.verdicts if not verdict.met]
+        missed = [verdict.reason for verdict in nearest.unmet]
         yield (
             f"none of the {len(faster)} faster ones serves; {nearest.name}, "
             f"{nearest.end_s:.4g} s, comes closest, but {' and '.join(missed)}"

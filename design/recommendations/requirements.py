@@ -1,8 +1,10 @@
 """What a shaper is asked to do, before any is chosen."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from design.analysis.drive_sensitivity import MAX_OFF, drives_off, require_parameters
 from design.analysis.workable import require_workable
 from design.band import ends_of, require_said_once
 from design.checks import MAX_VALUE, require_between, require_scale
@@ -56,6 +58,9 @@ class Requirements:
         Largest share of an unshaped step left in any higher mode [-]; None for no limit.
     sample_time_s
         The impulses are to lie on samples of this length [s]; None for none.
+    drive_off_by
+        The tolerance holds as well where every parameter of the drive is off by this share, up or
+        down [-]; None if those given are right.
     firmware
         What is to play the shaper: its kinds alone are candidates; None for any.
     """
@@ -71,6 +76,7 @@ class Requirements:
     highest_command: float = 1.0
     max_high_mode_gain: float | None = None
     sample_time_s: float | None = None
+    drive_off_by: float | None = None
     firmware: Firmware | None = None
 
     def __post_init__(self) -> None:
@@ -99,6 +105,14 @@ class Requirements:
         if self.max_high_mode_gain is not None and not 0 < self.max_high_mode_gain <= MAX_VALUE:
             raise InvalidInputError(
                 "max_high_mode_gain", self.max_high_mode_gain, "> 0", code="out_of_range"
+            )
+
+        if self.drive_off_by is not None and not 0 < self.drive_off_by <= MAX_OFF:
+            raise InvalidInputError(
+                "drive_off_by",
+                self.drive_off_by,
+                f"above 0 and at most {MAX_OFF:g}: beyond it, it is another drive",
+                code="out_of_range",
             )
 
     def _require_band(self) -> None:
@@ -160,6 +174,8 @@ class Question:
         Ends of the band, ratios of the nominal frequencies [-].
     scheduled
         Whether that is the range of the plant itself.
+    drives_off
+        The drives of which the tolerance is asked besides; none where the one given is right.
     """
 
     actuator: Actuator
@@ -168,6 +184,7 @@ class Question:
     designed_for: tuple[Mode, ...]
     band: tuple[float, float]
     scheduled: bool
+    drives_off: tuple[Actuator, ...] = ()
 
     @property
     def own_band(self) -> tuple[float, float]:
@@ -232,9 +249,13 @@ def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) ->
     middle = (band[0] + band[1]) / 2
     middle = 1.0 if abs(middle - 1) < MIDDLE_ROUNDING else middle
     designed_for = tuple(_scale(mode, middle) for mode in modes)
-    for mode in designed_for:
-        for ratio in (1.0, band[0] / middle, band[1] / middle):
-            require_workable(_scale(mode, ratio), actuator)
+    at_ends = [
+        _scale(mode, ratio)
+        for mode in designed_for
+        for ratio in (1.0, band[0] / middle, band[1] / middle)
+    ]
+    for mode in at_ends:
+        require_workable(mode, actuator)
     return Question(
         actuator=actuator,
         requirements=requirements,
@@ -242,7 +263,31 @@ def question_of(plant: Plant, actuator: Actuator, requirements: Requirements) ->
         designed_for=designed_for,
         band=band,
         scheduled=isinstance(plant, Scheduled),
+        drives_off=_drives_off(actuator, requirements.drive_off_by, at_ends),
     )
+
+
+def _drives_off(
+    actuator: Actuator, share: float | None, modes: Sequence[Mode]
+) -> tuple[Actuator, ...]:
+    """Return the drives that are off, each of them workable with all modes."""
+    if share is None:
+        return ()
+    require_parameters(actuator, "drive_off_by")
+    try:
+        drives = drives_off(actuator, share)
+        for mode in modes:
+            for drive in drives:
+                require_workable(mode, drive)
+    except InvalidInputError as error:
+        raise InvalidInputError(
+            "drive_off_by",
+            share,
+            f"such that the drive that is off is one that is served: its "
+            f"{error.name.removeprefix('actuator.')} must be {error.rule}",
+            code="drive_off_bounds",
+        ) from None
+    return drives
 
 
 def _in_the_middle(mode: Mode, damping: tuple[float, float]) -> Mode:

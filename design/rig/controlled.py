@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,7 +12,8 @@ from design.rig.camera import Camera, Frame
 from design.rig.crane import AXES
 from design.rig.encoder import Encoder
 from design.rig.machine import Machine
-from design.rig.march import MOTION, ROPE
+from design.rig.march import MOTION, ROPE, ROW_SIZE
+from design.rig.swing import UPPER
 from design.rig.track import Track
 from design.types import FloatArray, IntArray
 
@@ -19,8 +21,7 @@ MAX_SAMPLES = 10_000_000
 """Most samples of a run: some gigabytes of what is seen."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Reading:
+class Reading(NamedTuple):
     """What a controller reads at a sample.
 
     Attributes
@@ -123,16 +124,16 @@ def run_controlled(
     noise = np.random.default_rng(seed)
     frames_s = None if camera is None else camera.frame_time_s
     frame, next_frame_s = None, start_s
-    tracks, levels = [], np.zeros((count, 2))
+    times = start_s + sample_time_s * np.arange(count)
+    rows, levels = np.empty((count, ROW_SIZE)), np.zeros((count, 2))
     pixels = None if camera is None else np.zeros((count, 2))
     held: tuple[float, float] | None = None
-    for index in range(count):
-        now = start_s + index * sample_time_s
-        track = machine.advance(now)
-        row = track.rows[0]
-        tracks.append(row)
+    for index, now in enumerate(times.tolist()):
+        here = slice(index, index + 1)
+        machine.advance_into(rows[here], now, times[here])
+        row = rows[index]
         if camera is not None and frames_s is not None and now >= next_frame_s:
-            frame = camera.frame(track.hook_m[0], noise)
+            frame = camera.frame(row[ROPE] * row[UPPER : UPPER + 3], noise)
             next_frame_s += frames_s
         told = controller(
             Reading(
@@ -153,8 +154,7 @@ def run_controlled(
         levels[index] = told
         if pixels is not None and frame is not None:
             pixels[index, 0], pixels[index, 1] = frame.pixels
-    times = start_s + sample_time_s * np.arange(count)
-    track = Track(crane=machine.crane, times_s=times, rows=np.array(tracks))
+    track = Track(crane=machine.crane, times_s=times, rows=rows)
     return ControlledRun(
         track=track,
         levels=levels,

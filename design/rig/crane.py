@@ -169,6 +169,33 @@ class LimitSwitch:
     position_m: float
 
 
+CableName = Literal["upper", "lower"]
+"""From the trolley to the hook, or from the hook to the load."""
+
+CABLES: tuple[CableName, CableName] = ("upper", "lower")
+"""The cables in the order of rows."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SlackCable:
+    """A cable that the motion would need to push.
+
+    Attributes
+    ----------
+    cable
+        Which.
+    at_s, duration_s
+        When it first would, and for how long in all [s].
+    push_n
+        Largest force that it would push with, > 0 [N].
+    """
+
+    cable: CableName
+    at_s: float
+    duration_s: float
+    push_n: float
+
+
 def require_cable(cable_length_m: float, most_m: float) -> None:
     """Check that a cable can be hoisted to a length.
 

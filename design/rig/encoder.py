@@ -45,4 +45,5 @@ class Encoder:
 
         It is off by half a pulse at most.
         """
-        return (math.floor(position_m / self.pulse_m) + 0.5) * self.pulse_m
+        pulse_m = self.pulse_m
+        return (math.floor(position_m / pulse_m) + 0.5) * pulse_m

@@ -20,13 +20,25 @@ from design.rig.axis import (
     axis_motion,
     drive_row,
 )
-from design.rig.crane import AXES, AxisName, Crane, LimitSwitch, Stroke, require_cable
+from design.rig.crane import (
+    AXES,
+    CABLES,
+    AxisName,
+    Crane,
+    LimitSwitch,
+    SlackCable,
+    Stroke,
+    require_cable,
+)
 from design.rig.march import (
     HOIST,
     HOIST_SPEED,
+    LEAST_TENSION,
     NOW,
     ROPE_RATE,
     ROW_SIZE,
+    SLACK_FOR,
+    SLACK_SINCE,
     STROKE,
     SWING,
     SWITCH,
@@ -39,6 +51,9 @@ from design.types import FloatArray
 
 FIRST_STEP_S = 0.01
 """What the first step is tried with; the error chooses those after it [s]."""
+
+NO_EVENTS = np.empty((0, 4))
+"""What happens between most samples of a controller."""
 
 FASTEST_DRIVE_RAD_S = 1e6
 """Fastest lag that steps through time resolve; an ideal one is exact [rad/s]."""
@@ -100,6 +115,7 @@ class Machine:
         for row, stroke in zip(self._axes, crane.strokes, strict=True):
             _bound(row, stroke)
         self._rope = np.array([0.0, crane.cable_length_m, 0.0, math.inf, crane.cable_length_m])
+        self._slack = np.array([[math.inf, 0.0, math.inf]] * 2)
         self._events: list[tuple[float, float, float, float]] = []
 
     @property
@@ -111,6 +127,26 @@ class Machine:
     def pressed(self) -> tuple[int, int]:
         """Side of the limit switch that is pressed in x and y: -1, 0 or 1."""
         return int(self._axes[0, BLOCKED]), int(self._axes[1, BLOCKED])
+
+    @property
+    def slack(self) -> tuple[SlackCable, ...]:
+        """The cables that would have had to push until now, the upper one first.
+
+        The nonlinear model keeps them taut. A velocity that jumps stands for a short ramp, of which
+        no tension is known.
+        """
+        crane = self.crane
+        masses = (crane.hook_mass_kg, 0.0 if crane.load is None else crane.load.mass_kg)
+        return tuple(
+            SlackCable(
+                cable=name,
+                at_s=float(row[SLACK_SINCE]),
+                duration_s=float(row[SLACK_FOR]),
+                push_n=float(-row[LEAST_TENSION]) * mass,
+            )
+            for name, mass, row in zip(CABLES, masses, self._slack, strict=True)
+            if row[SLACK_FOR] > 0
+        )
 
     def command(self, axis: AxisName, level: float, at_s: float | None = None) -> None:
         """Command the velocity of an axis.
@@ -135,6 +171,20 @@ class Machine:
         require_between("level", level, -most, most)
         which = AXES.index(axis)
         insort(self._events, (self._time(at_s) + self._delays_s[which], which, level, 0.0), key=_at)
+
+    def withdraw(self, axis: AxisName) -> None:
+        """Forget what an axis was commanded for times to come.
+
+        What was sent within the dead time before now is answered.
+
+        Parameters
+        ----------
+        axis
+            Which.
+        """
+        which = AXES.index(axis)
+        sent_s = self.now_s + self._delays_s[which]
+        self._events = [one for one in self._events if one[1] != which or one[0] < sent_s]
 
     def hoist(self, cable_length_m: float, over_s: float, at_s: float | None = None) -> None:
         """Hoist or lower the hook evenly to a length of the cable.
@@ -180,14 +230,34 @@ class Machine:
             If an axis goes past its stroke, the hoist is faster than it can be, or a cable swings
             more than 60 degrees: what, where and when.
         """
-        require_between("until_s", until_s, self.now_s, MAX_VALUE)
         times = np.array([until_s]) if times_s is None else times_s
+        rows = np.empty((times.size, ROW_SIZE))
+        self.advance_into(rows, until_s, times)
+        return Track(crane=self.crane, times_s=times, rows=rows)
+
+    def advance_into(self, rows: FloatArray, until_s: float, times_s: FloatArray) -> None:
+        """Go on to a time, and write what is seen into rows that somebody has.
+
+        Parameters
+        ----------
+        rows
+            Those of a track, shape (n, ROW_SIZE); overwritten.
+        until_s
+            Where to end, not before now [s].
+        times_s
+            Times to look at, as of `advance`, shape (n,) [s].
+
+        Raises
+        ------
+        InvalidInputError
+            As `advance` does.
+        """
+        require_between("until_s", until_s, self.now_s, MAX_VALUE)
         due = 0
         while due < len(self._events) and self._events[due][0] <= until_s:
             due += 1
-        events = np.array(self._events[:due]).reshape(-1, 4)
+        events = np.array(self._events[:due]).reshape(-1, 4) if due else NO_EVENTS
         del self._events[:due]
-        rows = np.empty((times.size, ROW_SIZE))
         event = row = 0
         while True:
             ended, axis, event, row = march(
@@ -196,9 +266,10 @@ class Machine:
                 self._state,
                 self._axes,
                 self._rope,
+                self._slack,
                 events,
                 event,
-                times,
+                times_s,
                 rows,
                 row,
                 until_s,
@@ -223,7 +294,6 @@ class Machine:
                 f"such that the hoist goes at most {self.crane.max_speed_m_s:g} m/s",
                 code="hoist_too_fast",
             )
-        return Track(crane=self.crane, times_s=times, rows=rows)
 
     def open_bounds(self) -> None:
         """Let axes go past strokes and switches, and cables swing, from now on."""

@@ -44,6 +44,10 @@ faster than it can.
 LEVEL_X, LEVEL_Y, HOIST = range(3)
 """Kinds of events: the level of an axis, or a length and the time to go there."""
 
+SLACK_SINCE, SLACK_FOR, LEAST_TENSION = range(3)
+"""Of a cable that should push: when it first does, for how long in all [s], and the least tension
+over the mass below it [m/s^2]."""
+
 MOTION = STATE_SIZE
 """Column of a row from which position, velocity, acceleration and reference of x and y stand."""
 
@@ -60,6 +64,9 @@ LEAST_STEP = 1e-15
 
 STEP_FACTORS = 0.2, 8.0
 """Least and largest change from a step to the next."""
+
+SLACK_HALVINGS = 45
+"""Halvings of a step that find where a tension is zero, to rounding of most times."""
 
 SAFETY = 0.9
 """Share of the step at which the error is expected to be the tolerance."""
@@ -119,6 +126,65 @@ def _try_step(
     if fifth == 0.0 and third == 0.0:
         return 0.0
     return float(abs(step_s) * fifth / math.sqrt((fifth + third / 100) * STATE_SIZE))
+
+
+@compiled
+def _tensions_at(
+    now_s: float,
+    ahead_s: float,
+    plant: FloatArray,
+    state: FloatArray,
+    axes: FloatArray,
+    rope: FloatArray,
+) -> tuple[float, float]:
+    accel_x = axis_motion(axes[0], now_s - axes[0, TIME] + ahead_s)[2]
+    accel_y = axis_motion(axes[1], now_s - axes[1, TIME] + ahead_s)[2]
+    length = rope[ROPE_LENGTH] + (now_s - rope[ROPE_TIME] + ahead_s) * rope[ROPE_RATE]
+    return tensions(plant, state, length, rope[ROPE_RATE], accel_x, accel_y)
+
+
+@compiled
+def _note_slack(
+    now_s: float,
+    step_s: float,
+    plant: FloatArray,
+    state: FloatArray,
+    axes: FloatArray,
+    rope: FloatArray,
+    work: FloatArray,
+    slack: FloatArray,
+) -> None:
+    """Note where in a step a cable would have to push.
+
+    The last row of the work is the state at the end. Steps follow a drive closely, so that a
+    tension has one sign in a step, or changes it once.
+    """
+    ends = work[NODES.size]
+    first = _tensions_at(now_s, 0.0, plant, state, axes, rope)
+    last = _tensions_at(now_s, step_s, plant, ends, axes, rope)
+    for cable in range(2 if plant[MASS_RATIO] > 0.0 else 1):
+        least = min(first[cable], last[cable])
+        if least >= 0.0:
+            continue
+        begin, end = 0.0, step_s
+        if max(first[cable], last[cable]) > 0.0:
+            kept = ends.copy()
+            for _ in range(SLACK_HALVINGS):
+                middle = (begin + end) / 2
+                _try_step(now_s, middle, plant, state, axes, rope, work)
+                tension = _tensions_at(now_s, middle, plant, ends, axes, rope)[cable]
+                if (tension > 0.0) == (first[cable] > 0.0):
+                    begin = middle
+                else:
+                    end = middle
+            ends[:] = kept
+            if first[cable] > 0.0:
+                end = step_s
+            else:
+                begin = 0.0
+        slack[cable, SLACK_SINCE] = min(slack[cable, SLACK_SINCE], now_s + begin)
+        slack[cable, SLACK_FOR] += end - begin
+        slack[cable, LEAST_TENSION] = min(slack[cable, LEAST_TENSION], least)
 
 
 @compiled
@@ -204,6 +270,7 @@ def march(
     state: FloatArray,
     axes: FloatArray,
     rope: FloatArray,
+    slack: FloatArray,
     events: FloatArray,
     event: int,
     times_s: FloatArray,
@@ -218,6 +285,8 @@ def march(
     clock, plant, state, axes, rope
         The machine: shapes (2,), (PLANT_SIZE,), (STATE_SIZE,), (2, AXIS_SIZE), (5,). All except
         the plant change.
+    slack
+        Of the upper and the lower cable, shape (2, 3); what is slack is added.
     events
         Events in order of time: time [s], kind and two numbers each, shape (m, 4).
     event
@@ -290,6 +359,8 @@ def march(
             clock[STEP] = step * min(factor, 1.0)
             continue
         clock[STEP] = max(wanted, step * factor) if cut else step * factor
+        if not plant[LINEAR]:
+            _note_slack(now, step, plant, state, axes, rope, work, slack)
         clock[NOW] = end
         state[:] = work[NODES.size]
         if not plant[LINEAR]:

@@ -12,10 +12,11 @@ from design.model.actuators.registry import Actuator
 from design.model.commands import convolve
 from design.model.impulses import Impulses
 from design.model.reference_ramps import reference
-from design.rig.crane import AXES, AxisName, Crane, LimitSwitch
+from design.rig.crane import AXES, AxisName, Crane, LimitSwitch, SlackCable
 from design.rig.machine import Machine
-from design.rig.scenario import Drive, HoistTo, Played, command_of
+from design.rig.scenario import Drive, HoistTo, Played, command_of, raise_beside_events
 from design.rig.track import Track
+from design.rig.whole_moves import WholeMove, with_moves
 from design.types import FloatArray
 
 SETTLED = 40.0
@@ -39,21 +40,25 @@ class Scenario:
     ----------
     crane, drive, speed_m_s
         The machine; one drive as that of x and of y, and full speed [m/s].
-    drives, hoists
-        What events command, in any order.
+    drives, moves, hoists
+        What events command, in any order; moves are not shaped, as they are designed as a whole.
     played
         Courses in place of events.
     shaper
         What each command is convolved with; None if nothing shapes it.
+    solved
+        Commands in place of those of the events, shaped already; None if there are none.
     """
 
     crane: Crane
     drive: Actuator
     speed_m_s: float
     drives: Sequence[Drive] = ()
+    moves: Sequence[WholeMove] = ()
     hoists: Sequence[HoistTo] = ()
     played: dict[AxisName, Played] | None = None
     shaper: Impulses | None = None
+    solved: dict[AxisName, Impulses] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -109,17 +114,21 @@ def run(scenario: Scenario, until_s: float | None, points: int) -> Run:
     Raises
     ------
     InvalidInputError
-        If buttons contradict each other, or the machine cannot do it: see `Machine`.
+        If buttons contradict each other, whole moves overlap, or the machine cannot do it: see
+        `Machine`.
     """
     crane, drive = scenario.crane, scenario.drive
 
     def shape(command: Impulses) -> Impulses:
         return command if scenario.shaper is None else convolve(command, scenario.shaper)
 
-    commands = {}
-    for axis in AXES:
+    commands = dict(scenario.solved or {})
+    for axis in AXES if scenario.solved is None else ():
         course = (scenario.played or {}).get(axis)
+        if course is not None and any(move.axis == axis for move in scenario.moves):
+            raise_beside_events(axis)
         found = command_of(scenario.drives, course, axis, scenario.speed_m_s, shape)
+        found = with_moves(found, scenario.moves, axis, drive)
         if found is not None:
             commands[axis] = found
     machine = Machine(crane, (drive, drive), scenario.speed_m_s)
@@ -137,7 +146,7 @@ def run(scenario: Scenario, until_s: float | None, points: int) -> Run:
     end = last + drive.dead_time_s + AFTERMATH_PERIODS * period if until_s is None else until_s
     times = np.linspace(0.0, end, points)
     track = machine.advance(end, times)
-    switches = tuple(machine.switches)
+    switches, slack = tuple(machine.switches), machine.slack
     steady = max([0.0, *ends, *(_steady_s(command, drive) for command in commands.values())])
     return Run(
         commands=commands,
@@ -146,7 +155,7 @@ def run(scenario: Scenario, until_s: float | None, points: int) -> Run:
         last_switch_s=last,
         residual=_residual(machine, drive, steady),
         switches=switches,
-        warnings=_warnings(beyond, switches),
+        warnings=_warnings(beyond, switches, slack),
     )
 
 
@@ -171,33 +180,53 @@ def _steady_s(command: Impulses, drive: Actuator) -> float:
     return float((changes.times_s + changes.ramps_s).max()) + drive.dead_time_s
 
 
+def settling_s(drive: Actuator) -> float:
+    """Return after how long e^-40 of a lag's transient is left [s]."""
+    lags = (drive.accel_lag, drive.decel_lag)
+    return SETTLED * max(lag.first_s + math.sqrt(lag.second_s2) for lag in lags)
+
+
+def unshaped_energy_j(crane: Crane, drive: Actuator, speed_m_s: float) -> float:
+    """Return the energy of the swing after an unshaped step.
+
+    Parameters
+    ----------
+    crane, drive
+        The machine; of a drive with limits what it does without them.
+    speed_m_s
+        Full speed, to which the step goes [m/s].
+
+    Returns
+    -------
+    float
+        Once the drive has settled [J].
+    """
+    plain = drive.then if isinstance(drive, RateLimited) else drive
+    step = Machine(replace(crane, strokes=(None, None)), (plain, plain), speed_m_s)
+    step.open_bounds()
+    step.command("x", 1.0)
+    return float(step.advance(settling_s(drive) + plain.dead_time_s).swing_energy_j[0])
+
+
 def _residual(machine: Machine, drive: Actuator, steady_s: float) -> float | None:
     """Return the amplitude that remains after a time, as a share of an unshaped step's [-]."""
     machine.open_bounds()
-    lags = (drive.accel_lag, drive.decel_lag)
-    settled = SETTLED * max(lag.first_s + math.sqrt(lag.second_s2) for lag in lags)
+    settled = settling_s(drive)
     remains = machine.advance(max(machine.now_s, steady_s + settled))
     length = float(remains.cable_length_m[0])
-    crane = replace(machine.crane, cable_length_m=length, strokes=(None, None))
-    plain = replace(drive.then if isinstance(drive, RateLimited) else drive)
-    step = Machine(crane, (plain, plain), machine.speed_m_s)
-    step.open_bounds()
-    step.command("x", 1.0)
-    unshaped = step.advance(settled + plain.dead_time_s)
-    decay = float(crane.decays_s(np.array([length]))[0])
-    if decay * max(settled, float(remains.times_s[0]) - steady_s) > MAX_DECAY:
+    decay = float(machine.crane.decays_s(np.array([length]))[0])
+    since = float(remains.times_s[0]) - steady_s
+    if decay * max(settled, since) > MAX_DECAY:
         return None
-    amplitudes = [
-        math.sqrt(max(float(track.swing_energy_j[0]), 0.0)) * math.exp(decay * since)
-        for track, since in (
-            (remains, remains.times_s[0] - steady_s),
-            (unshaped, settled),
-        )
-    ]
-    return amplitudes[0] / amplitudes[1]
+    crane = replace(machine.crane, cable_length_m=length)
+    unshaped = math.sqrt(unshaped_energy_j(crane, drive, machine.speed_m_s))
+    left = math.sqrt(max(float(remains.swing_energy_j[0]), 0.0))
+    return left / unshaped * math.exp(decay * (since - settled))
 
 
-def _warnings(beyond: float, switches: tuple[LimitSwitch, ...]) -> tuple[DesignWarning, ...]:
+def _warnings(
+    beyond: float, switches: tuple[LimitSwitch, ...], slack: tuple[SlackCable, ...]
+) -> tuple[DesignWarning, ...]:
     told = []
     if beyond > FULL_SPEED:
         told.append(
@@ -213,6 +242,16 @@ def _warnings(beyond: float, switches: tuple[LimitSwitch, ...]) -> tuple[DesignW
                 code="limit_switch",
                 detail=f"{switch.axis} met its limit switch at {switch.position_m:.6g} m, "
                 f"{switch.at_s:.6g} s: its drive was commanded to stop",
+            )
+        )
+    for one in slack:
+        name = "cable" if one.cable == "upper" else "cable below the hook"
+        told.append(
+            DesignWarning(
+                code="slack_cable",
+                detail=f"the {name} would have to push from {one.at_s:.6g} s on, by up to "
+                f"{one.push_n:.3g} N and for {one.duration_s:.3g} s in all: a real one is slack "
+                "then, and the run keeps it taut",
             )
         )
     return tuple(told)

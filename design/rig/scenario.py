@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NoReturn
 
 import numpy as np
 
@@ -247,6 +248,22 @@ def steps_of(drives: Sequence[Drive], axis: AxisName) -> tuple[FloatArray, Float
     return np.array(times), np.array(levels)
 
 
+def raise_beside_events(axis: AxisName) -> NoReturn:
+    """Raise that a course and events both drive an axis.
+
+    Raises
+    ------
+    InvalidInputError
+        Always.
+    """
+    raise InvalidInputError(
+        ("played", axis),
+        "a course",
+        f"left out where events drive {axis}",
+        code="played_beside_events",
+    )
+
+
 def command_of(
     drives: Sequence[Drive],
     played: Played | None,
@@ -282,10 +299,7 @@ def command_of(
     times, levels = steps_of(drives, axis)
     if played is not None:
         if times.size:
-            raise InvalidInputError(
-                ("played", axis), "a course", f"left out where events drive {axis}",
-                code="played_beside_events",
-            )  # fmt: skip
+            raise_beside_events(axis)
         times, levels = played.times_s, played.velocity_m_s / speed_m_s
     if not np.any(levels):
         return None

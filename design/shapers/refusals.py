@@ -25,8 +25,8 @@ def refuse_several(name: str, modes: int) -> NoReturn:
     raise InvalidInputError(
         "plant.modes",
         f"{modes} modes",
-        f"of one mode: {name} serves a single mode; multi_zv, multi_umzv, num_multi and convolved "
-        "serve several",
+        f"of one mode: {name} serves a single mode; multi_zv, multi_umzv, num_multi, multi_si and "
+        "convolved serve several",
         code="kind_of_one_mode",
     )
 

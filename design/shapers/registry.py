@@ -2,6 +2,7 @@
 
 from design.shapers.ei import EI, THREE_HUMP_EI, TWO_HUMP_EI, UM_2EI, UM_EI
 from design.shapers.kind import ShaperKind
+from design.shapers.multi_si import MULTI_SI
 from design.shapers.negative import SNA_ZV, SNA_ZVD
 from design.shapers.num_large import NUM_LARGE
 from design.shapers.num_multi import NUM_MULTI
@@ -18,7 +19,7 @@ from design.shapers.umzv import UMZV, UMZVD
 POSITIVE = (ZV, ZVD, ZVDD, ZVDDD, MZV, EI, TWO_HUMP_EI, THREE_HUMP_EI)
 UNITY = (UMZV, UMZVD, UM_EI, UM_2EI, UMZVC, NUMZV, NUMZVD, NUM_EI, NUM_2EI, NUM_SI)
 NEGATIVE = (PS_ZV, PS_ZVD, SNA_ZV, SNA_ZVD)
-FOR_SEVERAL_MODES = (MULTI_ZV, MULTI_UMZV, NUM_MULTI, CONVOLVED)
+FOR_SEVERAL_MODES = (MULTI_ZV, MULTI_UMZV, NUM_MULTI, MULTI_SI, CONVOLVED)
 
 OVER_A_BAND = (SI,)
 LARGE_SWINGS = (NUM_LARGE,)

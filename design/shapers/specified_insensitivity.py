@@ -6,8 +6,10 @@ from typing import ClassVar, Literal, Self
 
 from design.band import USUAL_HALF_WIDTH, ends_of, require_said_once
 from design.checks import require_between
+from design.claims import within
 from design.errors import InvalidInputError
-from design.formulations.bands import BandProblem
+from design.formulations.bands import BandProblem, PoleBand
+from design.model.actuators.registry import Actuator
 from design.shapers.actuators import UNLIMITED_ACTUATORS
 from design.shapers.kind import DesignCase, KindOf
 from design.shapers.options import ShaperOptions
@@ -151,23 +153,68 @@ class BandOptions(ShaperOptions):
         if self.half_width is not None:
             require_between("half_width", self.half_width, MIN_HALF_WIDTH, MAX_HALF_WIDTH)
             return
-        lower, upper = self.band
-        require_between("lower_ratio", lower, MIN_RATIO, MAX_RATIO)
-        require_between("upper_ratio", upper, MIN_RATIO, MAX_RATIO)
-        narrow, wide = ((1 + h) / (1 - h) for h in (MIN_HALF_WIDTH, MAX_HALF_WIDTH))
-        # The quotient of 1 + h and 1 - h is off by a rounding.
-        if not narrow * (1 - 1e-12) <= upper / lower <= wide * (1 + 1e-12):
-            raise InvalidInputError(
-                "upper_ratio",
-                upper,
-                f"{narrow:.4g} to {wide:.4g} times lower_ratio, {lower!r}",
-                code="band_too_narrow_or_wide",
-            )
+        require_ends(self.band, ("lower_ratio", "upper_ratio"))
 
     @property
     def band(self) -> tuple[float, float]:
         """Ends of the band [-]."""
         return ends_of(self)
+
+    @property
+    def levels(self) -> tuple[float, float] | None:
+        """Limits of the command; None for positive amplitudes [-]."""
+        if self.amplitudes == "positive":
+            return None
+        return self.lowest_command, self.highest_command
+
+
+def require_ends(band: tuple[float, float], names: tuple[str, str]) -> None:
+    """Check the ends of a band.
+
+    Parameters
+    ----------
+    band, names
+        Lower and upper ratio, and what they are called [-].
+
+    Raises
+    ------
+    InvalidInputError
+        If one is out of range, or the band is too narrow or too wide.
+    """
+    lower, upper = band
+    require_between(names[0], lower, MIN_RATIO, MAX_RATIO)
+    require_between(names[1], upper, MIN_RATIO, MAX_RATIO)
+    narrow, wide = ((1 + h) / (1 - h) for h in (MIN_HALF_WIDTH, MAX_HALF_WIDTH))
+    # The quotient of 1 + h and 1 - h is off by a rounding.
+    if not narrow * (1 - 1e-12) <= upper / lower <= wide * (1 + 1e-12):
+        raise InvalidInputError(
+            names[1],
+            upper,
+            f"{narrow:.4g} to {wide:.4g} times {names[0]}, {lower!r}",
+            code="band_too_narrow_or_wide",
+        )
+
+
+def require_sets_serve(options: BandOptions, actuator: Actuator) -> None:
+    """Check that an actuator has one G for amplitudes of both signs.
+
+    Parameters
+    ----------
+    options, actuator
+        Of the shaper, and what drives it.
+
+    Raises
+    ------
+    InvalidInputError
+        For negative amplitudes behind an actuator whose two sets differ.
+    """
+    if options.amplitudes == "negative" and actuator.accel_lag != actuator.decel_lag:
+        raise InvalidInputError(
+            "shaper.amplitudes",
+            options.amplitudes,
+            "positive behind an actuator whose accelerating and decelerating sets differ",
+            code="sets_differ",
+        )
 
 
 def specified_insensitivity(case: DesignCase[BandOptions]) -> BandProblem:
@@ -189,23 +236,15 @@ def specified_insensitivity(case: DesignCase[BandOptions]) -> BandProblem:
         For negative amplitudes behind an actuator whose two sets differ.
     """
     mode, actuator, options = case.mode, case.actuator, case.options
-    if options.amplitudes == "negative" and actuator.accel_lag != actuator.decel_lag:
-        raise InvalidInputError(
-            "shaper.amplitudes",
-            options.amplitudes,
-            "positive behind an actuator whose accelerating and decelerating sets differ",
-            code="sets_differ",
-        )
+    require_sets_serve(options, actuator)
     return BandProblem(
-        unit_pole=mode.unit_pole,
+        bands=(PoleBand(unit_pole=mode.unit_pole, lower=options.band[0], upper=options.band[1]),),
         natural_frequency_rad_s=mode.natural_frequency_rad_s,
-        band=options.band,
         tolerance=options.tolerance,
-        levels=None
-        if options.amplitudes == "positive"
-        else (options.lowest_command, options.highest_command),
+        levels=options.levels,
         horizon_rad=options.max_duration_periods * 2 * math.pi,
         designed_for=actuator,
+        claims=(within(options.tolerance, options.band),),
     )
 
 

@@ -6,12 +6,13 @@ So starts are spread over a short duration first, then over longer ones, until a
 as they are is found: after that longer ones are of no use.
 
 With many steps, or with modes far apart, few starts lead to a solution. There the optimum of an
-ideal drive is followed to the drive that is given, before any start.
+ideal drive is followed to the drive that is given, before any start, and starts are spread around
+it. An ideal drive has the solutions of one whose two sets are alike, as one lag moves no zero.
 """
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 
 import numpy as np
@@ -71,8 +72,18 @@ IDEAL_WORK = 1e6
 MIN_SHARE = 1e-3
 """Shortest step from an ideal drive to the one given, over that way [-]."""
 
-LITTLE_LAG = 0.02
-"""Share of the lags at which a switched drive is followed from an ideal one, which has no state."""
+AROUND_IDEAL = 512
+"""Starts around the optimum of an ideal drive, over each duration."""
+
+SPREAD_SHARE = 0.5
+"""Share of such a start that is spread, the rest being that optimum: of random triples with slopes
+shares of 0.15 and 0.3 lead to fewer solutions [-]."""
+
+AROUND, EVERYWHERE = "around_ideal_optimum", "spread_starts"
+"""What starts are called."""
+
+STRETCHES = (1.0, 1.25, 1.6, 1.8, 2.0)
+"""Durations of such starts over that of the optimum: most solutions take 1 to 1.4 times as long."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -108,33 +119,37 @@ def solve_steps(problem: StepsProblem, budget: Budget) -> Iterator[Solution]:
         When all solutions, if any, are used up: says how far was searched.
     """
     gaps = problem.gaps
-    found = list(_from_ideal(problem, budget)) if _is_hard(gaps) else []
-    count = _starts_of(gaps, sought=not found)
+    ideal = _ideal_gaps(problem, budget) if _is_hard(gaps) else None
+    found = [] if ideal is None else list(_from_ideal(gaps, ideal, budget))
     tried = len(found)
+    further = replace(gaps, horizon_rad=STRIDE * gaps.horizon_rad)
+    longer: list[FloatArray] = []
     ends: newton.Roots | None = None
-    for number, horizon_rad in enumerate(_horizons(gaps, found)):
+    for spread in _spreads(gaps, ideal, found):
         if budget.spent:
             break
-        rows = (number * count + np.arange(count)) % BRANCH_STARTS
-        searched = _ends(problem, horizon_rad * unit_starts(gaps.amplitudes.size - 1)[rows], budget)
+        searched = _ends(problem, spread.starts, budget)
         if not len(searched.unknowns):
             break
         ends = searched
-        tried += count
-        roots = fastest_first(gaps, ends)
-        found += [_Found(gaps_rad=one, seed="spread_starts") for one in roots]
+        tried += len(spread.starts)
+        roots = list(fastest_first(further, ends))
+        asked = [one for one in roots if one.sum() <= gaps.horizon_rad]
+        found += [_Found(gaps_rad=one, seed=spread.seed) for one in asked]
+        if spread.seed == AROUND:
+            longer += roots[len(asked) :]
         budget.note(
             TraceStep(
                 stage="seed",
                 method="newton",
-                start="spread_starts",
+                start=spread.seed,
                 outcome="searched",
-                duration_s=horizon_rad / gaps.natural_frequency_rad_s,
-                detail=f"{ends.converged.sum()} ends of {count} starts, spread over that duration, "
-                f"are roots; in order so far: {len(found)}",
+                duration_s=spread.duration_rad / gaps.natural_frequency_rad_s,
+                detail=f"{ends.converged.sum()} ends of {len(spread.starts)} starts, spread over "
+                f"that duration, are roots; in order so far: {len(found)}",
             )
         )
-        if min((one.duration_rad for one in found), default=math.inf) <= horizon_rad:
+        if min((one.duration_rad for one in found), default=math.inf) <= spread.duration_rad:
             break
     for one in sorted(found, key=lambda one: one.duration_rad):
         yield Solution(
@@ -147,10 +162,62 @@ def solve_steps(problem: StepsProblem, budget: Budget) -> Iterator[Solution]:
                 starts=tried,
             ),
         )
+    besides = describe_early_end(gaps, budget) + ("" if found else _describe_longer(longer))
     raise InfeasibleDesignError(
-        f"{describe_search(gaps, ends, tried)}{describe_early_end(gaps, budget)}",
+        f"{describe_search(gaps, ends, tried)}{besides}",
         code="no_solution_found",
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Spread:
+    """Starts that are spread over a duration."""
+
+    starts: FloatArray  # Gaps, shape (m, n) [rad]
+    duration_rad: float
+    seed: str  # What they are called
+
+
+def _spreads(
+    problem: GapProblem, ideal: FloatArray | None, found: list[_Found]
+) -> Iterator[_Spread]:
+    """Yield starts in the order in which they are tried; what is found meanwhile is looked at."""
+    if ideal is not None:
+        yield from _around(problem, ideal)
+        if found:  # hardly any solution elsewhere is shorter, of those of random triples none
+            return
+    yield from _everywhere(problem, found)
+
+
+def _around(problem: GapProblem, ideal: FloatArray) -> Iterator[_Spread]:
+    """Yield starts around the optimum of an ideal drive, over longer and longer durations."""
+    optimum_rad = float(ideal.sum())
+    even = optimum_rad * unit_starts(ideal.size)[:AROUND_IDEAL]
+    starts = (1 - SPREAD_SHARE) * ideal + SPREAD_SHARE * even
+    for stretch in STRETCHES:
+        duration_rad = stretch * optimum_rad
+        # What is found from starts of some duration may be somewhat shorter.
+        if duration_rad > STRIDE * problem.horizon_rad:
+            return
+        yield _Spread(starts=stretch * starts, duration_rad=duration_rad, seed=AROUND)
+
+
+def _everywhere(problem: GapProblem, found: list[_Found]) -> Iterator[_Spread]:
+    """Yield starts that are spread evenly, over longer and longer durations."""
+    count = _starts_of(problem, sought=not found)
+    for number, duration_rad in enumerate(_horizons(problem, found)):
+        rows = (number * count + np.arange(count)) % BRANCH_STARTS
+        starts = duration_rad * unit_starts(problem.amplitudes.size - 1)[rows]
+        yield _Spread(starts=starts, duration_rad=duration_rad, seed=EVERYWHERE)
+
+
+def _describe_longer(roots: list[FloatArray]) -> str:
+    """Say which duration is enough for the shortest of some solutions, if there is one."""
+    if not roots:
+        return ""
+    # Rounded up, so that what is offered can be met.
+    shortest = math.ceil(min(float(one.sum()) for one in roots) / PERIOD_RAD * 1e3) / 1e3
+    return f"; max_duration_periods = {shortest:g} can be met"
 
 
 def _apart(problem: GapProblem) -> float:
@@ -213,30 +280,34 @@ def _ends(problem: StepsProblem, starts: FloatArray, budget: Budget) -> newton.R
     )
 
 
-def _from_ideal(problem: StepsProblem, budget: Budget) -> Iterator[_Found]:
-    """Yield the solution to which the optimum of an ideal drive leads, if to one."""
+def _ideal_gaps(problem: StepsProblem, budget: Budget) -> FloatArray | None:
+    """Return the gaps of the optimum of an ideal drive; None where it has other steps."""
     part = budget.part(IDEAL_WORK)
     courses = list(islice(ramps.candidates(problem.ideal, part), 1))
     budget.spend(part.done)
     asked, added = problem.gaps, problem.superposed
+    still = asked.parameters.copy()
+    still[:LAGS] = 0.0
     for course in courses:
         switches = course.course.switches
-        if switches.size != asked.amplitudes.size:
-            continue
-        still = asked.parameters.copy()
-        still[:LAGS] = 0.0
-        start = _root(added, np.diff(switches), still, budget)
-        if start is None:
-            continue
-        end = _followed(added, start, still, budget)
-        if end is not None and asked.model != added.model:
-            end = _root(asked, end, asked.parameters, budget)
-        if end is None and asked.model != added.model:
-            little = still + LITTLE_LAG * (asked.parameters - still)
-            start = _root(asked, start, little, budget)
-            end = None if start is None else _followed(asked, start, little, budget)
-        if end is not None and asked.allows(end):
-            yield _Found(gaps_rad=end, seed="ideal_optimum")
+        if switches.size == asked.amplitudes.size:
+            return _root(added, np.diff(switches), still, budget)
+    return None
+
+
+def _from_ideal(asked: GapProblem, ideal: FloatArray, budget: Budget) -> Iterator[_Found]:
+    """Yield the solution to which the optimum of an ideal drive leads, if to one.
+
+    On the way one set becomes the other, the slower of the two, in which the drive begins.
+    """
+    accel, decel = slice(0, LAGS // 2), slice(LAGS // 2, LAGS)
+    alike = asked.parameters.copy()
+    slower = max(accel, decel, key=lambda one: float(alike[one][0]))
+    alike[accel] = alike[decel] = asked.parameters[slower]
+    start = _root(asked, ideal, alike, budget)
+    end = None if start is None else _followed(asked, start, alike, budget)
+    if end is not None and asked.allows(end):
+        yield _Found(gaps_rad=end, seed="ideal_optimum")
 
 
 def _followed(

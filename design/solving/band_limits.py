@@ -28,9 +28,9 @@ def proves_exclusion(problem: BandProblem, obstacle: Obstacle, budget: Budget) -
     Parameters
     ----------
     problem
-        What is to be kept over the band.
+        What is to be kept over the bands.
     obstacle
-        Frequencies and vectors for a duration.
+        Poles and vectors for a duration.
     budget
         That of the search, which notes the attempt.
 
@@ -40,8 +40,7 @@ def proves_exclusion(problem: BandProblem, obstacle: Obstacle, budget: Budget) -
         False is no proof of the contrary.
     """
     proved = excludes(
-        problem.unit_pole,
-        obstacle.ratios,
+        obstacle.unit_poles,
         obstacle.vectors,
         obstacle.duration_rad,
         problem.tolerance,
@@ -66,7 +65,7 @@ def require_long_enough(problem: BandProblem, budget: Budget) -> None:
     Parameters
     ----------
     problem
-        What is to be kept over the band, and its horizon.
+        What is to be kept over the bands, and its horizon.
     budget
         That of the search.
 
@@ -81,15 +80,14 @@ def require_long_enough(problem: BandProblem, budget: Budget) -> None:
     obstacle, least = obstacle_at(problem, problem.horizon_rad, budget)
     if not proves_exclusion(problem, obstacle, budget):
         return
-    lower, upper = problem.band
     tolerance = EASIER * least
     instead = (
         f"; a tolerance of {tolerance:.4g} can be met" if tolerance < MAX_OFFERED_TOLERANCE else ""
     )
     raise InfeasibleDesignError(
-        f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "
-        f"within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural frequency: none "
-        f"is as short (proven), undamped it takes about {needed / PERIOD_RAD:.2g} periods{instead}",
+        f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for "
+        f"{problem.asked}: none is as short (proven), undamped it takes about "
+        f"{needed / PERIOD_RAD:.2g} periods{instead}",
         code="duration_below_bound",
     )
 
@@ -102,7 +100,7 @@ def require_more_than_waiting(problem: BandProblem, budget: Budget) -> None:
     Parameters
     ----------
     problem
-        What is to be kept over the band.
+        What is to be kept over the bands.
     budget
         That of the search; where it does not do for the proof nothing is checked.
 
@@ -111,17 +109,16 @@ def require_more_than_waiting(problem: BandProblem, budget: Budget) -> None:
     InfeasibleDesignError
         If it is proven that nothing is faster.
     """
-    decay, lower = -problem.unit_pole.real, problem.band[0]
+    decay = min(-band.unit_pole.real * band.lower for band in problem.bands)
     if decay == 0:
         return
-    wait = -math.log(problem.tolerance) / (decay * lower)
+    wait = -math.log(problem.tolerance) / decay
     if budget.done + obstacle_work(problem, wait) > budget.most:
         return
     if proves_exclusion(problem, obstacle_at(problem, (1 - NO_FASTER) * wait, budget)[0], budget):
         raise InfeasibleDesignError(
-            f"after {wait / PERIOD_RAD:.4g} periods without a shaper, damping alone keeps a "
-            f"residual within {problem.tolerance:g} from {lower:g} to {problem.band[1]:g} of the "
-            f"natural frequency; no shaper is faster by more than {100 * NO_FASTER:g} % "
+            f"after {wait / PERIOD_RAD:.4g} periods without a shaper, damping alone keeps "
+            f"{problem.asked}; no shaper is faster by more than {100 * NO_FASTER:g} % "
             "(proven): only a smaller tolerance needs one",
             code="waiting_is_as_fast",
         )
@@ -133,7 +130,7 @@ def require_in_time(problem: BandProblem, found: Bounded, budget: Budget) -> Non
     Parameters
     ----------
     problem
-        What is to be kept over the band, and its horizon.
+        What is to be kept over the bands, and its horizon.
     found
         The fastest shaper, with its bound.
     budget
@@ -147,7 +144,6 @@ def require_in_time(problem: BandProblem, found: Bounded, budget: Budget) -> Non
     duration = float(found.times_rad[-1])
     if duration <= problem.horizon_rad:
         return
-    lower, upper = problem.band
     known = (
         f"none is shorter than {found.lower_bound_rad / PERIOD_RAD:.6g} (proven)"
         if found.lower_bound_rad >= problem.horizon_rad
@@ -158,9 +154,8 @@ def require_in_time(problem: BandProblem, found: Bounded, budget: Budget) -> Non
     offered = tolerance < MAX_OFFERED_TOLERANCE and found.gap <= SMALL_GAP
     instead = f" or a tolerance of {tolerance:.4g}" if offered else ""
     raise InfeasibleDesignError(
-        f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for a residual "
-        f"within {problem.tolerance:g} from {lower:g} to {upper:g} of the natural frequency: the "
-        f"fastest shaper found takes {duration / PERIOD_RAD:.6g} periods, {known}; "
-        f"max_duration_periods = {1.0001 * duration / PERIOD_RAD:.4f}{instead} can be met",
+        f"max_duration_periods = {problem.horizon_rad / PERIOD_RAD:g} is too short for "
+        f"{problem.asked}: the fastest shaper found takes {duration / PERIOD_RAD:.6g} periods, "
+        f"{known}; max_duration_periods = {1.0001 * duration / PERIOD_RAD:.4f}{instead} can be met",
         code="duration_below_fastest",
     )

@@ -69,12 +69,12 @@ def solve_jointly(problem: JointProblem, budget: Budget) -> Iterator[Solution]:
 
 
 def solve_over_band(problem: BandProblem, budget: Budget) -> Iterator[Solution]:
-    """Yield the fastest shaper over a band, with its bound.
+    """Yield the fastest shaper over bands, with its bound.
 
     Parameters
     ----------
     problem
-        What is to be kept over the band.
+        What is to be kept over the bands.
     budget
         What the search may do.
 
@@ -126,10 +126,8 @@ def _band_optima(problem: BandProblem, budget: Budget) -> Iterator[Bounded]:
     elif not answered:
         require_more_than_waiting(problem, budget)
         if budget.spent:
-            lower, upper = problem.band
             raise InfeasibleDesignError(
-                f"no shaper was found that keeps a residual within {problem.tolerance:g} from "
-                f"{lower:g} to {upper:g} of the natural frequency: {budget.in_words}",
+                f"no shaper was found that keeps {problem.asked}: {budget.in_words}",
                 code="band_search_out_of_budget",
             )
 

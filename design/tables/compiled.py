@@ -64,6 +64,23 @@ def is_kept(function: Callable[..., Any], arguments: Iterable[Any]) -> bool:
     return key in index._load_index()
 
 
+def is_kept_for_some(function: Callable[..., Any]) -> bool:
+    """Return whether machine code for arguments of any types is on disk.
+
+    Parameters
+    ----------
+    function
+        A compiled function.
+
+    Returns
+    -------
+    bool
+        False where nothing can be kept on disk.
+    """
+    index = getattr(function._cache, "_cache_file", None)  # type: ignore[attr-defined]
+    return index is not None and bool(index._load_index())
+
+
 def _compile(function: Function, *, forceinline: bool) -> Function:
     options = {
         "nogil": True,

@@ -17,6 +17,21 @@ class Column(NamedTuple):
     cell: Callable[[CandidateOut], object]
 
 
+def _off_residual(one: CandidateOut) -> float | None:
+    """Return the residual with the drive off, where that is asked; None where there is none."""
+    told = (each.value for each in one.requirements if each.requirement == "drive_off_by")
+    return next(told, None)
+
+
+def _off_cell(one: CandidateOut) -> object:
+    residual = _off_residual(one)
+    return "" if residual is None else 100 * residual
+
+
+DRIVE_OFF = Column("drive_off_%", "the same, with the drive off as well", _off_cell)
+"""The column of a recommendation for a drive that may be off."""
+
+
 def _columns(response: RecommendationResponse) -> list[Column]:
     limited = response.recommended.ramp_end_s is not None
     ends = Column(
@@ -32,6 +47,7 @@ def _columns(response: RecommendationResponse) -> list[Column]:
             "largest residual in the ranges asked, % of an unshaped step",
             lambda one: "" if one.worst_residual is None else 100 * one.worst_residual,
         ),
+        *([] if _off_residual(response.recommended) is None else [DRIVE_OFF]),
         *_edges(response),
         Column(
             "high_mode_gain",
@@ -60,6 +76,8 @@ def _missed(one: CandidateOut) -> Iterator[str]:
     missed = [told for told in one.requirements if not told.met]
     beyond = any(told.requirement == "tolerance" for told in missed)
     for told in missed:
+        if told.requirement == "drive_off_by" and beyond:
+            continue  # what is above the tolerance already
         if told.requirement != "firmware":
             yield told.requirement
         elif told.value is None:

@@ -23,6 +23,7 @@ from schemas.simulations import SimulationResponse
 from schemas.solver import SolverOut
 from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut
+from service.cli.drive_off import drive_off_lines, usual_drive_off
 from service.cli.plant_lines import (
     DRIVES,
     PLANTS,
@@ -262,8 +263,8 @@ def _findings(response: Response, request: bytes) -> list[str]:
     plant = PLANTS.validate_json(json.dumps(asked["plant"])) if "plant" in asked else None
     hertz = None if plant is None else only_hertz(plant)
     about = [] if plant is None else plant_lines(plant)
-    if "actuator" in asked:
-        about += drive_lines(DRIVES.validate_json(json.dumps(asked["actuator"])))
+    drive = DRIVES.validate_json(json.dumps(asked["actuator"])) if "actuator" in asked else None
+    about += [] if drive is None else drive_lines(drive)
     if isinstance(response, DesignResponse):
         return [
             "",
@@ -274,6 +275,13 @@ def _findings(response: Response, request: bytes) -> list[str]:
             f"residual    {100 * response.residual:.4g} % with the actuator given",
             *large_swing_lines(response.large_swing),
             *([] if response.sensitivity is None else _band(response.sensitivity, hertz)),
+            *(
+                []
+                if response.large_swing
+                else drive_off_lines(
+                    response.drive or usual_drive_off(response.shaper.impulses, plant, drive)
+                )
+            ),
             *([] if response.fit is None else _fit(response.fit)),
             *_trace(response.trace or []),
             *_warnings(response.warnings),
@@ -284,6 +292,7 @@ def _findings(response: Response, request: bytes) -> list[str]:
             *about,
             f"residual    {100 * response.residual:.4g} % at the nominal",
             *_band(response.sensitivity, hertz),
+            *drive_off_lines(response.drive),
             *_warnings(response.warnings),
         ]
     if isinstance(response, FitOut):

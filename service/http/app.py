@@ -8,7 +8,14 @@ from fastapi import FastAPI
 
 from schemas.tables import TableRequest
 from service.catalogue import shaper_catalogue
-from service.http import batch_routes, routes, schema_routes, status_routes, table_routes
+from service.http import (
+    batch_routes,
+    live_routes,
+    routes,
+    schema_routes,
+    status_routes,
+    table_routes,
+)
 from service.http.document import DESCRIPTION, TAGS, finish_document
 from service.http.handlers import add_handlers
 from service.http.middleware import RequestMiddleware
@@ -82,10 +89,11 @@ def create_app(
     app.state.jobs = jobs
     app.state.pool = pool
     app.state.catalogue = shaper_catalogue().model_dump_json().encode()
+    app.state.live_sessions = set()
     app.state.stopping = lambda: False  # the server says so: streams must not hold it up
     if jobs is not None:
         jobs.stopping = lambda: app.state.stopping()
-    for part in (routes, batch_routes, status_routes, schema_routes, table_routes):
+    for part in (routes, batch_routes, live_routes, status_routes, schema_routes, table_routes):
         app.include_router(part.router)
     add_handlers(app)
     app.add_middleware(RequestMiddleware)

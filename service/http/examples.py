@@ -150,6 +150,35 @@ EXAMPLES: dict[str, dict[str, Example]] = {
         ),
     },
     "run": {
+        "live": Example(
+            summary="Presses that are shaped live: solved anew at each event",
+            value={
+                "plant": THESIS_CRANE["plant"],
+                "actuator": {**THESIS_CRANE["actuator"], "model": "switched"},
+                "speed_m_s": 0.2,
+                "shaping": {"mode": "live", "shaper": {"kind": "numzv"}},
+                "events": [
+                    {"at_s": 0.0, "direction": {"x": 1}},
+                    {"at_s": 0.83, "direction": {"x": 0}},
+                ],
+                "points": 201,
+            },
+        ),
+        "emergency": Example(
+            summary="A start with limited deflection, and an emergency stop",
+            value={
+                "plant": THESIS_CRANE["plant"],
+                "actuator": {**THESIS_CRANE["actuator"], "model": "switched"},
+                "speed_m_s": 0.2,
+                "shaping": {"mode": "live", "shaper": {"kind": "numzv"}},
+                "deflection_limit": 0.5,
+                "events": [
+                    {"at_s": 0.0, "direction": {"x": 1}},
+                    {"at_s": 2.0, "stop": "emergency", "swing_left": 0.05, "within_periods": 1},
+                ],
+                "points": 201,
+            },
+        ),
         "square": Example(
             summary="A square of 42 cm through a delay line, swings as large as they are",
             value={
@@ -163,6 +192,22 @@ EXAMPLES: dict[str, dict[str, Example]] = {
                     {"at_s": 4.0, "move": {"y_m": 0.42}},
                     {"at_s": 8.0, "move": {"x_m": -0.42}},
                     {"at_s": 12.0, "move": {"y_m": -0.42}},
+                ],
+                "points": 201,
+            },
+        ),
+        "moves": Example(
+            summary="There and back by whole moves, while the cable is hoisted",
+            value={
+                "plant": {
+                    "kind": "hoisting",
+                    "cable_length_m": {"times_s": [0.0, 5.0], "values": [0.8, 0.5]},
+                },
+                "actuator": CRANE["actuator"],
+                "speed_m_s": 0.2,
+                "events": [
+                    {"at_s": 0.0, "move": {"x_m": 0.8}, "shaper": {"kind": "numzv"}},
+                    {"at_s": 6.0, "move": {"x_m": -0.8}, "shaper": {"kind": "numzv"}},
                 ],
                 "points": 201,
             },
@@ -191,6 +236,24 @@ EXAMPLES: dict[str, dict[str, Example]] = {
                 "y": {"field": "/plant/damping_ratio", "values": [0.0, 0.05]},
             },
         ),
+        "drive": Example(
+            summary="Residual of one shaper where the drive is not as given",
+            value={
+                **CRANE,
+                "x": {
+                    "field": "/actuator/accel/natural_frequency_rad_s",
+                    "from": 15,
+                    "to": 25,
+                    "points": 11,
+                },
+                "y": {
+                    "field": "/actuator/decel/natural_frequency_rad_s",
+                    "from": 40,
+                    "to": 60,
+                    "points": 11,
+                },
+            },
+        ),
         "duration": Example(
             summary="Duration of the shaper that is designed for each length",
             value={
@@ -205,6 +268,10 @@ EXAMPLES: dict[str, dict[str, Example]] = {
         "band": Example(
             summary="At most 5 % within 15 % of the frequency, a command between 0 and 1",
             value={"plant": MODE, "actuator": IDEAL, "half_width": 0.15, "tolerance": 0.05},
+        ),
+        "drive_off": Example(
+            summary="At most 5 % with every parameter of the drive off by 10 % as well",
+            value={**THESIS_CRANE, "half_width": 0.05, "drive_off_by": 0.1},
         ),
     },
     "create_table": {

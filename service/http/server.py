@@ -21,6 +21,9 @@ from service.settings import Settings
 SHUTDOWN_MARGIN_S = 5
 """How much longer than the longest task a shutdown may take [s]."""
 
+LIVE_PING_S = 2.0
+"""How often a live client is asked for a sign of life, and how long it may take [s]."""
+
 STOPS = [
     getattr(signal, name) for name in ("SIGTERM", "SIGINT", "SIGBREAK") if hasattr(signal, name)
 ]
@@ -65,6 +68,10 @@ def serve(settings: Settings, *, host: str, port: int) -> None:
         log_config=None,
         access_log=False,
         server_header=False,
+        # A socket that has vanished is known within some seconds: its crane is stopped then.
+        ws_ping_interval=LIVE_PING_S,
+        ws_ping_timeout=LIVE_PING_S,
+        ws_max_size=settings.max_body_bytes,
         # What a worker has begun ends within its limit; whoever waits longer, as a batch or one who
         # has not even sent a body, is cut off.
         timeout_graceful_shutdown=math.ceil(settings.time_limit_s) + SHUTDOWN_MARGIN_S,

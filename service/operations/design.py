@@ -2,16 +2,12 @@
 
 from design.analysis.worst_mode import worst_of
 from design.model.actuators.rate_limited import RateLimited
-from design.model.plants.scheduled import Scheduled
-from design.solving.textbooks import figures_beside_textbooks
 from schemas.design_request import DesignRequest
 from schemas.designs import DesignResponse
-from schemas.fits import FitDesign
-from schemas.ranges import RangeOut
 from schemas.sensitivity_curves import SensitivityOut
 from schemas.trace import TraceStepOut
+from service.operations import design_parts
 from service.operations.design_picture import design_picture
-from service.operations.fit import fit_with_residual
 from service.operations.operation import Operation
 from service.operations.requested_design import requested_design
 from service.operations.residuals_of_modes import of_modes
@@ -21,18 +17,7 @@ from service.version import version
 def design_shaper(request: DesignRequest) -> DesignResponse:
     """Design one shaper and prove it; raises what `requested_design` does."""
     done = requested_design(request)
-    fits = None
-    if request.fit is not None:
-        subject = FitDesign(plant=request.plant, actuator=request.actuator, shaper=request.shaper)
-        fits = fit_with_residual(subject, request.fit)
-    scheduled = None
-    if isinstance(done.plant, Scheduled) and done.design.worst_in_range is not None:
-        scheduled = RangeOut.from_design(done.plant, done.design.worst_in_range)
-    curves, modes, ramps = done.curves, done.plant.modes, None
-    if isinstance(done.actuator, RateLimited):
-        certificate = done.design.certificate
-        claims = () if done.design.for_ideal else certificate.claims
-        ramps = figures_beside_textbooks(done.design.impulses, modes, done.actuator, claims)
+    curves, modes, limits = done.curves, done.plant.modes, done.actuator
     curve = None
     if curves:
         curve = SensitivityOut.from_design(curves[0] if len(curves) == 1 else worst_of(curves))
@@ -40,12 +25,13 @@ def design_shaper(request: DesignRequest) -> DesignResponse:
     return DesignResponse.from_design(
         request.shaper.kind,
         done.design,
-        ramps,
+        design_parts.ramps_part(done, limits) if isinstance(limits, RateLimited) else None,
         done.sampled,
         curve,
+        None if request.drive is None else design_parts.drive_part(done, request.drive),
         of_modes(modes, done.design.residuals, curves) if len(modes) > 1 else None,
-        scheduled,
-        fits,
+        design_parts.range_part(done) if done.design.worst_in_range is not None else None,
+        None if request.fit is None else design_parts.fit_part(request, request.fit),
         trace if request.trace else None,
         version(),
     )

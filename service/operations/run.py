@@ -1,30 +1,35 @@
 """A run of the crane, driven by events."""
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from design.analysis.warnings import DesignWarning
-from design.checks import MAX_VALUE
 from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.model.plants.mode import Mode
-from design.model.plants.modes import Modes
-from design.model.plants.pendulum import STANDARD_GRAVITY_M_S2, Pendulum
+from design.model.plants.hoisting import Hoisting
 from design.model.plants.registry import Plant
-from design.pipeline import design
-from design.rig.crane import MAX_CABLE_M, AxisName, Crane, Stroke
+from design.rig.crane import AxisName, Crane
+from design.rig.hoists import require_taut
+from design.rig.live_events import LiveAnswer, live_commands
 from design.rig.runs import SETTLED, Run, Scenario, run
 from design.rig.scenario import Drive, HoistTo, Played, pulse_of_distance
 from design.rig.sensed import sensed
-from design.shapers.kind import ShaperKind
-from design.shapers.options import ShaperOptions
-from design.shapers.refusals import require_small_swings
+from design.rig.whole_moves import WholeMove
 from schemas.base import name_field
 from schemas.run_events import EventIn
-from schemas.runs import DelayLine, RunRequest, RunResponse, StrokeIn
-from service.operations.found_shaper import on_samples
+from schemas.runs import DelayLine, LiveShaping, RunRequest, RunResponse
+from service.operations.live_run import emergencies, event_outs, live_machine
 from service.operations.operation import Operation
+from service.operations.run_crane import (
+    CRANES,
+    Swinging,
+    crane_of,
+    one_length_warnings,
+    shaper_of,
+)
+from service.operations.run_moves import MoveDesigner
 from service.operations.subject import subject_of
 from service.version import version
 
@@ -63,7 +68,7 @@ def drive_crane(request: RunRequest) -> RunResponse:
         If a solver ran past its time.
     """
     case = _case_of(request)
-    done = run(case.scenario, request.until_s, request.points)
+    done = case.run(request)
     return _answer(request, case, done)
 
 
@@ -94,7 +99,7 @@ def run_picture(request: RunRequest) -> "Figure":
     from design.pictures.run_sheet import run_sheet  # noqa: PLC0415 - matplotlib takes a second
 
     case = _case_of(request)
-    done = run(case.scenario, request.until_s, request.points)
+    done = case.run(request)
     return run_sheet(case.plant, case.scenario, done, version())
 
 
@@ -105,129 +110,76 @@ class _Case(NamedTuple):
     scenario: Scenario
     last_switches_s: list[float]
     warnings: tuple[DesignWarning, ...]
+    live: dict[int, LiveAnswer] | None  # What each event led to, in live mode
+
+    def run(self, request: RunRequest) -> Run:
+        """Run it, and add what was to know before."""
+        done = run(self.scenario, request.until_s, request.points)
+        return replace(done, warnings=(*self.warnings, *done.warnings))
 
 
 def _case_of(request: RunRequest) -> _Case:
     plant, actuator = subject_of(request)
-    crane = _crane_of(request, plant)
-    shaper = None
-    if isinstance(request.shaping, DelayLine):
-        with name_field("shaping"):
-            shaper = _shaper_of(request.shaping, crane, plant, actuator, request.speed_m_s)
+    crane, swinging = crane_of(request, plant)
     with name_field("played"):
         played = _played_of(request)
-    drives: list[Drive] = []
-    hoists: list[HoistTo] = []
-    lasts = []
-    late = 0.0 if shaper is None else shaper.duration_s
+    hoists = [*swinging.hoists]
     for number, event in enumerate(request.events or ()):
         with name_field(f"events.{number}"):
             event.require_one()
-            ours = _drives_of(number, event, request.speed_m_s, actuator, shaper)
             if event.cable_length_m is not None and event.over_s is not None:
-                hoists.append(_hoist_of(number, event, plant))
+                hoists.append(_hoist_of(number, event, plant, swinging))
+    if swinging.cable is not None:
+        name = "plant.cable_length_m" if swinging.hoists else "events"
+        require_taut(crane.cable_length_m, hoists, crane.gravity_m_s2, name)
+    shaper: Impulses | None = None
+    warnings: tuple[DesignWarning, ...] = ()
+    if isinstance(request.shaping, DelayLine):
+        with name_field("shaping"):
+            shaper = shaper_of(request.shaping, crane, swinging, plant, actuator, request.speed_m_s)
+        if swinging.cable is not None:
+            warnings = one_length_warnings(request.shaping, swinging.cable, hoists)
+    machine, stops = None, emergencies(request)
+    if isinstance(request.shaping, LiveShaping):
+        machine = live_machine(request, request.shaping, crane, swinging, plant, actuator)
+    designer = MoveDesigner(
+        plant=None if crane.load is not None else swinging.cable or swinging.held,
+        hoists=hoists,
+        actuator=actuator,
+        speed_m_s=request.speed_m_s,
+    )
+    drives: list[Drive] = []
+    moves: list[WholeMove] = []
+    lasts = []
+    late = 0.0 if shaper is None else shaper.duration_s
+    for number, event in enumerate(request.events or ()):
+        whole, told = designer.moves_of(number, event)
+        with name_field(f"events.{number}"):
+            ours = _drives_of(number, event, request.speed_m_s, actuator, shaper)
         drives += ours
+        moves += whole
+        warnings += told
         ends = [one.at_s if one.for_s is None else one.end_s for one in ours]
         over = 0.0 if event.over_s is None else event.over_s
-        lasts.append(max(ends) + late if ends else event.at_s + over)
-    _require_short(request, crane, actuator, lasts, played)
+        last = max(ends) + late if ends else event.at_s + over
+        lasts.append(max([last, *(move.last_switch_s for move in whole)]))
+    live = None if machine is None else live_commands(machine, drives, stops)
+    if live is not None:
+        lasts = [live.answers[number].last_switch_s for number in range(len(lasts))]
+    _require_short(request, crane, actuator, hoists, lasts, played)
     _require_few(drives, played, shaper)
     scenario = Scenario(
         crane=crane,
         drive=actuator,
         speed_m_s=request.speed_m_s,
         drives=drives,
+        moves=moves,
         hoists=hoists,
         played=played,
         shaper=shaper,
+        solved=None if live is None else live.commands,
     )
-    return _Case(plant, scenario, lasts, ())
-
-
-def _crane_of(request: RunRequest, plant: Plant) -> Crane:
-    """Return the crane of a request; a mode is a linear one of its frequency."""
-    if isinstance(plant, Pendulum):
-        length, gravity = plant.cable_length_m, plant.gravity_m_s2
-    else:
-        if request.model != "linear" or request.load is not None:
-            raise InvalidInputError(
-                "plant.kind",
-                request.plant.kind,
-                "pendulum for a nonlinear model or a load",
-                code="run_needs_pendulum",
-            )
-        gravity = STANDARD_GRAVITY_M_S2
-        length = gravity / plant.mode.natural_frequency_rad_s**2
-    load = None
-    if request.load is not None:
-        with name_field("load"):
-            load = request.load.to_design()
-    strokes = request.strokes
-    with name_field("plant"):
-        return Crane(
-            cable_length_m=length,
-            damping_ratio=plant.mode.damping_ratio,
-            gravity_m_s2=gravity,
-            hook_mass_kg=request.hook_mass_kg,
-            load=load,
-            model=request.model,
-            strokes=(
-                _stroke_of("x", None if strokes is None else strokes.x),
-                _stroke_of("y", None if strokes is None else strokes.y),
-            ),
-            max_speed_m_s=MAX_VALUE if request.max_speed_m_s is None else request.max_speed_m_s,
-            max_cable_length_m=max(MAX_CABLE_M, length),
-        )
-
-
-def _stroke_of(axis: AxisName, stroke: StrokeIn | None) -> Stroke | None:
-    if stroke is None:
-        return None
-    with name_field(f"strokes.{axis}"):
-        return stroke.to_design()
-
-
-def _require_same_swing(
-    kind: ShaperKind, options: ShaperOptions, crane: Crane, speed_m_s: float
-) -> None:
-    """Check that a shaper for large swings is exact for the run."""
-    if not kind.large_swings:
-        return
-    if crane.model != "nonlinear":
-        require_small_swings(kind, "runs of the linear model", "kind")
-    exact_at = getattr(options, "speed_m_s", None)
-    if exact_at is not None and exact_at != speed_m_s:
-        raise InvalidInputError(
-            "speed_m_s",
-            exact_at,
-            f"that of the run, {speed_m_s:g}: at another the shaper is not exact",
-            code="large_swing_of_other_speed",
-        )
-
-
-def _shaper_of(
-    line: DelayLine, crane: Crane, plant: Plant, actuator: Actuator, speed_m_s: float
-) -> Impulses:
-    """Design the shaper of a delay line, for both modes of a hook with a load."""
-    frequencies = crane.frequencies_rad_s(crane.cable_length_m)
-    subject = plant
-    if len(frequencies) > 1:
-        slowest = frequencies[0]
-        # The drag is that of the slowest mode: of a quicker one it is a smaller share.
-        ratios = [crane.damping_ratio * slowest / one for one in frequencies]
-        subject = Modes(
-            modes=tuple(
-                Mode(natural_frequency_rad_s=one, damping_ratio=ratio)
-                for one, ratio in zip(frequencies, ratios, strict=True)
-            )
-        )
-    with name_field("shaper"):
-        options = line.shaper.options()
-        _require_same_swing(line.shaper.shaper_kind(), options, crane, speed_m_s)
-    found = design(subject, actuator, line.shaper.shaper_kind(), options)
-    if line.shaper.sample_time_s is not None:
-        found, _ = on_samples(found, subject, actuator, line.shaper, line.shaper.sample_time_s)
-    return found.impulses
+    return _Case(plant, scenario, lasts, warnings, None if live is None else live.answers)
 
 
 def _played_of(request: RunRequest) -> dict[AxisName, Played]:
@@ -260,7 +212,7 @@ def _drives_of(
         for axis, level in (("x", event.direction.x), ("y", event.direction.y)):
             if level is not None:
                 made.append((axis, level, event.for_s))
-    if event.move is not None:
+    if event.move is not None and event.shaper is None:
         for axis, distance in (("x", event.move.x_m), ("y", event.move.y_m)):
             if distance != 0:
                 with name_field(f"move.{axis}_m"):
@@ -278,13 +230,20 @@ def _drives_of(
     ]
 
 
-def _hoist_of(number: int, event: EventIn, plant: Plant) -> HoistTo:
-    if not isinstance(plant, Pendulum):
+def _hoist_of(number: int, event: EventIn, plant: Plant, swinging: Swinging) -> HoistTo:
+    if swinging.cable is None:
         raise InvalidInputError(
             "cable_length_m",
             event.cable_length_m,
             "left out where the plant has no cable",
             code="hoist_needs_cable",
+        )
+    if isinstance(plant, Hoisting):
+        raise InvalidInputError(
+            "cable_length_m",
+            event.cable_length_m,
+            "left out where the plant is of kind hoisting: it has the lengths over time",
+            code="hoist_said_twice",
         )
     length, over = event.cable_length_m or 0.0, event.over_s or 0.0
     return HoistTo(event=number, at_s=event.at_s, over_s=over, cable_length_m=length)
@@ -294,16 +253,18 @@ def _require_short(
     request: RunRequest,
     crane: Crane,
     actuator: Actuator,
+    hoists: list[HoistTo],
     lasts: list[float],
     played: dict[AxisName, Played],
 ) -> None:
     """Check that the work of a run has an end."""
-    lengths = [event.cable_length_m for event in request.events or () if event.cable_length_m]
-    shortest = max(min([crane.cable_length_m, *lengths]), 1e-3)
+    lengths = [hoist.cable_length_m for hoist in hoists]
+    shortest = min([crane.cable_length_m, *lengths])
     fastest = crane.frequencies_rad_s(shortest)[-1]
     lags = (actuator.accel_lag, actuator.decel_lag)
     settled = SETTLED * max(lag.first_s + math.sqrt(lag.second_s2) for lag in lags)
-    ends = [request.until_s or 0.0, *lasts, *(float(one.times_s[-1]) for one in played.values())]
+    ends = [request.until_s or 0.0, *lasts, *(hoist.at_s + hoist.over_s for hoist in hoists)]
+    ends += [float(one.times_s[-1]) for one in played.values()]
     longest = MAX_TURN_RAD / fastest
     if max(ends) + settled > longest:
         raise InvalidInputError(
@@ -343,12 +304,9 @@ def _answer(request: RunRequest, case: _Case, done: Run) -> RunResponse:
             reports = sensed(done.track, encoder, camera, seed)
     return RunResponse.from_design(
         done,
-        [
-            (event.at_s, last)
-            for event, last in zip(request.events or (), case.last_switches_s, strict=True)
-        ],
+        event_outs(request, case.last_switches_s, case.live),
         reports,
-        has_cable=isinstance(case.plant, Pendulum),
+        has_cable=isinstance(case.plant, CRANES),
         hoisted=bool(case.scenario.hoists),
     )
 

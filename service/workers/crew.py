@@ -92,8 +92,9 @@ class Crew:
         for _ in range(wanted - there):
             self._to_start += 1
             self._soon(self._start())
+        # Those who have worked last stay: what they have loaded is at hand.
         for _ in range(min(there - wanted, len(self.idle))):
-            self.idle.pop().close()
+            self.idle.pop(0).close()
 
     def take(self) -> Worker:
         """Return an idle worker, who is busy from now on.

@@ -6,8 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from design.analysis.drive_sensitivity import drives_off, parameters_of
 from design.model.actuators.registry import Actuator
+from design.model.impulses import Impulses
 from design.model.plants.mode import Mode
+from design.types import FloatArray
 from tests import expm_route
 from tests.acceptance.answer_cases import AGREE, EVERY_DRIVE, JSON, impulses_of, random_subject
 
@@ -31,6 +34,8 @@ def random_recommendation(
         request["max_duration_s"] = float(mode.period_s * rng.uniform(0.5, 2.5))
     if rng.random() < 0.2:
         request["max_high_mode_gain"] = float(rng.uniform(1.0, 6.0))
+    if parameters_of(actuator) and rng.random() < 0.15:
+        request["drive_off_by"] = float(rng.uniform(0.02, 0.3))
     if rng.random() < 0.15:
         request["sample_time_s"] = float(mode.period_s / rng.uniform(20, 200))
 
@@ -38,6 +43,31 @@ def random_recommendation(
         yield from wrong_in_recommendation(answer, actuator, request)
 
     return "recommend", request, faults
+
+
+def wrong_with_drive_off(
+    one: JSON,
+    shaper: Impulses,
+    actuator: Actuator,
+    request: JSON,
+    frequencies: FloatArray,
+    ratios: list[float],
+) -> Iterator[str]:
+    """Yield what is wrong with the residual that a shaper is said to have with its drive off."""
+    (verdict,) = (each for each in one["requirements"] if each["requirement"] == "drive_off_by")
+    worst = max(
+        expm_route.outcome(
+            shaper, Mode(natural_frequency_rad_s=float(at), damping_ratio=ratio), drive
+        ).residual
+        for drive in drives_off(actuator, request["drive_off_by"])
+        for at in frequencies[:: LOOKED_AT // 2]
+        for ratio in ratios
+    )
+    told = verdict["value"]
+    if told is not None and worst > told * (1 + 1e-6) + AGREE:
+        yield f"{one['name']} leaves {worst:.6g} with its drive off, told at most {told:.6g}"
+    if verdict["met"] and worst > request["tolerance"] * (1 + 1e-6) + AGREE:
+        yield f"{one['name']} leaves {worst:.6g} with its drive off and is said to keep the limit"
 
 
 def wrong_in_recommendation(answer: JSON, actuator: Actuator, request: JSON) -> Iterator[str]:
@@ -62,6 +92,8 @@ def wrong_in_recommendation(answer: JSON, actuator: Actuator, request: JSON) -> 
             for at in frequencies
             for ratio in ratios
         )
+        if "drive_off_by" in request:
+            yield from wrong_with_drive_off(one, shaper, actuator, request, frequencies, ratios)
         told = one["worst_residual"]
         if told is not None and worst > told * (1 + 1e-6) + AGREE:
             yield f"{one['name']} leaves {worst:.6g} somewhere, told at most {told:.6g}"

@@ -8,13 +8,13 @@ from pydantic_core.core_schema import ErrorType
 
 from design.errors import DesignError, InvalidInputError
 from schemas.problems import FieldFault
+from service.given_names import pointer
 from service.problems import (
     CODE_OF_TYPE,
     KIND_OF,
     OVERLOADED,
     Problem,
     invalid_fields,
-    pointer,
     problem_of_design,
 )
 from service.repeated_names import RepeatedNameError

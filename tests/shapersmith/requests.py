@@ -10,7 +10,13 @@ DRIVEN = {"plant": CRANE["plant"], "actuator": CRANE["actuator"]}
 LENGTHS = {"field": "/plant/cable_length_m", "from": 0.6, "to": 1.0, "points": 3}
 
 REQUESTS: dict[str, dict[str, Any]] = {
-    "design": {**CRANE, "fit": None, "sensitivity": {"points": 11}, "trace": True},
+    "design": {
+        **CRANE,
+        "fit": None,
+        "sensitivity": {"points": 11},
+        "drive": {"to": 0.1, "points": 2},
+        "trace": True,
+    },
     "sensitivity": {**DRIVEN, "impulses": {"times_s": [0, 0.9], "amplitudes": [0.5, 0.5]}},
     "fit": {
         **CRANE,

@@ -161,8 +161,8 @@ class Hoisting:
         raise InvalidInputError(
             "plant.kind",
             "hoisting",
-            "a plant that stays as it is: a cable that is hoisted is served in maneuvers and in "
-            "simulations without a shaper. Give a maneuver, or a pendulum of one length, or a "
-            "scheduled one of a range",
+            "a plant that stays as it is: a cable that is hoisted is served in maneuvers, in runs, "
+            "and in simulations without a shaper. Give a maneuver, or a pendulum of one length, or "
+            "a scheduled one of a range",
             code="plant_that_changes",
         )

@@ -1,4 +1,4 @@
-"""The structure of the fastest shaper over a band, by cone programs over grids of time and ratio.
+"""The structure of the fastest shaper over bands, by cone programs over grids of time and ratio.
 
 How many impulses there are, and which peaks of the residual touch the tolerance. A shaper shorter
 than D is one of duration D too: the problem of a longer duration contains that of a shorter one.
@@ -18,7 +18,7 @@ from design.solvers.budget import Budget
 from design.solvers.clarabel import ConeOutcome, ConeProgram
 from design.solvers.convex_band.optimality import Point
 from design.solvers.outcome import Status
-from design.types import FloatArray
+from design.types import BoolArray, ComplexArray, FloatArray, IntArray
 
 LAGS_PER_HALF_PERIOD = 12
 RATIOS_PER_PEAK = 6
@@ -57,11 +57,17 @@ class Grid:
     lags
         Ascending from 0 to the duration [rad].
     ratios
-        Ascending over the band [-].
+        Of each band, ascending over it [-].
     """
 
     lags: FloatArray
-    ratios: FloatArray
+    ratios: tuple[FloatArray, ...]
+
+    def poles_of(self, problem: BandProblem) -> ComplexArray:
+        """Return the poles at all ratios, band after band, shape (k,) [-]."""
+        return np.concatenate([
+            band.unit_pole * ratios for band, ratios in zip(problem.bands, self.ratios, strict=True)
+        ])
 
 
 def even_grid(problem: BandProblem, duration_rad: float, fineness: int = 1) -> Grid:
@@ -72,7 +78,7 @@ def even_grid(problem: BandProblem, duration_rad: float, fineness: int = 1) -> G
     Parameters
     ----------
     problem
-        The band.
+        The bands.
     duration_rad
         Last lag of the grid [rad].
     fineness
@@ -81,14 +87,17 @@ def even_grid(problem: BandProblem, duration_rad: float, fineness: int = 1) -> G
     Returns
     -------
     Grid
-        Lags from 0 to the duration, ratios from one end of the band to the other.
+        Lags from 0 to the duration, ratios from one end of each band to the other.
     """
-    lower, upper = problem.band
-    turns = fineness * (upper - lower) * duration_rad / math.pi
-    last = fineness * duration_rad / math.pi * upper
+    half_turns = fineness * duration_rad / math.pi
+    last = half_turns * max(abs(band.unit_pole) * band.upper for band in problem.bands)
+    turns = [half_turns * abs(band.unit_pole) * band.width for band in problem.bands]
     return Grid(
         lags=np.linspace(0, duration_rad, MIN_LAGS + math.ceil(LAGS_PER_HALF_PERIOD * last)),
-        ratios=np.linspace(lower, upper, MIN_RATIOS + math.ceil(RATIOS_PER_PEAK * turns)),
+        ratios=tuple(
+            np.linspace(band.lower, band.upper, MIN_RATIOS + math.ceil(RATIOS_PER_PEAK * turned))
+            for band, turned in zip(problem.bands, turns, strict=True)
+        ),
     )
 
 
@@ -105,7 +114,11 @@ def _refine(even: Grid, point: Point, share: float) -> Grid:
         return kept
 
     return Grid(
-        lags=add_points(even.lags, point.lags), ratios=add_points(even.ratios, point.ratios)
+        lags=add_points(even.lags, point.lags),
+        ratios=tuple(
+            add_points(evenly, point.ratios[point.bands == band])
+            for band, evenly in enumerate(even.ratios)
+        ),
     )
 
 
@@ -115,7 +128,7 @@ def least_on_grid(problem: BandProblem, grid: Grid, budget: Budget) -> ConeOutco
     Parameters
     ----------
     problem
-        The band, and whether the command has levels.
+        The bands, and whether the command has levels.
     grid
         Lags that end with the duration, and ratios at which residuals count.
     budget
@@ -132,8 +145,8 @@ def least_on_grid(problem: BandProblem, grid: Grid, budget: Budget) -> ConeOutco
     SolverFailedError
         If Clarabel did not solve the cone program.
     """
-    turned = np.exp(np.multiply.outer(problem.unit_pole * grid.ratios, grid.lags))
-    zeros = np.zeros(grid.ratios.size, dtype=complex)
+    turned = np.exp(np.multiply.outer(grid.poles_of(problem), grid.lags))
+    zeros = np.zeros(turned.shape[0], dtype=complex)
     if problem.levels is None:
         program = ConeProgram(
             offset=zeros, rows=turned, lowest=0.0, highest=math.inf, unit_sum=True
@@ -162,7 +175,7 @@ def structure(problem: BandProblem, grid: Grid, found: ConeOutcome) -> Point | N
     Parameters
     ----------
     problem
-        The band that the cone program was of.
+        The bands that the cone program was of.
     grid
         The grid of the cone program.
     found
@@ -180,17 +193,41 @@ def structure(problem: BandProblem, grid: Grid, found: ConeOutcome) -> Point | N
     if lags.size < 2 or np.diff(lags).min() <= 0:  # noqa: PLR2004
         return None
     lags[0], lags[-1] = 0.0, grid.lags[-1]
-    ratios, weights = clusters(grid.ratios, found.weights, PRESENT_WEIGHT)
-    # A peak so near the edge that the grid cannot tell the two apart sits on the edge.
-    low_edge = ratios < grid.ratios[:2].mean()
-    high_edge = ratios > grid.ratios[-2:].mean()
-    ratios[low_edge], ratios[high_edge] = grid.ratios[0], grid.ratios[-1]
+    bands, ratios, inner, weights = _touching(grid, found.weights)
     return Point(
         lags=lags,
         amplitudes=amplitudes / amplitudes.sum(),
+        bands=bands,
         ratios=ratios,
-        inner=~(low_edge | high_edge),
+        inner=inner,
         weights=weights / weights.sum(),
+    )
+
+
+def _touching(
+    grid: Grid, weights: FloatArray
+) -> tuple[IntArray, FloatArray, BoolArray, FloatArray]:
+    """Return numbers of bands, ratios, whether they are inner, and weights of what touches."""
+    of_bands = np.split(weights, np.cumsum([ratios.size for ratios in grid.ratios])[:-1])
+    least = PRESENT_WEIGHT * weights.max()
+    bands, places, inner, sums = [], [], [], []
+    for number, (ratios, own) in enumerate(zip(grid.ratios, of_bands, strict=True)):
+        if own.max() <= least:
+            continue
+        centres, heights = clusters(ratios, own, least / own.max())
+        # A peak so near the edge that the grid cannot tell the two apart sits on the edge.
+        low_edge = centres < ratios[:2].mean()
+        high_edge = centres > ratios[-2:].mean()
+        centres[low_edge], centres[high_edge] = ratios[0], ratios[-1]
+        bands.append(np.full(centres.size, number))
+        places.append(centres)
+        inner.append(~(low_edge | high_edge))
+        sums.append(heights)
+    return (
+        np.concatenate(bands),
+        np.concatenate(places),
+        np.concatenate(inner),
+        np.concatenate(sums),
     )
 
 
@@ -209,7 +246,7 @@ def clusters(
     Returns
     -------
     tuple of FloatArray
-        Centres and sums of the groups, at least two of them in all.
+        Centres and sums of the groups.
     """
     weights = np.where(weights > present * weights.max(), weights, 0.0)
     group = np.cumsum(np.diff(weights > 0, prepend=False) & (weights > 0)) - 1
@@ -250,7 +287,7 @@ def closer_look(
     Parameters
     ----------
     problem
-        The band.
+        The bands.
     duration_rad
         The duration [rad].
     budget
@@ -285,7 +322,7 @@ def commands_of(problem: BandProblem, grid: Grid, budget: Budget) -> Iterator[Po
     Parameters
     ----------
     problem
-        The band.
+        The bands.
     grid
         Lags that end with the duration, and ratios at which residuals count.
     budget
@@ -311,6 +348,7 @@ def commands_of(problem: BandProblem, grid: Grid, budget: Budget) -> Iterator[Po
         yield Point(
             lags=grid.lags[held] - grid.lags[held][0],
             amplitudes=steps[held] / steps[held].sum(),
+            bands=np.zeros(0, dtype=np.intp),
             ratios=np.zeros(0),
             inner=np.zeros(0, dtype=np.bool_),
             weights=np.zeros(0),

@@ -1,7 +1,7 @@
-"""The conditions of optimality over a band, solved off any grid by Newton's method.
+"""The conditions of optimality over bands, solved off any grid by Newton's method.
 
 Time runs backwards here, from the last impulse: ``u = t_n - t``, so that what rings after the last
-impulse is ``F(r) = sum A_i exp(s(r) u_i)``, ``s(r) = r (-z + j sqrt(1 - z^2))``.
+impulse is ``F(r) = sum A_i exp(s(r) u_i)``, ``s(r) = r s(1)`` with the nominal pole of its band.
 """
 
 import math
@@ -27,10 +27,12 @@ class Point:
         ``u_i``, ascending from 0 to the duration, shape (n,) [rad].
     amplitudes
         shape (n,) [-].
+    bands
+        Numbers of the bands in which the peaks are, ascending, shape (m,).
     ratios
-        Frequency ratios of the peaks, ascending, shape (m,) [-].
+        Frequency ratios of the peaks, ascending in each band, shape (m,) [-].
     inner
-        Which of them lie inside the band and may move, shape (m,).
+        Which of them lie inside their band and may move, shape (m,).
     weights
         Cost of each, shape (m,), sum 1 [-].
     steps
@@ -39,6 +41,7 @@ class Point:
 
     lags: FloatArray
     amplitudes: FloatArray
+    bands: IntArray
     ratios: FloatArray
     inner: BoolArray
     weights: FloatArray
@@ -98,7 +101,7 @@ def solve_conditions(problem: BandProblem, point: Point, tolerance: float) -> Po
     Parameters
     ----------
     problem
-        The band.
+        The bands.
     point
         Where Newton's method begins; it says too how many impulses and peaks there are.
     tolerance
@@ -120,7 +123,7 @@ def solve_conditions(problem: BandProblem, point: Point, tolerance: float) -> Po
         return None
     now = point
     for step in range(MAX_STEPS):
-        conditions = _conditions(problem.unit_pole, now, places, tolerance)
+        conditions = _conditions(problem, now, places, tolerance)
         if conditions is None:
             return None
         value, jacobian = conditions
@@ -131,7 +134,7 @@ def solve_conditions(problem: BandProblem, point: Point, tolerance: float) -> Po
         if not np.isfinite(change).all():
             return None
         lag_change = np.concatenate(([0.0], change[: places.impulses - 1]))
-        scale = _step_share(problem, now, lag_change, change[places.ratios])
+        scale = _step_share(problem, now, places, lag_change, change[places.ratios])
         change *= scale
         now = _move(now, places, scale * lag_change, change)
         longest = float(now.lags[-1])
@@ -158,27 +161,31 @@ def _move(now: Point, places: _Places, lag_change: FloatArray, change: FloatArra
 
 
 def _step_share(
-    problem: BandProblem, now: Point, lag_change: FloatArray, ratio_change: FloatArray
+    problem: BandProblem,
+    now: Point,
+    places: _Places,
+    lag_change: FloatArray,
+    ratio_change: FloatArray,
 ) -> float:
     """Return the share of a step that is taken: no gap more than halves, no peak goes far."""
-    lower, upper = problem.band
     shrink = -np.diff(lag_change) / np.diff(now.lags)
     scale = min(1.0, 0.5 / max(float(shrink.max()), 1e-9))
     if ratio_change.size:
-        reach = float(np.abs(ratio_change).max())
-        scale = min(scale, 0.25 * (upper - lower) / max(reach, 1e-9))
+        widths = np.array([one.width for one in problem.bands])[now.bands[places.inner]]
+        reach = float((np.abs(ratio_change) / widths).max())
+        scale = min(scale, 0.25 / max(reach, 1e-9))
     return scale
 
 
 def _conditions(
-    sigma: complex, now: Point, places: _Places, tolerance: float
+    problem: BandProblem, now: Point, places: _Places, tolerance: float
 ) -> tuple[FloatArray, FloatArray] | None:
     """Return the conditions of optimality and their Jacobian; None where a peak is zero.
 
     With ``e_ki = exp(s_k u_i) / F_k``::
 
         ln |F_k| = ln V                                 every peak touches
-        Re(e_k' of r) = 0                               and is a peak, or sits on the band's edge
+        Re(e_k' of r) = 0                               and is a peak, or sits on its band's edge
         Re(sum_k weight_k s_k e_ki) = 0                 no inner impulse gains by moving
         Re(sum_k weight_k e_ki) = 1,  sum A = 1         none by growing: free amplitudes
         sum weight = 1                                  a scale: fixed amplitudes
@@ -186,6 +193,7 @@ def _conditions(
     lags, amplitudes, ratios, weights = now.lags, now.amplitudes, now.ratios, now.weights
     n, m, inner, free = places.impulses, places.peaks, places.inner, places.free
     p = inner.size
+    sigma = problem.poles_at(now.bands, np.ones(m))
     poles = sigma * ratios
     turned = np.exp(np.multiply.outer(poles, lags))
     vector = turned @ amplitudes
@@ -197,7 +205,7 @@ def _conditions(
     weighted_lags = amplitudes * lags
     rho = sigma * (e @ weighted_lags)
     rho2 = sigma**2 * (e @ (weighted_lags * lags))
-    drift = sigma * lags - rho[:, None]
+    drift = sigma[:, None] * lags - rho[:, None]
 
     jacobian = np.zeros((places.columns, places.columns))
     value = np.empty(places.columns)
@@ -210,7 +218,7 @@ def _conditions(
     # and is a peak
     rows = slice(m, m + p)
     value[rows] = rho[inner].real
-    by_lag = amplitudes * (sigma * e + drift * d)
+    by_lag = amplitudes * (sigma[:, None] * e + drift * d)
     jacobian[rows, : n - 1] = by_lag[inner, 1:].real
     if free:
         jacobian[rows, places.amplitudes] = (e * drift)[inner].real
@@ -224,7 +232,7 @@ def _conditions(
     jacobian[rows, : n - 1] = bent[1:-1, 1:].real
     if free:
         jacobian[rows, places.amplitudes] = -((weights[:, None] * d).T @ e)[1:-1].real
-    turning = weights[:, None] * (sigma * e + d * drift)
+    turning = weights[:, None] * (sigma[:, None] * e + d * drift)
     jacobian[rows, places.ratios] = turning[inner, 1:-1].real.T
     jacobian[rows, places.ratios.stop :] = d[:, 1:-1].real.T
     if free:

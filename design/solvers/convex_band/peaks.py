@@ -1,14 +1,14 @@
-"""Peaks exchanged over a band until none is above the tolerance, and optima followed along it."""
+"""Peaks exchanged over bands until none is above the tolerance, and optima followed along it."""
 
 import math
 from dataclasses import replace
 
 import numpy as np
 
-from design.formulations.bands import BandProblem
+from design.formulations.bands import BandProblem, PoleBand
 from design.solvers.budget import Budget
 from design.solvers.convex_band.optimality import Point, solve_conditions
-from design.types import ComplexArray, FloatArray
+from design.types import ComplexArray, FloatArray, IntArray
 
 MAX_EXCHANGES = 8
 """How often peaks are exchanged before the grid is refined."""
@@ -37,11 +37,11 @@ def optimum(problem: BandProblem, point: Point, tolerance: float) -> Point | Non
     Parameters
     ----------
     problem
-        The band.
+        The bands.
     point
         Where Newton's method begins.
     tolerance
-        Largest residual over the band [-].
+        Largest residual over the bands [-].
 
     Returns
     -------
@@ -49,14 +49,15 @@ def optimum(problem: BandProblem, point: Point, tolerance: float) -> Point | Non
         The optimum; None where Newton's method fails, `MAX_EXCHANGES` are not enough, or an
         amplitude that must be positive is not.
     """
-    lower, upper = problem.band
+    ends = np.array([(one.lower, one.upper) for one in problem.bands])
     for _ in range(MAX_EXCHANGES):
         found = solve_conditions(problem, point, tolerance)
         if found is None:
             return None
         kept = found.weights > 0
+        lower, upper = ends[found.bands].T
         outside = found.inner & ((found.ratios <= lower) | (found.ratios >= upper))
-        ratios, values = peaks(problem, found)
+        bands, ratios, values = peaks(problem, found)
         above = values > tolerance * (1 + ABOVE)
         if kept.all() and not outside.any() and not above.any():
             return found if (problem.levels or found.amplitudes.min() > 0) else None
@@ -66,20 +67,23 @@ def optimum(problem: BandProblem, point: Point, tolerance: float) -> Point | Non
         else:
             ratios_held, inner = found.ratios, found.inner
         held, free_to_move, weights = ratios_held[kept], inner[kept], found.weights[kept]
-        pitch = (upper - lower) / 50
-        for ratio in ratios[above].tolist():
-            at_edge = ratio in {lower, upper}
-            near = np.flatnonzero(np.abs(held - ratio) < pitch)
+        places = found.bands[kept]
+        for band, ratio in zip(bands[above].tolist(), ratios[above].tolist(), strict=True):
+            at_edge = ratio in ends[band]
+            pitch = problem.bands[band].width / 50
+            near = np.flatnonzero((places == band) & (np.abs(held - ratio) < pitch))
             if near.size:
                 held[near[0]] = ratio
                 free_to_move[near[0]] = not at_edge
             else:
+                places = np.append(places, band)
                 held = np.append(held, ratio)
                 free_to_move = np.append(free_to_move, not at_edge)
                 weights = np.append(weights, FIRST_WEIGHT)
-        order = np.argsort(held)
+        order = np.lexsort((held, places))
         point = replace(
             found,
+            bands=places[order],
             ratios=held[order],
             inner=free_to_move[order],
             weights=weights[order] / weights.sum(),
@@ -128,27 +132,36 @@ def follow_tolerance(
     return now, math.exp(level)
 
 
-def peaks(problem: BandProblem, point: Point) -> tuple[FloatArray, FloatArray]:
-    """Return the local maxima of the residual over the band, edges included.
+def peaks(problem: BandProblem, point: Point) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return the local maxima of the residual over each band, edges included.
 
     Newton's method refines them from a grid.
 
     Parameters
     ----------
     problem
-        The band.
+        The bands.
     point
         The impulses.
 
     Returns
     -------
-    tuple of FloatArray and FloatArray
-        Ratios of the maxima and residuals there, shape (k,) each [-].
+    tuple of IntArray, FloatArray and FloatArray
+        Numbers of their bands, ratios of the maxima and residuals there, shape (k,) each [-].
     """
-    lower, upper = problem.band
-    turn = (upper - lower) * float(point.lags[-1])
+    found = [_peaks_of(band, point) for band in problem.bands]
+    return (
+        np.repeat(np.arange(len(found)), [ratios.size for ratios, _ in found]),
+        np.concatenate([ratios for ratios, _ in found]),
+        np.concatenate([values for _, values in found]),
+    )
+
+
+def _peaks_of(band: PoleBand, point: Point) -> tuple[FloatArray, FloatArray]:
+    lower, upper = band.lower, band.upper
+    turn = band.width * abs(band.unit_pole) * float(point.lags[-1])
     grid = np.linspace(lower, upper, 9 + math.ceil(turn / SCAN_TURN_RAD))
-    values = _residuals(problem, point, grid)
+    values = _residuals(band, point, grid)
     left = np.concatenate(([-math.inf], values[:-1]))
     right = np.concatenate((values[1:], [-math.inf]))
     tops = np.flatnonzero((values >= left) & (values >= right))
@@ -157,27 +170,25 @@ def peaks(problem: BandProblem, point: Point) -> tuple[FloatArray, FloatArray]:
     pitch = grid[1] - grid[0]
     # A peak may lie between an edge and its neighbour: it does if the residual rises inward.
     inward = np.array([grid[0], grid[-1]])
-    slopes = _growth(problem, point, inward)[0] * np.array([1, -1])
+    slopes = _growth(band, point, inward)[0] * np.array([1, -1])
     hidden = inward[slopes > 0] + np.array([0.5, -0.5])[slopes > 0] * pitch
     ratios, moving = np.append(ratios, hidden), np.append(moving, np.full(hidden.size, True))
     for _ in range(4):  # Newton's method on the slope: four steps from a fine grid are enough
-        slope, bend = _growth(problem, point, ratios)
+        slope, bend = _growth(band, point, ratios)
         step = np.where(moving & (bend < 0), -slope / np.where(bend < 0, bend, 1.0), 0.0)
         ratios = np.clip(ratios + np.clip(step, -pitch, pitch), lower, upper)
-    return ratios, _residuals(problem, point, ratios)
+    return ratios, _residuals(band, point, ratios)
 
 
-def _growth(
-    problem: BandProblem, point: Point, ratios: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _growth(band: PoleBand, point: Point, ratios: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the first and second derivative of ln |F| in the ratio."""
-    turned = np.exp(np.multiply.outer(problem.unit_pole * ratios, point.lags)) * point.amplitudes
+    turned = np.exp(np.multiply.outer(band.unit_pole * ratios, point.lags)) * point.amplitudes
     vector = turned.sum(axis=1)
-    rho = problem.unit_pole * (turned @ point.lags) / vector
-    rho2 = problem.unit_pole**2 * (turned @ point.lags**2) / vector
+    rho = band.unit_pole * (turned @ point.lags) / vector
+    rho2 = band.unit_pole**2 * (turned @ point.lags**2) / vector
     return rho.real, (rho2 - rho**2).real
 
 
-def _residuals(problem: BandProblem, point: Point, ratios: FloatArray) -> FloatArray:
-    turned: ComplexArray = np.exp(np.multiply.outer(problem.unit_pole * ratios, point.lags))
+def _residuals(band: PoleBand, point: Point, ratios: FloatArray) -> FloatArray:
+    turned: ComplexArray = np.exp(np.multiply.outer(band.unit_pole * ratios, point.lags))
     return np.abs(turned @ point.amplitudes)

@@ -1,4 +1,4 @@
-"""The fastest shaper that keeps a band of frequencies within a tolerance, with proof of how fast.
+"""The fastest shaper that keeps bands of frequencies within a tolerance, with proof of how fast.
 
 A cone program over a time grid (`grid`) finds the structure. Newton's method on the conditions of
 optimality (`optimality`) then moves times, amplitudes and peaks where they belong, off the grid.
@@ -25,7 +25,7 @@ from design.solvers.convex_band.grid import (
 from design.solvers.convex_band.optimality import Point, solve_conditions
 from design.solvers.convex_band.peaks import follow_tolerance, optimum, peaks
 from design.trace import TraceStep
-from design.types import FloatArray
+from design.types import ComplexArray, FloatArray
 
 CLOSE_DURATION = 1e-6
 """Relative width of the bracket around the duration at which the search ends [-]."""
@@ -105,7 +105,7 @@ def candidates(problem: BandProblem, budget: Budget) -> Iterator[BandOptimum | O
     Parameters
     ----------
     problem
-        The band.
+        The bands.
     budget
         What the search may do; its work is counted in it.
 
@@ -169,7 +169,7 @@ def _of_the_grid(
             return
         grid = even_grid(problem, duration_rad * (1 + longer), ROUGH_FINENESS)
         for point in commands_of(problem, grid, budget):
-            if peaks(problem, point)[1].max() <= problem.tolerance:
+            if peaks(problem, point)[2].max() <= problem.tolerance:
                 yield replace(_candidate(point, programs + tried), point=None)
                 return
 
@@ -191,7 +191,7 @@ def _nearest(
             start="refined_grid" if refine else "even_grid",
             outcome="too_short" if found.largest > tolerance else "may_be_possible",
             duration_s=duration_rad / problem.natural_frequency_rad_s,
-            detail=f"least residual over the band: {found.largest:.4g}",
+            detail=f"least residual over the bands: {found.largest:.4g}",
         )
     )
     start = structure(problem, grid, found)
@@ -261,7 +261,7 @@ def obstacles(problem: BandProblem, candidate: BandOptimum, budget: Budget) -> I
     Parameters
     ----------
     problem
-        The band.
+        The bands.
     candidate
         The optimum.
     budget
@@ -289,11 +289,12 @@ def obstacles(problem: BandProblem, candidate: BandOptimum, budget: Budget) -> I
 
 def _obstacle(problem: BandProblem, point: Point) -> Obstacle:
     """Return the dual function of an optimum."""
-    vector = np.exp(np.multiply.outer(problem.unit_pole * point.ratios, point.lags))
+    poles = problem.poles_at(point.bands, point.ratios)
+    vector: ComplexArray = np.exp(np.multiply.outer(poles, point.lags))
     along = (vector @ point.amplitudes).conj()
     return Obstacle(
         duration_rad=float(point.lags[-1]),
-        ratios=point.ratios,
+        unit_poles=poles,
         vectors=point.weights * along / np.abs(along),
     )
 
@@ -304,7 +305,7 @@ def obstacle_work(problem: BandProblem, duration_rad: float) -> float:
     Parameters
     ----------
     problem
-        The band.
+        The bands.
     duration_rad
         The duration [rad].
 
@@ -314,7 +315,8 @@ def obstacle_work(problem: BandProblem, duration_rad: float) -> float:
         Work of a cone program of that duration with its usual iterations [units].
     """
     grid = even_grid(problem, duration_rad)
-    return clarabel.ENTRY_WORK * USUAL_ITERATIONS * grid.lags.size * grid.ratios.size
+    ratios = sum(of_band.size for of_band in grid.ratios)
+    return clarabel.ENTRY_WORK * USUAL_ITERATIONS * grid.lags.size * ratios
 
 
 def obstacle_at(
@@ -325,7 +327,7 @@ def obstacle_at(
     Parameters
     ----------
     problem
-        The band.
+        The bands.
     duration_rad
         The duration [rad].
     budget
@@ -344,5 +346,6 @@ def obstacle_at(
     """
     grid = even_grid(problem, duration_rad)
     found = least_on_grid(problem, grid, budget)
-    obstacle = Obstacle(duration_rad=duration_rad, ratios=grid.ratios, vectors=found.obstacle)
+    poles = grid.poles_of(problem)
+    obstacle = Obstacle(duration_rad=duration_rad, unit_poles=poles, vectors=found.obstacle)
     return obstacle, found.largest

@@ -1,16 +1,21 @@
 """Pictures of maps: units, titles, equal bytes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from design.fields import Axis
+from design.fields import Axis, vary
 from design.maps.field_map import field_map
 from design.maps.map_case import Map, MapCase, Move
 from design.model.actuators.ideal import Ideal
 from design.model.commands import pulse
 from design.pictures.files import figure_bytes
 from design.pictures.map_sheet import map_sheet
+from design.pipeline import design
+from design.shapers.registry import SHAPERS
+from tests.integration_route import residual_by_integration
 from tests.map_cases import CORNER, LENGTH, PULSES, case
 from tests.shaper_table import CRANE, THESIS
 
@@ -115,3 +120,37 @@ def test_title_and_subtitle_say_what_is_mapped_of_which_shaper_designed_when() -
     figure = map_sheet(held, LENGTH, None, field_map(held, LENGTH))
     assert figure.get_suptitle() == "Residual vibration of 2 impulses"
     assert "held in each cell" in words(figure)
+
+
+DECEL = Axis(
+    path=("actuator", "decel", "natural_frequency_rad_s"), values=np.linspace(40.0, 60.0, 3)
+)
+
+
+def written_on(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.texts]
+
+
+def test_a_map_over_drives_says_where_the_residual_of_the_held_design_is_largest() -> None:
+    of = case("numzvd", replace(THESIS, model="switched"), each=False)
+    found = field_map(of, CORNER, DECEL)
+    command = design(CRANE, of.actuator, SHAPERS["numzvd"]).impulses
+    each = {
+        (w, v): residual_by_integration(
+            command,
+            CRANE.mode,
+            vary(vary(of.actuator, CORNER.path[1:], w), DECEL.path[1:], v),
+        )
+        for w in CORNER.values.tolist()
+        for v in DECEL.values.tolist()
+    }
+    (w, v), worst = max(each.items(), key=lambda one: one[1])
+    sentence = (
+        f"largest {100 * worst:.3g} %, at accel natural frequency {w:g} rad/s, "
+        f"decel natural frequency {v:g} rad/s"
+    )
+    assert sentence in written_on(map_sheet(of, CORNER, DECEL, found))
+    anew = case("numzvd", of.actuator, each=True)
+    for other, x in ((anew, CORNER), (of, LENGTH)):
+        drawn = map_sheet(other, x, DECEL, field_map(other, x, DECEL))
+        assert not any(line.startswith("largest ") for line in written_on(drawn))

@@ -30,6 +30,17 @@ REQUESTS: dict[str, dict[str, Any]] = {
         "upper_ratio": 1.2,
         "damping": {"from": 0.0, "to": 0.05},
     },
+    "drive off": {
+        "plant": {**CRANE["plant"], "damping_ratio": 0.02},
+        "actuator": {
+            "kind": "first_order",
+            "accel_time_constant_s": 0.03,
+            "decel_time_constant_s": 0.012,
+        },
+        "half_width": 0.05,
+        "damping": {"from": 0.0, "to": 0.03},
+        "drive_off_by": 0.2,
+    },
     "modes": {
         "plant": {
             "kind": "modes",
@@ -154,3 +165,14 @@ def test_every_shaper_of_the_answer_is_named_beside_a_bar(name: str) -> None:
 def test_no_text_meets_another_or_leaves_the_page(name: str) -> None:
     _, figure = drawn(name)
     assert collisions(figure) == []
+
+
+def test_the_residual_over_all_that_is_asked_is_that_with_the_drive_off_too() -> None:
+    answer, figure = drawn("drive off")
+    best = answer.recommended
+    (off,) = (one.value for one in best.requirements if one.requirement == "drive_off_by")
+    assert off is not None
+    assert best.worst_residual is not None
+    assert off > 1.05 * best.worst_residual
+    assert f"{100 * off:.3g} %" in words(figure)
+    assert "drive off by 20 %" in words(figure)

@@ -19,6 +19,23 @@ REQUESTS = {
         "model": "nonlinear",
         "events": [PRESS, {"at_s": 0.5, "cable_length_m": 0.5, "over_s": 1.5}],
     },
+    "whole moves": {
+        **BASE,
+        "plant": {"kind": "hoisting", "cable_length_m": {"times_s": [0, 5], "values": [0.8, 0.5]}},
+        "events": [{"at_s": 0.0, "move": {"x_m": 0.8, "y_m": -0.4}, "shaper": {"kind": "numzv"}}],
+    },
+    "a double pendulum": {
+        **BASE,
+        "plant": {
+            "kind": "double_pendulum",
+            "hook_mass_kg": 0.385,
+            "load_mass_kg": 0.6,
+            "cable_length_m": 0.8,
+            "load_length_m": 0.25,
+        },
+        "shaping": {"mode": "delay_line", "shaper": {"kind": "multi_zv"}},
+        "events": [PRESS],
+    },
     "a switch": {
         **BASE,
         "events": [PRESS, {"at_s": 0.1, "direction": {"y": 1}, "for_s": 0.4}],

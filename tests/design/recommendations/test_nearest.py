@@ -24,7 +24,9 @@ def test_a_high_mode_limit_that_unity_cannot_meet_is_named() -> None:
 
 def test_a_band_that_several_modes_cannot_be_kept_over_says_so() -> None:
     with refused("none_meets_all", says=r"in every mode.*smallest residual found is"):
-        asked(TWO_MODES, THESIS, half_width=0.6, tolerance=0.01)
+        asked(TWO_MODES, THESIS, half_width=0.6, tolerance=0.01, sign="unity")
+    served = asked(TWO_MODES, THESIS, half_width=0.6, tolerance=0.01).recommended
+    assert served.name == "multi_si"
 
 
 def test_where_no_single_limit_is_enough_the_nearest_is_told() -> None:

@@ -203,7 +203,7 @@ def test_on_samples_every_candidate_lies_on_them() -> None:
 def test_several_modes_are_served_by_the_kinds_for_several() -> None:
     found = asked(TWO_MODES, THESIS, half_width=0.05)
     kinds = {one.designed.choice.kind.name for one in everything(found).values()}
-    assert kinds == {"multi_zv", "multi_umzv", "num_multi", "convolved"}
+    assert kinds == {"multi_zv", "multi_umzv", "num_multi", "multi_si", "convolved"}
     for one in found.candidates:
         for mode in TWO_MODES.modes:
             left = largest_in_band_by_formula(one.impulses, mode, THESIS, (0.95, 1.05), 201)
@@ -271,7 +271,9 @@ def test_of_six_modes_no_more_impulses_are_convolved_than_can_be_proven() -> Non
     modes = [Mode(natural_frequency_rad_s=w, damping_ratio=0.02) for w in (5, 8, 11, 14, 19, 23)]
     wanted = Requirements(half_width=0.0, tolerance=0.05)
     found = recommend(Modes(modes=tuple(modes)), IDEAL, wanted)
-    assert found.recommended.name == "multi_umzv"
+    # Within the tolerance it may be faster than the fastest without residual.
+    assert found.recommended.name == "multi_si (amplitudes negative)"
+    assert "multi_umzv" in {one.name for one in found.candidates}
     reasons = {one.choice.name: one.reason for one in found.refused}
     assert "convolved for 6 modes it has 729 impulses" in reasons["convolved (base zvd)"]
 

@@ -59,6 +59,7 @@ SURE = {
     "multi_zv": 0.95,
     "multi_umzv": 0.95,
     "num_multi": 0.9,
+    "multi_si": 0.9,
     "convolved": 0.99,
 }
 """Up to where each is designed for an ideal actuator with its usual parameters."""

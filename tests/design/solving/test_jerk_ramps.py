@@ -15,6 +15,7 @@ from design.model.actuators.rate_limited import RateLimited
 from design.model.plants.mode import Mode
 from design.model.plants.modes import Modes
 from design.pipeline import design
+from design.shapers.num_multi import SeveralModesOptions
 from design.shapers.registry import SHAPERS
 from design.shapers.settle_options import SettleOptions
 from design.solvers.budget import Budget
@@ -108,8 +109,9 @@ def test_a_jerk_beyond_reach_gives_the_optimum_without() -> None:
     np.testing.assert_allclose(found.impulses.times_s, free.impulses.times_s, atol=1e-6)
 
 
+@pytest.mark.parametrize("kind", ["multi_umzv", "num_multi", "num_multi with slopes"])
 @pytest.mark.parametrize("count", [2, 3])
-def test_several_modes_are_served_with_a_bound(count: int) -> None:
+def test_several_modes_are_served_with_a_bound(count: int, kind: str) -> None:
     rng = np.random.default_rng(count)
     modes = Modes(
         modes=tuple(
@@ -117,12 +119,18 @@ def test_several_modes_are_served_with_a_bound(count: int) -> None:
             for w in np.cumsum(rng.uniform(1, 3, count))
         )
     )
-    found = design(modes, DRIVE, SHAPERS["multi_umzv"])
+    name, _, slopes = kind.partition(" with ")
+    options = SeveralModesOptions(slope=True) if slopes else None
+    found = design(modes, DRIVE, SHAPERS[name], options)
     assert found.certificate.verified
     assert found.solver.gap is not None
     assert found.solver.gap < 1e-6
     for mode in modes.modes:
         assert swing_left(found.impulses.times_s, mode, DRIVE) < 1e-8
+        # Where slopes vanish, a share off leaves its square times a bend of (w t)^2 / 2, some
+        # hundreds; where they do not, it leaves the slope times it.
+        beside = swing_left(found.impulses.times_s, mode, DRIVE, 1 + 1e-4)
+        assert beside < 1e-5 if slopes else beside > 1e-5
 
 
 def test_one_lag_that_follows_changes_no_switch() -> None:
@@ -213,6 +221,15 @@ def test_what_has_to_settle_or_differs_in_its_lags_is_refused(kind: str) -> None
     with refused("jerk_not_served", "actuator.jerk_limit_m_s3"):
         options = SHAPERS[kind].options(settle=True)
         design(MODE, DRIVE, SHAPERS[kind], options)
+
+
+@pytest.mark.parametrize("slope", [False, True])
+def test_several_modes_behind_two_lags_are_refused(*, slope: bool) -> None:
+    modes = Modes(modes=(MODE, replace(MODE, natural_frequency_rad_s=9.4)))
+    apart = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.05)
+    with refused("jerk_not_served", "actuator.jerk_limit_m_s3", says="where one lag follows"):
+        options = SeveralModesOptions(slope=slope)
+        design(modes, replace(DRIVE, then=apart), SHAPERS["num_multi"], options)
 
 
 @pytest.mark.parametrize("jerk", [0.3, 100.0])

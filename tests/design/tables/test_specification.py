@@ -76,6 +76,7 @@ def test_columns_are_fields_results_status_and_reason() -> None:
 VARYING = {
     "si": "impulses_vary_with_band",
     "num_si": "impulses_vary_with_band",
+    "multi_si": "impulses_vary_with_band",
     "multi_zv": "impulses_vary_with_plant",
     "multi_umzv": "impulses_vary_with_plant",
     "convolved": "impulses_vary_with_plant",

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import itertools
 import json
 import math
 import re
@@ -11,8 +12,11 @@ from typing import Any
 import pytest
 
 import shapersmith as package
+from service.cli.plant_lines import DRIVES
 from tests.conftest import CRANE
+from tests.integration_route import residual_by_integration
 from tests.service.cli.commands import shapersmith
+from tests.shaper_table import CRANE as CRANE_PLANT
 from tests.shapersmith.requests import REQUESTS
 
 DRIVEN = {"plant": CRANE["plant"], "actuator": CRANE["actuator"]}
@@ -159,3 +163,71 @@ def test_a_certificate_says_of_which_mode_and_band_each_claim_is() -> None:
     assert "residual of mode 2 " in told
     request = {"plant": CRANE["plant"], "actuator": IDEAL, "shaper": {"kind": "si"}}
     assert "certificate verified: band 0.85 to 1.15: 0.05 <= 0.05\n" in text("design", request)
+
+
+def worst_corner_by_integration(command: package.Impulses, actuator: dict[str, Any]) -> float:
+    """Return the largest residual of the crane's drive off by a tenth, in per cent [%]."""
+    drive = actuator.get("then", actuator)
+    mode = CRANE_PLANT.mode
+    steps = command.to_design()
+    residuals = []
+    for factors in itertools.product((0.9, 1.1), repeat=4):
+        sets = {}
+        for name, w, z in (("accel", *factors[:2]), ("decel", *factors[2:])):
+            given = drive[name]
+            sets[name] = {
+                "natural_frequency_rad_s": w * given["natural_frequency_rad_s"],
+                "damping_ratio": z * given["damping_ratio"],
+            }
+        off = {**drive, **sets}
+        whole = {**actuator, "then": off} if "then" in actuator else off
+        record = DRIVES.validate_python(whole).to_design()
+        residuals.append(residual_by_integration(steps, mode, record))
+    return 100 * max(residuals)
+
+
+@pytest.mark.parametrize("limited", [False, True], ids=["switched", "behind limits"])
+def test_the_text_of_a_design_says_what_a_drive_that_is_off_leaves(limited: bool) -> None:
+    drive: dict[str, Any] = {**CRANE["actuator"], "model": "switched"}
+    off = "by 10 %"
+    if limited:
+        drive = {
+            "kind": "rate_limited", "accel_limit_m_s2": 1.6, "decel_limit_m_s2": 2.5,
+            "speed_m_s": 0.2, "then": drive,
+        }  # fmt: skip
+        off += " behind its limits"
+    request = {**CRANE, "actuator": drive, "shaper": {"kind": "numzv"}}
+    (line,) = (one for one in text("design", request).splitlines() if one.startswith("drive off"))
+    head, figure = line.split(" % at worst (")[0].rsplit(" ", 1)
+    assert head == f"drive off   {off}:"
+    impulses = package.design(**request).shaper.impulses
+    worst = worst_corner_by_integration(
+        package.Impulses(times_s=impulses.times_s, amplitudes=impulses.amplitudes), drive
+    )
+    assert float(figure) == pytest.approx(worst, rel=0.005)  # three digits
+
+
+def test_the_text_says_it_for_the_share_that_is_asked_and_where_it_changes_nothing() -> None:
+    told = text("design", {**CRANE, "drive": {"to": 0.2}})
+    assert "drive off   by 20 %: " in told
+    told = text("design", {**CRANE, "shaper": {"kind": "zvd"}})
+    assert "drive off   by 10 %: no more residual\n" in told
+    assert "drive off" not in text("design", {**CRANE, "actuator": IDEAL})
+    impulses = {"times_s": [0, 0.2, 0.5], "amplitudes": [1, -1, 1]}
+    told = text("sensitivity", {**DRIVEN, "impulses": impulses, "drive": {"to": 0.3}})
+    assert "drive off   by 30 %: " in told
+
+
+def test_a_recommendation_for_a_drive_that_is_off_has_a_column_and_a_reason_for_it() -> None:
+    first_order = {
+        "kind": "first_order", "accel_time_constant_s": 0.03, "decel_time_constant_s": 0.012,
+    }  # fmt: skip
+    request = {"plant": CRANE["plant"], "actuator": first_order, "half_width": 0.05}
+    told = text("recommend", {**request, "drive_off_by": 0.2})
+    best = package.recommend(**request, drive_off_by=0.2).recommended
+    (verdict,) = (one for one in best.requirements if one.requirement == "drive_off_by")
+    heading, row = (line.split() for line in told.splitlines()[:2])
+    assert verdict.value is not None
+    assert row[heading.index("drive_off_%")] == f"{100 * verdict.value:.4g}"
+    assert f"why         {best.name} {verdict.reason}" in told
+    assert "drive_off" not in text("recommend", request)

@@ -30,6 +30,18 @@ def test_a_curve_over_the_share_that_a_drive_is_off_is_told(client: httpx.Client
     assert "drive" not in asked(client, None).json()
 
 
+def test_a_design_tells_it_too_where_asked(client: httpx.Client) -> None:
+    request = changed("/actuator/model", "switched")
+    whole = client.post("/v1/designs", json=request | {"drive": {"to": 0.2}}).json()
+    beside = asked(client, {"to": 0.2}).json()
+    assert whole["drive"] == beside["drive"]
+    assert "drive" not in client.post("/v1/designs", json=request).json()
+    ideal = {"drive": {}, "actuator": {"kind": "ideal"}}
+    answer = client.post("/v1/designs", json=request | ideal)
+    assert answer.status_code == 422
+    assert answer.json()["errors"][0]["pointer"] == "/drive"
+
+
 def test_what_cannot_be_off_is_refused_by_name(client: httpx.Client) -> None:
     answer = asked(client, {}, actuator={"kind": "ideal"})
     assert answer.status_code == 422

@@ -67,6 +67,7 @@ def test_a_run_at_another_speed_or_of_the_linear_model_is_refused() -> None:
     [
         ("designs", {"shaper": {**LARGE, "sample_time_s": 0.01}}),
         ("designs", {"fit": {"over": "/plant/cable_length_m", "from": 0.5, "to": 1, "degree": 2}}),
+        ("designs", {"drive": {}}),
         ("fits", {"fit": {"over": "/plant/cable_length_m", "from": 0.5, "to": 1, "degree": 2}}),
         ("maneuvers", {"speed_m_s": 1.5, "distance_m": 5.0}),
         ("simulations", {"speed_m_s": 1.5, "command": {"kind": "pulse", "pulse_s": 2.0}}),

@@ -1,0 +1,61 @@
+"""What swings after a plan of an axis, and on its way, by the certificates' route."""
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+from design.analysis.certificate import Claim
+from design.live.machine import LiveKind, LiveMachine
+from design.live.state import Plan
+from design.live.witness import Route, Witness, carry_witness, claims_of
+from design.live.witnessed_peak import deflection_claims
+from design.model.plants.mode import Mode
+
+AFTERMATH_PERIODS = 1.0
+"""Periods of the slowest mode after a plan over which its deflection is looked at [-]."""
+
+
+class Witnessed(NamedTuple):
+    """An axis by the certificates' route."""
+
+    route: Route
+    witness: Witness
+
+
+def claims_of_plan(
+    machine: LiveMachine, modes: tuple[Mode, ...], seen: Witnessed, plan: Plan, kind: LiveKind
+) -> tuple[Claim, ...]:
+    """Return what is found of a plan of an axis.
+
+    Parameters
+    ----------
+    machine, modes
+        The machine, and its modes as they are now.
+    seen
+        The axis now, behind the drive that the kind asks for.
+    plan
+        The rest of its command.
+    kind
+        What the plan makes zero.
+
+    Returns
+    -------
+    tuple of Claim
+        Of an emergency stop, what swings when its time is over; with a limit to the deflection,
+        the largest on the way too.
+    """
+    route, now = seen
+    acts_s = [time_s + machine.actuator.dead_time_s for time_s in plan.times_s]
+    end_s = max([now.time_s, *acts_s, plan.rests_s or now.time_s])
+    done = carry_witness(route, now, acts_s, plan.levels, end_s)
+    if plan.rests_s is not None:
+        claims = claims_of(route, done, slopes=False)
+        return tuple(replace(claim, limit=max(claim.limit, plan.swing_left)) for claim in claims)
+    claims = claims_of(route, done, slopes=kind.slope)
+    if machine.deflection_limit is not None:
+        slowest = min(mode.natural_frequency_rad_s for mode in modes)
+        until_s = end_s + AFTERMATH_PERIODS * math.tau / slowest
+        claims += deflection_claims(
+            route, modes, now, acts_s, plan.levels, until_s, machine.deflection_limit
+        )
+    return claims

@@ -1,0 +1,1 @@
+"""Live sessions as pure functions."""
