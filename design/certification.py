@@ -3,12 +3,14 @@
 from collections.abc import Iterator
 
 from design.analysis.certificate import Certificate
-from design.analysis.claims_found import shortfall_of, unverified_error
+from design.analysis.claims_found import raise_with_rejected, shortfall_of, unverified_error
 from design.analysis.judge import Judgement, judge
+from design.analysis.large_swing_certificate import judge_large_swing
 from design.analysis.rounding import require_doubles_to_hold
 from design.claims import ZERO_LIMITS, Promise
 from design.errors import InfeasibleDesignError
 from design.formulations.formulation import Convolution, Formulation
+from design.formulations.large_swing import LargeSwingProblem
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant
@@ -70,14 +72,15 @@ def certify(
                     shortfall = "it is above the tolerance between its own zeros"
                     budget.note(verdict_step(solution, shortfall))
                 continue
-            judgement = judge(
-                solution.impulses,
-                modes,
-                actuator,
-                tuple(promise for promise in kept if promise is not None),
-                name=kind.name,
-                designed_for=formulation.designed_for,
-            )
+            told = tuple(promise for promise in kept if promise is not None)
+            judgement = (
+                judge_large_swing(solution.impulses, formulation.swing, actuator, told)
+                if isinstance(formulation, LargeSwingProblem)
+                else judge(
+                    solution.impulses, modes, actuator, told,
+                    name=kind.name, designed_for=formulation.designed_for,
+                )
+            )  # fmt: skip
             certificate = judgement.certificate
             if budget.trace is not None:
                 budget.note(verdict_step(solution, shortfall_of(certificate)))
@@ -89,10 +92,7 @@ def certify(
             unverified = certificate
     except InfeasibleDesignError as error:
         if unverified is None and others:
-            raise InfeasibleDesignError(
-                f"{error}; solutions rejected, above the tolerance inside the band: {others}",
-                code=error.code,
-            ) from None
+            raise_with_rejected(error, others)
         if unverified is None:
             raise
     refusal = unverified_error(kind.name, unverified)

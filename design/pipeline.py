@@ -8,13 +8,14 @@ from design.analysis.judge import Judgement
 from design.analysis.warnings import DesignWarning
 from design.analysis.workable import require_workable
 from design.certification import certify
-from design.errors import InvalidInputError
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
+from design.model.plants.large_swing import SwingFigures
 from design.model.plants.registry import Plant
 from design.model.plants.scheduled import Scheduled
 from design.ranges import options_over, worst_over
 from design.shapers.kind import DesignCase, KindOf, Options
+from design.shapers.refusals import refuse_actuator
 from design.solvers.budget import Budget
 from design.solvers.solution import Solution, SolverReport
 from design.solving.solve import solve
@@ -25,16 +26,14 @@ class Design:
     """A verified shaper."""
 
     impulses: Impulses  # The shaper
-    # Its residual in each mode with the actuator given, whatever it was designed for [-]
-    residuals: tuple[float, ...]
+    residuals: tuple[float, ...]  # In each mode with the actuator given, whatever it is for [-]
     certificate: Certificate  # Its claims, recomputed: for the actuator given if they hold there
-    # Whether they are for an ideal actuator, as they do not all hold with the one given
-    for_ideal: bool
+    for_ideal: bool  # Whether it is for an ideal one, as not all hold with the one given
     solver: SolverReport  # How it was found
     warnings: tuple[DesignWarning, ...]  # What to know besides
-    # Of a scheduled plant, its largest residual at any frequency of the range, with the actuator
-    # given; None of others [-]
+    # Largest residual in the range of a scheduled plant with the actuator given; else None [-]
     worst_in_range: float | None = None
+    large_swing: SwingFigures | None = None  # Of claims and residual of the nonlinear crane
 
     @property
     def residual(self) -> float:
@@ -103,16 +102,10 @@ def check(
         does not go with the plant.
     """
     if actuator.kind not in kind.actuators:
-        raise InvalidInputError(
-            "actuator.kind",
-            actuator.kind,
-            f"one that {kind.name} serves: {', '.join(kind.actuators)}",
-            code="actuator_not_served",
-        )
-    modes = plant.modes
-    for mode in modes:
+        refuse_actuator(kind, actuator)
+    for mode in plant.modes:
         require_workable(mode, actuator)
-    case = kind.case(modes, actuator, options)
+    case = replace(kind.case(plant.modes, actuator, options), plant=plant)
     if isinstance(plant, Scheduled):
         return replace(case, options=options_over(plant, case.options))
     return case
@@ -141,4 +134,5 @@ def describe(solution: Solution, judgement: Judgement, plant: Plant, actuator: A
         worst_in_range=worst_over(plant, solution.impulses, actuator)
         if isinstance(plant, Scheduled)
         else None,
+        large_swing=judgement.large_swing,
     )

@@ -12,6 +12,7 @@ from schemas.designed_shaper import ShaperOut
 from schemas.drive_sensitivity import DriveOut
 from schemas.fits import FitOut
 from schemas.impulses import ImpulsesWire
+from schemas.large_swings import OfLargeSwing, large_swing_of
 from schemas.ramps import LimitsOut, OfLimits, UnshapedRampResidual
 from schemas.ranges import RangeOut
 from schemas.sampled import SampledOut
@@ -50,6 +51,7 @@ class DesignResponse(Wire):
         RangeOut | None,
         leave_out_none("Figures over the range of a scheduled plant; otherwise left out."),
     ]
+    large_swing: OfLargeSwing
     fit: Annotated[FitOut | None, Field(description="Its curve coefficients, or null.")]
     solver: SolverOut
     trace: Annotated[
@@ -106,6 +108,7 @@ class DesignResponse(Wire):
             drive=drive,
             modes=modes,
             scheduled=scheduled,
+            large_swing=design.large_swing and large_swing_of(design.large_swing),
             fit=fit,
             solver=SolverOut.from_design(design.solver),
             trace=trace,

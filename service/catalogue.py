@@ -1,7 +1,9 @@
 """Every kind of shaper, with parameters, an example and its source."""
 
+import dataclasses
 from typing import Any, get_args
 
+from design.shapers.kind import ShaperKind
 from design.shapers.registry import SHAPERS
 from schemas.actuators import ActuatorIn, SecondOrderIn
 from schemas.catalogue import Catalogue, CatalogueEntry
@@ -36,6 +38,15 @@ EXAMPLE_ACTUATORS = {kind: model.EXAMPLE for kind, model in kinds_of(ActuatorIn)
 """Each kind of actuator has an example."""
 
 
+def _examples_of(kind: ShaperKind) -> dict[str, Any]:
+    """Return examples of the parameters that have no usual value."""
+    return {
+        one.name: one.metadata["examples"][0]
+        for one in dataclasses.fields(kind.options)
+        if "examples" in one.metadata
+    }
+
+
 def shaper_catalogue() -> Catalogue:
     """Return every kind of shaper, with parameters, example and source."""
     plants = list(kinds_of(PlantIn))
@@ -46,14 +57,14 @@ def shaper_catalogue() -> Catalogue:
                 summary=kind.summary,
                 source=kind.source,
                 claims=list(kind.claims),
-                plants=plants,
+                plants=["pendulum"] if kind.large_swings else plants,
                 most_modes=kind.most_modes,
                 actuators=list(kind.actuators),
                 parameters=MODELS[kind.name].model_json_schema(),
                 example={
                     "plant": TWO_MODES if kind.serves_several else THESIS_CRANE["plant"],
                     "actuator": EXAMPLE_ACTUATORS[kind.actuators[-1]],
-                    "shaper": {"kind": kind.name},
+                    "shaper": {"kind": kind.name, **_examples_of(kind)},
                 },
             )
             for kind in SHAPERS.values()

@@ -43,9 +43,12 @@ SHARES = {
 """How often a kind comes up in a round; the slow ones less often than others."""
 
 ROUND: tuple[str, ...] = tuple(
-    name for turn in range(USUAL_SHARE) for name in SHAPERS if turn < SHARES.get(name, USUAL_SHARE)
+    name
+    for turn in range(USUAL_SHARE)
+    for name, kind in SHAPERS.items()
+    if turn < SHARES.get(name, USUAL_SHARE) and not kind.large_swings
 )
-"""Kinds of successive cases."""
+"""Kinds of successive cases, judged of the linear plant: those for large swings have their own."""
 
 MANY_FOLD = 50.0
 """Bounds so many times apart are drawn between by their logarithm."""

@@ -5,7 +5,6 @@ values, instances of other blocks, assignments, IF, FOR, arrays with any lower b
 operators in their precedence. A REAL is a number of single precision.
 """
 
-import math
 import operator
 import re
 from collections.abc import Callable
@@ -23,10 +22,15 @@ TOKEN = re.compile(
 )
 
 FUNCTIONS: dict[str, Callable[[Any], Value]] = {
-    "TRUNC": math.trunc,
+    "TRUNC": int,  # towards zero
     "DINT_TO_LREAL": float,
     "DINT_TO_REAL": np.float32,
+    "ABS": abs,
     "SQRT": lambda value: type(value)(np.sqrt(value)),
+    "EXP": lambda value: type(value)(np.exp(value)),
+    "SIN": lambda value: type(value)(np.sin(value)),
+    "COS": lambda value: type(value)(np.cos(value)),
+    "ATAN": lambda value: type(value)(np.arctan(value)),
 }
 
 TYPES: dict[str, Value] = {

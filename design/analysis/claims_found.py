@@ -1,8 +1,10 @@
 """What the claims of a certificate found: in words, which are zeros, which is over a band."""
 
+from typing import NoReturn
+
 from design.analysis.certificate import Certificate, Claim
 from design.claims import Quantity
-from design.errors import SolverFailedError
+from design.errors import InfeasibleDesignError, SolverFailedError
 
 IN_WORDS = {
     "residual": "the residual is {value}",
@@ -75,6 +77,25 @@ def unverified_error(name: str, certificate: Certificate | None) -> SolverFailed
         f"no solution of {name} was verified; of the last one {shortfall_of(certificate)}",
         code="none_verified",
     )
+
+
+def raise_with_rejected(error: InfeasibleDesignError, rejected: int) -> NoReturn:
+    """Raise an error that says how many solutions of a band were rejected.
+
+    Parameters
+    ----------
+    error, rejected
+        What the search ended with, and the number of solutions above the tolerance.
+
+    Raises
+    ------
+    InfeasibleDesignError
+        Always, of the same code.
+    """
+    raise InfeasibleDesignError(
+        f"{error}; solutions rejected, above the tolerance inside the band: {rejected}",
+        code=error.code,
+    ) from None
 
 
 def zeros_of(certificate: Certificate) -> tuple[Quantity, ...]:

@@ -15,6 +15,7 @@ from design.claims import Promise
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
 from design.model.initial_state import FreeSwing
+from design.model.plants.large_swing import SwingFigures
 from design.model.plants.mode import Mode
 
 
@@ -23,10 +24,10 @@ class Judgement:
     """What a command does, held against what is claimed of it."""
 
     certificate: Certificate  # The claims, recomputed: for the actuator given if all hold there
-    # Whether the certificate is for the actuator designed for, an ideal one, not the one given
-    for_ideal: bool
+    for_ideal: bool  # Whether it is for the actuator designed for, an ideal one, not that given
     residuals: tuple[float, ...]  # Residual vibration of each mode with the actuator given [-]
     warnings: tuple[DesignWarning, ...]  # One for claims that do not hold with the one given
+    large_swing: SwingFigures | None = None  # Of a shaper for swings that are not small
 
     @property
     def residual(self) -> float:

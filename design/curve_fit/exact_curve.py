@@ -11,6 +11,7 @@ from design.errors import InfeasibleDesignError, InvalidInputError, SolverFailed
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
+from design.formulations.large_swing import LargeSwingProblem
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
@@ -53,6 +54,7 @@ UNSERVED = (
     | UnequalBandProblem
     | UnequalHumpsProblem
     | JointProblem
+    | LargeSwingProblem
     | Convolution
 )
 """Formulations whose amplitudes and their number may change along a range."""

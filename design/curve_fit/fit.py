@@ -16,6 +16,7 @@ from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
+from design.shapers.refusals import require_small_swings
 
 
 def fit(
@@ -51,6 +52,7 @@ def fit(
     SolverFailedError
         If fitted times leave the range of numbers: those of the degree asked for, or of degree 0.
     """
+    require_small_swings(kind, "fits")
     curve = ExactCurve(axis_of_fit(plant, actuator, wanted), actuator, kind, options)
     if wanted.degree is not None:
         return curve.fit(wanted.degree)

@@ -14,6 +14,7 @@ import numpy as np
 from design.curve_fit.polynomials import Fit
 from design.export.c_numbers import REAL, literal
 from design.export.kind import Export
+from design.export.live_blocks.c import live_in_c
 from design.export.lookup import constants, lookup_of, lookup_remarks, rounding_remark, up
 from design.export.lookup_c import axes_in_c, lookup_in_c
 from design.export.move_c import move_in_c
@@ -337,4 +338,5 @@ EXPORT = Export(
     checks=check_program,
     write=write_c,
     move=lambda blocks: move_in_c(blocks).encode(),
+    live=lambda block: live_in_c(block).encode(),
 )

@@ -17,7 +17,7 @@ class Format(NamedTuple):
     is_program
         Whether it is a program or a line of firmware, which a single design has too.
     plays_moves
-        Whether it is a program that plays a whole move.
+        Whether it is a program that plays a whole move, and one that shapes live commands.
     has_real
         Whether its numbers are of a type that is asked for, LREAL or REAL.
     """

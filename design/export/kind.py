@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import BinaryIO
 
+from design.export.live_blocks.block import LiveBlock
 from design.export.move import MoveBlocks
 from design.tables.rows import Rows, TableHead
 
@@ -30,6 +31,9 @@ class Export:
         table whole.
     move
         From a whole move to the file's bytes; None of formats that play none.
+    live
+        From a machine to the file's bytes: a block that shapes live commands; None of formats that
+        hold none.
     """
 
     name: str
@@ -39,6 +43,7 @@ class Export:
     write: Callable[[TableHead, Iterable[Rows]], Iterator[bytes]]
     read: Callable[[BinaryIO], tuple[TableHead, Iterator[Rows]]] | None = None
     move: Callable[[MoveBlocks], bytes] | None = None
+    live: Callable[[LiveBlock], bytes] | None = None
 
 
 def takes_all(head: TableHead) -> None:

@@ -18,6 +18,7 @@ from design.export.text_blocks import (
     TextProgram,
     TextSection,
     TextVariable,
+    live_program,
     move_program,
     text_program,
 )
@@ -140,4 +141,5 @@ EXPORT = Export(
     checks=check_program,
     write=write_plcopen,
     move=move_in_plcopen,
+    live=lambda block: _project(live_program(block), block.name, block.version).encode(),
 )

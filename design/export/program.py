@@ -14,6 +14,7 @@ from design.export.header import comment_lines
 from design.export.live import live_remarks
 from design.model.impulses import Impulses
 from design.model.plants.pendulum import Pendulum
+from design.shapers.refusals import require_small_swings
 from design.tables.columns import (
     amplitudes_of,
     names_of,
@@ -52,6 +53,7 @@ RANGE_MARGIN = 1e-6
 
 def check_program(head: TableHead) -> None:
     """Raise InvalidInputError where a program cannot take the table."""
+    require_small_swings(subject_of(head).kind, "programs")
     require_times(head)
     if head.rows < 1:
         raise InvalidInputError(

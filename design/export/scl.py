@@ -23,6 +23,7 @@ from design.export.text_blocks import (
     TextBlock,
     TextProgram,
     TextVariable,
+    live_program,
     move_program,
     sections_of,
     text_program,
@@ -37,6 +38,9 @@ EXAMPLE = re.compile(
 
 IN_A_TASK, IN_AN_INTERRUPT = "from a task of", "from a block that a cyclic interrupt calls every"
 """Where the blocks are called."""
+
+CALL_DEPTHS = range(4, 28, 4)
+"""Blanks ahead of what a call gives on further lines."""
 
 ELEMENTARY = ("BOOL", "SINT", "DINT", "REAL", "LREAL")
 """Types that are not blocks, whose names stand in quotes."""
@@ -124,13 +128,18 @@ def _bare(block: TextBlock) -> str:
             (single if is_single else declared[section.kind]).append(text)
     sections = {**declared, "VAR CONSTANT": single}
     # A block's own variables; what a call gives has the name of the other block's variable.
-    own = re.compile(rf"(?<![.\w])(?!(?:(?<=\()|(?<=, ))\w+ :=)(?:{'|'.join(names)})\b")
+    given = "|".join(rf"(?<=,\n{' ' * deep})" for deep in CALL_DEPTHS)
+    own = re.compile(
+        rf"\(\*.*?\*\)|(?<![.\w])(?!(?:(?<=\()|(?<=, )|{given})\w+ :=)(?:{'|'.join(names)})\b",
+        re.DOTALL,
+    )
+    body = own.sub(lambda found: found[0] if found[0][0] == "(" else f"#{found[0]}", block.body)
     return (
         f'FUNCTION_BLOCK "{block.name}"\n'
         "{ S7_Optimized_Access := 'TRUE' }\n"
         "VERSION : 0.1\n"
         + "".join(f"{kind}\n{''.join(texts)}END_VAR\n" for kind, texts in sections.items() if texts)
-        + f"BEGIN\n{own.sub(lambda found: f'#{found[0]}', block.body)}END_FUNCTION_BLOCK\n\n"
+        + f"BEGIN\n{body}END_FUNCTION_BLOCK\n\n"
     )
 
 
@@ -151,4 +160,5 @@ EXPORT = Export(
     checks=check_program,
     write=write_scl,
     move=move_in_scl,
+    live=lambda block: _source(live_program(block)).encode(),
 )

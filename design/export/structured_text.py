@@ -11,6 +11,7 @@ import numpy as np
 
 from design.curve_fit.polynomials import Fit
 from design.export.kind import Export
+from design.export.live_blocks.text import live_in_text
 from design.export.lookup import Lookup, constants, lookup_of, lookup_remarks
 from design.export.lookup_text import lookup_in_text
 from design.export.move_text import move_in_text
@@ -364,4 +365,5 @@ EXPORT = Export(
     checks=check_program,
     write=write_st,
     move=lambda blocks: move_in_text(blocks).encode(),
+    live=lambda block: live_in_text(block).encode(),
 )

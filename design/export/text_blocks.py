@@ -4,6 +4,8 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from design.export.live_blocks.block import LiveBlock
+from design.export.live_blocks.text import live_in_text
 from design.export.move import MoveBlocks
 from design.export.move_text import move_in_text
 from design.export.structured_text import write_st
@@ -102,6 +104,27 @@ def move_program(blocks: MoveBlocks) -> TextProgram:
         As of `design.export.move_text.move_in_text`.
     """
     return parts_of(move_in_text(blocks))
+
+
+def live_program(block: LiveBlock) -> TextProgram:
+    """Return the Structured Text of live shaping in parts.
+
+    Parameters
+    ----------
+    block
+        The machine.
+
+    Returns
+    -------
+    TextProgram
+        With the comments of its head, the example of a call among them.
+
+    Raises
+    ------
+    InvalidInputError
+        As of `design.export.live_blocks.text.live_in_text`.
+    """
+    return parts_of(live_in_text(block))
 
 
 def parts_of(text: str) -> TextProgram:

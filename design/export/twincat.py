@@ -18,7 +18,13 @@ from xml.sax.saxutils import quoteattr
 from design.export.kind import Export
 from design.export.move import MoveBlocks
 from design.export.program import check_program
-from design.export.text_blocks import TextBlock, TextProgram, move_program, text_program
+from design.export.text_blocks import (
+    TextBlock,
+    TextProgram,
+    live_program,
+    move_program,
+    text_program,
+)
 from design.tables.rows import Rows, TableHead
 
 UNDATED = (1980, 1, 1, 0, 0, 0)
@@ -106,4 +112,5 @@ EXPORT = Export(
     checks=check_program,
     write=write_twincat,
     move=move_in_twincat,
+    live=lambda block: _archive(live_program(block)),
 )

@@ -6,6 +6,7 @@ from typing import Literal
 from design.claims import Promise, Quantity
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import GapProblem
+from design.formulations.large_swing import LargeSwingProblem
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
@@ -100,6 +101,7 @@ Formulation = (
     | BandSearch
     | JointProblem
     | StepsProblem
+    | LargeSwingProblem
     | RampedProblem
     | RampedBandProblem
     | RampedHumpsProblem

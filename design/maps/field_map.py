@@ -12,6 +12,7 @@ from design.maps.commands import drive_designed_for
 from design.maps.held import residuals_of_held, residuals_of_re_timed
 from design.maps.map_case import OF_ACTUATORS, OF_DESIGNS, Cell, Map, MapCase, Recipe
 from design.maps.of_designs import quantities_of_designs
+from design.shapers.refusals import require_small_swings
 from design.types import FloatArray
 
 MAX_CELLS = 20_000
@@ -81,6 +82,8 @@ def _require_consistent(case: MapCase) -> None:
     """Refuse a quantity that does not go with the rest, naming the field at fault."""
     recipe = case.shaper if isinstance(case.shaper, Recipe) else None
     quantity = case.quantity
+    if recipe is not None:
+        require_small_swings(recipe.kind, "maps")
     if quantity in OF_ACTUATORS:
         for name, given in (("shaper", case.shaper), ("move", case.move)):
             if given is not None:

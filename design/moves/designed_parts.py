@@ -17,6 +17,7 @@ from design.pipeline import design
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
 from design.shapers.peak_options import PeakOptions
+from design.shapers.refusals import require_small_swings
 from design.shapers.settle_options import SettleOptions
 from design.solvers.budget import Budget
 from design.solving.solve import solve
@@ -61,6 +62,7 @@ def designed_parts(
     SolverFailedError
         If none of those found was verified.
     """
+    require_small_swings(kind, "moves")
     no_start: InfeasibleDesignError | None = None
     of_start = Budget() if budget is None else budget
     try:

@@ -10,6 +10,7 @@ from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.pictures import time_panels
 from design.pictures.head import HEAD_IN, TITLE_IN, Fact, certificate_fact, note_of, write_head
+from design.pictures.large_swing_panels import draw_phase_plane, draw_swing
 from design.pictures.sensitivity_panel import draw_sensitivity
 from design.pictures.sheet import Sheet
 from design.pictures.style import AMBER, INK, house_style, percent
@@ -56,7 +57,8 @@ def design_sheet(
         11 x 8.3 in. Left, over one time axis [s]: the impulses; command and velocity of the
         actuator [share of full speed]; deflection of the payload with and without the shaper, in
         each mode [share of the unshaped amplitude]. Right: the vibration vectors of the slowest
-        mode head to tail, and the residual [%] over the frequency ratio with its insensitivity.
+        mode head to tail, of a large swing its rate over its angle; the residual [%] over the
+        frequency ratio with its insensitivity.
     """
     modes = plant.modes
     slowest = min(range(len(modes)), key=lambda one: modes[one].natural_frequency_rad_s)
@@ -70,7 +72,14 @@ def design_sheet(
             height_ratios=(1.22, 1),
         )  # fmt: skip
         vectors = figure.add_subplot(right[0])
-        draw_vectors(vectors, design.impulses, modes[slowest], actuator)
+        if design.large_swing is None:
+            draw_vectors(vectors, design.impulses, modes[slowest], actuator)
+        else:
+            swing, times_s = (
+                design.large_swing.swing,
+                time_panels.time_grid(design.impulses, modes[slowest], actuator),
+            )
+            draw_phase_plane(vectors, design.impulses, swing, actuator, times_s)
         if len(modes) > 1:
             vectors.set_title(f"Vibration vectors of mode {slowest}")
         draw_sensitivity(figure.add_subplot(right[1]), curves, design.residuals)
@@ -93,7 +102,10 @@ def _draw_time_panels(figure: Figure, plant: Plant, actuator: Actuator, design: 
     bottom = figure.add_subplot(rows[2], sharex=top)
     time_panels.draw_impulses(top, impulses, times_s)
     time_panels.draw_command(middle, impulses, slowest, actuator, times_s)
-    time_panels.draw_payload(bottom, impulses, modes, actuator, design.residuals, times_s)
+    if design.large_swing is None:
+        time_panels.draw_payload(bottom, impulses, modes, actuator, design.residuals, times_s)
+    else:
+        draw_swing(bottom, impulses, design.large_swing.swing, actuator, times_s)
     top.set_xlim(float(times_s[0]), float(times_s[-1]))
     for axes in (top, middle, bottom):
         time_panels.mark_switches(axes, impulses, actuator)
@@ -124,6 +136,8 @@ def _facts(plant: Plant, actuator: Actuator, design: Design) -> list[Fact]:
 
 def _residual_of(design: Design) -> str:
     """Return what the residual is a share of, and the largest in a range where there is one."""
+    if design.large_swing is not None:
+        return f"of the unshaped step at {design.large_swing.swing.speed_m_s:g} m/s,\nnonlinear"
     if design.worst_in_range is None:
         return "of the unshaped step"
     return f"in the middle of the range,\nat most {percent(design.worst_in_range)} within it"

@@ -71,6 +71,8 @@ def serves(kind: ShaperKind, question: Question) -> bool:
     bool
         Whether the kind is designed for the question.
     """
+    if kind.large_swings:  # whose speed is no requirement
+        return False
     firmware = question.requirements.firmware
     if firmware is not None and kind.name not in firmware.kinds:
         return False

@@ -18,6 +18,7 @@ from design.sampling.sampled_design import (
 from design.sampling.sampled_free import may_be_between_levels
 from design.shapers.kind import ShaperKind
 from design.shapers.options import ShaperOptions
+from design.shapers.refusals import require_small_swings
 
 UNITY_OF_SEVERAL = ("umzv", "umzvd")
 """What is convolved of unity magnitude for several modes."""
@@ -124,6 +125,7 @@ def brought_to_grid(
     SolverFailedError
         If simulation does not confirm the residual on samples.
     """
+    require_small_swings(kind, "shapers on samples", "kind")
     designed, sampled = sampled_design(
         found,
         plant.modes,
@@ -160,7 +162,8 @@ def require_served(
     Raises
     ------
     InvalidInputError
-        If unity magnitude is to leave nothing in several modes.
+        If unity magnitude is to leave nothing in several modes, or the kind is for large swings.
     """
+    require_small_swings(kind, "shapers on samples", "kind")
     if getattr(options, "base", kind.name) in UNITY_OF_SEVERAL:
         require_one_mode(modes, sample_time_s)

@@ -5,13 +5,14 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 from design.claims import Quantity
-from design.errors import InvalidInputError
 from design.formulations.formulation import Formulation
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
+from design.model.plants.registry import Plant
 from design.shapers.compiled_rows import CompiledRows
 from design.shapers.damping import EVERY_PLANT, DampingBound, require_modes_damped
 from design.shapers.options import ShaperOptions
+from design.shapers.refusals import refuse_several
 
 Options = TypeVar("Options", bound=ShaperOptions)
 
@@ -25,6 +26,7 @@ class DesignCase(Generic[Options]):
     options: Options  # Parameters of the kind
     # Whether the negative of a stop is asked, the sets of the actuator being swapped for it
     is_stop: bool = False
+    plant: Plant | None = None  # That of the modes, for kinds that need more of it than them
 
     @property
     def mode(self) -> Mode:
@@ -39,8 +41,7 @@ class KindOf(Generic[Options]):
     name: str  # Its ``kind`` on the wire
     summary: str  # One sentence for the catalogue
     source: str  # Where it was published
-    # What its impulses keep small, by name: zero unless the formulation says more
-    claims: tuple[Quantity, ...]
+    claims: tuple[Quantity, ...]  # What its impulses keep at zero, or as the formulation says
     options: type[Options]  # Record of its parameters; field metadata hold description and bounds
     actuators: tuple[str, ...]  # Names of the actuator kinds that it serves
     formulation: Callable[[DesignCase[Options]], Formulation]
@@ -50,6 +51,7 @@ class KindOf(Generic[Options]):
     # How tables solve it without the pipeline; None of kinds whose rows are designs
     compiled_rows: CompiledRows | None = None
     has_branches: bool = False  # Whether its undamped closed form has branches, that maps can show
+    large_swings: bool = False  # Whether it is for swings that are not small, of a pendulum alone
 
     @property
     def serves_several(self) -> bool:
@@ -92,13 +94,7 @@ class KindOf(Generic[Options]):
             If there is no such shaper.
         """
         if len(case.modes) > self.most_modes:
-            raise InvalidInputError(
-                "plant.modes",
-                f"{len(case.modes)} modes",
-                f"of one mode: {self.name} serves a single mode; multi_zv, multi_umzv, "
-                "num_multi, multi_si and convolved serve several",
-                code="kind_of_one_mode",
-            )
+            refuse_several(self.name, len(case.modes))
         if self.damping is not EVERY_PLANT:
             require_modes_damped(self.name, self.damping, case.modes)
         return self.formulation(case)

@@ -4,6 +4,7 @@ from design.shapers.ei import EI, THREE_HUMP_EI, TWO_HUMP_EI, UM_2EI, UM_EI
 from design.shapers.kind import ShaperKind
 from design.shapers.multi_si import MULTI_SI
 from design.shapers.negative import SNA_ZV, SNA_ZVD
+from design.shapers.num_large import NUM_LARGE
 from design.shapers.num_multi import NUM_MULTI
 from design.shapers.numei import NUM_2EI, NUM_EI
 from design.shapers.numsi import NUM_SI
@@ -21,7 +22,16 @@ NEGATIVE = (PS_ZV, PS_ZVD, SNA_ZV, SNA_ZVD)
 FOR_SEVERAL_MODES = (MULTI_ZV, MULTI_UMZV, NUM_MULTI, MULTI_SI, CONVOLVED)
 
 OVER_A_BAND = (SI,)
+LARGE_SWINGS = (NUM_LARGE,)
 
 SHAPERS: dict[str, ShaperKind] = {
-    kind.name: kind for kind in (*POSITIVE, *UNITY, *NEGATIVE, *OVER_A_BAND, *FOR_SEVERAL_MODES)
+    kind.name: kind
+    for kind in (
+        *POSITIVE,
+        *UNITY,
+        *NEGATIVE,
+        *OVER_A_BAND,
+        *FOR_SEVERAL_MODES,
+        *LARGE_SWINGS,
+    )
 }

@@ -8,6 +8,7 @@ from typing import Any
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.equations import GapProblem
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
+from design.formulations.large_swing import LargeSwingProblem
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
@@ -25,6 +26,7 @@ SOLVERS: dict[type, str] = {
     BandProblem: "design.solving.optima:solve_over_band",
     JointProblem: "design.solving.optima:solve_jointly",
     StepsProblem: "design.solvers.steps_for_modes:solve_steps",
+    LargeSwingProblem: "design.solving.large_swing:solve_large_swing",
     RampedProblem: "design.solving.ramps:solve_behind_limits",
     RampedBandProblem: "design.solving.ramps:solve_band_behind_limits",
     RampedHumpsProblem: "design.solving.ramped_humps:solve_humps_behind_limits",

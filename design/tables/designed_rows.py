@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from design.analysis.certificate import certify
+from design.analysis.large_swing_certificate import certify_large_swing
 from design.claims import zeros
 from design.errors import SolverFailedError
 from design.model.actuators.registry import Actuator
@@ -60,11 +61,7 @@ class DesignedRows:
             self.natural_frequencies_rad_s[row] = plant.mode.natural_frequency_rad_s
         self.residuals[row] = found.residual
         if self.wants_slopes:
-            slopes = [
-                certify(found.impulses, mode, actuator, zeros(["slope"])).claims[0].value
-                for mode in plant.modes
-            ]
-            self.slopes[row] = max(slopes)
+            self.slopes[row] = _slope_of(plant, actuator, found)
         self.designed[row] = True
         self.for_ideal[row] = found.for_ideal
 
@@ -99,6 +96,17 @@ class DesignedRows:
         sample_times_s = np.nan if self.sample_times_s is None else self.sample_times_s[:, None]
         samples: FloatArray = np.rint(times_s / sample_times_s)
         return samples
+
+
+def _slope_of(plant: Plant, actuator: Actuator, found: Design) -> float:
+    """Return the largest slope of a design in any mode, of large swings that of these [-]."""
+    slope = zeros(["slope"])
+    if found.large_swing is not None:
+        swing = found.large_swing.swing
+        return certify_large_swing(found.impulses, swing, actuator, slope).claims[0].value
+    return max(
+        certify(found.impulses, mode, actuator, slope).claims[0].value for mode in plant.modes
+    )
 
 
 def empty_rows(

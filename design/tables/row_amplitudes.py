@@ -1,10 +1,12 @@
 """Which amplitudes the rows of a table have, and how many."""
 
 import math
+from dataclasses import replace
 
 from design.errors import InvalidInputError
 from design.formulations.bands import BandProblem, BandSearch
 from design.formulations.formulation import ClosedForm, Convolution, JointProblem
+from design.formulations.large_swing import LargeSwingProblem
 from design.formulations.ramped import RampedProblem
 from design.formulations.ramped_band import RampedBandProblem
 from design.formulations.ramped_humps import RampedHumpsProblem
@@ -12,12 +14,14 @@ from design.formulations.steps_for_modes import StepsProblem
 from design.formulations.unequal_band import UnequalBandProblem
 from design.formulations.unequal_humps import UnequalHumpsProblem
 from design.formulations.unequal_ramps import UnequalRampsProblem
+from design.formulations.unity_magnitude_problem import alternating
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.registry import Actuator
 from design.model.plants.mode import Mode
 from design.model.plants.registry import Plant, SeveralModes
 from design.shapers.kind import ShaperKind
+from design.shapers.num_large import LargeSwingOptions
 from design.shapers.options import ShaperOptions
 from design.shapers.several_modes import BASES, ConvolvedOptions
 
@@ -52,6 +56,9 @@ def amplitudes_of(
     InvalidInputError
         If the kind's number of impulses changes with plant or band, or an option breaks its rule.
     """
+    options = kind.options() if options is None else options
+    if isinstance(options, LargeSwingOptions):
+        return tuple(alternating(options.steps).tolist())
     actuator: Actuator = Ideal()
     if actuator.kind not in kind.actuators:
         actuator = FirstOrder(accel_time_constant_s=0.1, decel_time_constant_s=0.1)
@@ -61,6 +68,7 @@ def amplitudes_of(
         formulation,
         JointProblem
         | Convolution
+        | LargeSwingProblem
         | RampedProblem
         | RampedHumpsProblem
         | UnequalRampsProblem
@@ -110,6 +118,8 @@ def impulses_of(plant: Plant, kind: ShaperKind, options: ShaperOptions | None) -
         If that changes with the plant.
     """
     options = kind.options() if options is None else options
+    if kind.large_swings:  # refuses a plant, or parameters, of no row
+        kind.formulate(replace(kind.case(plant.modes, Ideal(), options), plant=plant))
     if isinstance(options, ConvolvedOptions):
         base = BASES[options.base]
         of_one = len(amplitudes_of(base, base.options()))

@@ -40,12 +40,14 @@ SCHEMAS_HELP = "JSON Schema of every request and response, a file each (GET /v1/
 PROGRAMS = {
     "design": tuple(name for name, row in FORMATS.items() if row.is_program),
     "maneuver": tuple(name for name, row in FORMATS.items() if row.plays_moves),
+    "run": tuple(name for name, row in FORMATS.items() if row.plays_moves),
 }
 """Formats of a table that one answer of an operation has too, by the operation."""
 
 PROGRAM_HELP = {
     "design": "the shaper as a program or a line of firmware",
     "maneuver": "the move as blocks or functions that are called once a cycle",
+    "run": "in live mode, the block that shapes live commands on a controller",
 }
 """What is written in them."""
 

@@ -1,12 +1,13 @@
 """Plant and drive of a request in the words of those who measure them: hertz, periods, lengths."""
 
-from math import tau
+from math import degrees, tau
 
 from pydantic import TypeAdapter
 
 from design.model.actuators.in_words import drive_line, has_sets
 from design.model.plants.free_body import FreeBody
 from schemas.actuators import ActuatorIn
+from schemas.large_swings import LargeSwingOut
 from schemas.plants import (
     DoublePendulumIn,
     FreeBodyIn,
@@ -22,6 +23,14 @@ PLANTS: TypeAdapter[PlantIn] = TypeAdapter(PlantIn)
 DRIVES: TypeAdapter[ActuatorIn] = TypeAdapter(ActuatorIn)
 
 ASK_FOR_MODEL = 'no model was given; a drive with one speed is better described by "switched"'
+
+
+def large_swing_lines(swing: LargeSwingOut | None) -> list[str]:
+    """Return of which swing a design is, where it is a large one."""
+    if swing is None:
+        return []
+    angle = degrees(swing.largest_angle_rad)
+    return [f"swing       up to {angle:.4g} degrees, nonlinear, exact at {swing.speed_m_s:g} m/s"]
 
 
 def plant_lines(plant: PlantIn) -> list[str]:

@@ -24,7 +24,14 @@ from schemas.solver import SolverOut
 from schemas.trace import TraceStepOut
 from schemas.warnings import WarningOut
 from service.cli.drive_off import drive_off_lines, usual_drive_off
-from service.cli.plant_lines import DRIVES, PLANTS, drive_lines, only_hertz, plant_lines
+from service.cli.plant_lines import (
+    DRIVES,
+    PLANTS,
+    drive_lines,
+    large_swing_lines,
+    only_hertz,
+    plant_lines,
+)
 from service.cli.recommended import legend, next_command, shown_rows
 from service.cli.run_log import run_lines, run_rows
 
@@ -266,9 +273,14 @@ def _findings(response: Response, request: bytes) -> list[str]:
             _certificate(response.certificate),
             *_shortest(response.solver),
             f"residual    {100 * response.residual:.4g} % with the actuator given",
+            *large_swing_lines(response.large_swing),
             *([] if response.sensitivity is None else _band(response.sensitivity, hertz)),
-            *drive_off_lines(
-                response.drive or usual_drive_off(response.shaper.impulses, plant, drive)
+            *(
+                []
+                if response.large_swing
+                else drive_off_lines(
+                    response.drive or usual_drive_off(response.shaper.impulses, plant, drive)
+                )
             ),
             *([] if response.fit is None else _fit(response.fit)),
             *_trace(response.trace or []),

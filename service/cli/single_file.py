@@ -1,4 +1,4 @@
-"""From bytes to a file of one design or one move."""
+"""From bytes to a file of one design, one move or one machine."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,10 +11,12 @@ from design.tables.rows import Real
 from schemas.base import Wire
 from schemas.design_request import DesignRequest
 from schemas.maneuvers import ManeuverRequest
+from schemas.runs import RunRequest
 from schemas.warnings import WarningOut
 from service.implausible import implausible_values
 from service.implausible_words import warnings_of
 from service.operations.design_file import design_file as file_of_design
+from service.operations.live_file import live_file as file_of_machine
 from service.operations.move_file import move_file as file_of_move
 from service.problems import (
     Problem,
@@ -76,6 +78,26 @@ def move_file(body: bytes, format_name: str, real: Real = "LREAL") -> Written | 
     return _file(body, ManeuverRequest, lambda asked: file_of_move(asked, format_name, real))
 
 
+def live_file(body: bytes, format_name: str, real: Real = "LREAL") -> Written | Problem:
+    """Validate a request for a run and return its machine as a file.
+
+    Parameters
+    ----------
+    body
+        The request as JSON.
+    format_name
+        Name of a format that holds blocks.
+    real
+        Type of numbers in Structured Text.
+
+    Returns
+    -------
+    Written or Problem
+        The file, or what is wrong.
+    """
+    return _file(body, RunRequest, lambda asked: file_of_machine(asked, format_name, real))
+
+
 def _file(
     body: bytes, model: type[Request], written: Callable[[Request], bytes]
 ) -> Written | Problem:
@@ -97,5 +119,6 @@ def _file(
 FILES: dict[str, Callable[[bytes, str, Real], Written | Problem]] = {
     "design": design_file,
     "maneuver": move_file,
+    "run": live_file,
 }
 """What writes the answer of an operation as a file."""

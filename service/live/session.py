@@ -209,7 +209,8 @@ def _begun(request: RunRequest) -> _Session:
         commands = Resolved(machine, init(machine))
     elif isinstance(request.shaping, DelayLine):
         with name_field("shaping"):
-            commands = Convolved(shaper_of(request.shaping, crane, swinging, plant, actuator))
+            shaper = shaper_of(request.shaping, crane, swinging, plant, actuator, request.speed_m_s)
+            commands = Convolved(shaper)
     else:
         commands = Convolved(Impulses(times_s=np.zeros(1), amplitudes=np.ones(1)))
     return _Session(

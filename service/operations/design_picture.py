@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+from design.analysis.large_swing_sensitivity import large_swing_sensitivity
 from design.analysis.sensitivity import SensitivityRange, sensitivity
 from schemas.design_request import DesignRequest
 from service.operations.requested_design import requested_design
@@ -43,8 +44,12 @@ def design_picture(request: DesignRequest) -> "Figure":
         return trace_sheet(request.shaper.kind, done.trace)
     curves = done.curves
     if not curves:
-        usual, impulses = SensitivityRange(), done.design.impulses
-        curves = [sensitivity(impulses, mode, done.actuator, usual) for mode in done.plant.modes]
+        usual, impulses, swing = SensitivityRange(), done.design.impulses, done.design.large_swing
+        curves = (
+            [sensitivity(impulses, mode, done.actuator, usual) for mode in done.plant.modes]
+            if swing is None
+            else [large_swing_sensitivity(impulses, swing.swing, done.actuator, usual)]
+        )
     return design_sheet(
         request.shaper.kind, done.plant, done.actuator, done.design, curves, version()
     )

@@ -9,6 +9,7 @@ from design.curve_fit.polynomials import Fit
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.pipeline import design
+from design.shapers.refusals import require_small_swings
 from schemas.base import name_field
 from schemas.fits import FitDesign, FitIn, FitOut, FitRequest, name_fit
 from schemas.samples import continuous_options
@@ -135,7 +136,13 @@ def read_fit(
     -------
     tuple of Any, FitRange and tuple of Plant
         Options of the kind of shaper, the range, and the plants at its ends.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value breaks its rule, or the kind of shaper is not served.
     """
+    require_small_swings(shaper.shaper_kind(), "fits")
     with name_field("shaper"):
         options = continuous_options(shaper, NO_FIT_ON_SAMPLES)
     with name_field("fit"):

@@ -55,7 +55,7 @@ def live_machine(
     if swinging.cable is not None:
         subject = subject_at_length(crane, swinging.cable, crane.cable_length_m)
     with name_field("shaping"):
-        kind = _kind_of(shaping.shaper)
+        kind = live_kind(shaping.shaper)
     if request.played is not None:
         refuse_live("played", "a course")
     for number, event in enumerate(request.events or ()):
@@ -152,7 +152,24 @@ def refuse_live(field: str, value: object) -> None:
     )
 
 
-def _kind_of(shaper: ShaperRequest) -> LiveKind:
+def live_kind(shaper: ShaperRequest) -> LiveKind:
+    """Return what plans keep by a shaper of a request.
+
+    Parameters
+    ----------
+    shaper
+        Of the request.
+
+    Returns
+    -------
+    LiveKind
+        Its kind, and whether its slope is zero too.
+
+    Raises
+    ------
+    InvalidInputError
+        If the kind or an option is not served live.
+    """
     with name_field("shaper"):
         options = shaper.options()
         slope = bool(getattr(options, "slope", False))

@@ -3,11 +3,13 @@
 from dataclasses import dataclass
 
 from design.analysis.drive_sensitivity import require_parameters
+from design.analysis.large_swing_sensitivity import large_swing_sensitivity
 from design.analysis.sensitivity import Sensitivity, sensitivity
 from design.errors import DesignError
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.pipeline import Design, design
+from design.shapers.refusals import require_small_swings
 from design.solvers.budget import Budget
 from design.trace import TraceStep
 from schemas.base import name_field
@@ -54,6 +56,7 @@ def requested_design(request: DesignRequest) -> RequestedDesign:
         with name_field("sensitivity"):
             curve_range = request.sensitivity.to_design()
     if request.drive is not None:
+        require_small_swings(request.shaper.shaper_kind(), "errors of the drive")
         require_parameters(actuator)
     if request.fit is not None:
         read_fit(request.shaper, request.fit, request.plant.kind, plant)
@@ -74,5 +77,10 @@ def requested_design(request: DesignRequest) -> RequestedDesign:
         told = SampledOut.from_design(sampled, continuous)
     curves = []
     if curve_range is not None:
-        curves = [sensitivity(found.impulses, mode, actuator, curve_range) for mode in plant.modes]
+        sent, swing = found.impulses, found.large_swing
+        curves = (
+            [sensitivity(sent, mode, actuator, curve_range) for mode in plant.modes]
+            if swing is None
+            else [large_swing_sensitivity(sent, swing.swing, actuator, curve_range)]
+        )
     return RequestedDesign(plant, actuator, found, curves, told, trace)

@@ -136,7 +136,7 @@ def _case_of(request: RunRequest) -> _Case:
     warnings: tuple[DesignWarning, ...] = ()
     if isinstance(request.shaping, DelayLine):
         with name_field("shaping"):
-            shaper = shaper_of(request.shaping, crane, swinging, plant, actuator)
+            shaper = shaper_of(request.shaping, crane, swinging, plant, actuator, request.speed_m_s)
         if swinging.cable is not None:
             warnings = one_length_warnings(request.shaping, swinging.cable, hoists)
     machine, stops = None, emergencies(request)

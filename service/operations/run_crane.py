@@ -19,6 +19,9 @@ from design.pipeline import design
 from design.rig.crane import HOOK_MASS_KG, MAX_CABLE_M, AxisName, Crane, Load, Stroke
 from design.rig.hoists import hoists_of
 from design.rig.scenario import HoistTo
+from design.shapers.kind import ShaperKind
+from design.shapers.options import ShaperOptions
+from design.shapers.refusals import require_small_swings
 from schemas.base import name_field
 from schemas.runs import DelayLine, RunRequest, StrokeIn
 from service.operations.found_shaper import on_samples
@@ -140,7 +143,12 @@ def _stroke_of(axis: AxisName, stroke: StrokeIn | None) -> Stroke | None:
 
 
 def shaper_of(
-    line: DelayLine, crane: Crane, swinging: Swinging, plant: Plant, actuator: Actuator
+    line: DelayLine,
+    crane: Crane,
+    swinging: Swinging,
+    plant: Plant,
+    actuator: Actuator,
+    speed_m_s: float,
 ) -> Impulses:
     """Design the shaper of a delay line, for both modes of a hook with a load.
 
@@ -150,8 +158,8 @@ def shaper_of(
         The delay line.
     crane, swinging
         What swings, from which a given length of the cable is taken.
-    plant, actuator
-        Of the request.
+    plant, actuator, speed_m_s
+        Of the request; full speed [m/s].
 
     Returns
     -------
@@ -182,10 +190,29 @@ def shaper_of(
         subject = subject_at_length(crane, swinging.cable, length)
     with name_field("shaper"):
         options = line.shaper.options()
+        _require_same_swing(line.shaper.shaper_kind(), options, crane, speed_m_s)
     found = design(subject, actuator, line.shaper.shaper_kind(), options)
     if line.shaper.sample_time_s is not None:
         found, _ = on_samples(found, subject, actuator, line.shaper, line.shaper.sample_time_s)
     return found.impulses
+
+
+def _require_same_swing(
+    kind: ShaperKind, options: ShaperOptions, crane: Crane, speed_m_s: float
+) -> None:
+    """Check that a shaper for large swings is exact for the run."""
+    if not kind.large_swings:
+        return
+    if crane.model != "nonlinear":
+        require_small_swings(kind, "runs of the linear model", "kind")
+    exact_at = getattr(options, "speed_m_s", None)
+    if exact_at is not None and exact_at != speed_m_s:
+        raise InvalidInputError(
+            "speed_m_s",
+            exact_at,
+            f"that of the run, {speed_m_s:g}: at another the shaper is not exact",
+            code="large_swing_of_other_speed",
+        )
 
 
 def subject_at_length(crane: Crane, cable: Pendulum, length_m: float) -> Pendulum | Modes:

@@ -15,6 +15,7 @@ from design.moves.shaped_commands import ShapedCommand, shaped_command
 from design.pipeline import design
 from design.sampling.sampled_design import claims_on_samples
 from design.shapers.options import ShaperOptions
+from design.shapers.refusals import require_small_swings
 from design.types import FloatArray
 from schemas.base import name_field
 from schemas.shapers import ShaperIn
@@ -139,6 +140,7 @@ def _shape_command(
     shaper: ShaperIn,
     options: ShaperOptions | None,
 ) -> ShapedCommand:
+    require_small_swings(shaper.shaper_kind(), "simulations")
     found, claims = design(plant, actuator, shaper.shaper_kind(), options), None
     if shaper.sample_time_s is not None:
         claims = claims_on_samples(found, shaper.sample_tolerance)

@@ -28,6 +28,6 @@ def warm_solvers() -> None:
         SecondOrder(accel=one, decel=one, model="switched"),
     ):
         for kind in SHAPERS.values():
-            if actuator.kind in kind.actuators:
+            if actuator.kind in kind.actuators and not kind.large_swings:
                 design(mode, actuator, kind)
     settle()

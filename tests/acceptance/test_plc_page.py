@@ -25,6 +25,9 @@ AT_WORST = 0.0635
 SETTLED = 1e-4
 """What cycles of 10 ms leave of commands that last: they share delays between cycles [-]."""
 
+LIVE_BOUND, LIVE_ADDED_S = 1.1e-6, (1.21, 1.74)
+"""Residual and added time, in the median and at most, of the live block by the page [-], [s]."""
+
 MAIN = """
 #include <stdio.h>
 #include "task.c"
@@ -105,3 +108,28 @@ def test_a_length_outside_of_the_table_is_reported_and_keeps_the_times(folder: P
     held = list(main.values["times"].values["times_s"].values)
     assert main(cable_length_m=12.1, joystick=1.0)["unknown_length"] is True
     assert main.values["times"].values["times_s"].values == held
+
+
+def test_the_live_block_adds_the_time_of_the_page_and_keeps_its_bound(tmp_path: Path) -> None:
+    with follower(PAGE, tmp_path) as reader:
+        for block in blocks(PAGE):
+            if block.file in {"joystick.json", "live_main.st"} or any(
+                "joystick.json" in command.typed for command in block.commands
+            ):
+                reader.follow(block)
+    text = (tmp_path / "live_main.st").read_text() + (tmp_path / "joystick.st").read_text()
+    mode = Pendulum(cable_length_m=LENGTH_M).mode
+    added_s = []
+    for on_s in np.linspace(0.025, 1.25, 40) * mode.period_s:
+        main = Block(text, "live_main")
+        on = round(on_s / CYCLE_S)
+        shares = [
+            main(enable=True, wanted=float(call < on), cable_length_m=LENGTH_M)["velocity_m_s"]
+            for call in range(on + round(mode.period_s / CYCLE_S))
+        ]
+        changes = np.diff(shares, prepend=0.0)
+        held = np.flatnonzero(changes)
+        command = Impulses(times_s=held * CYCLE_S, amplitudes=changes[held])
+        assert outcome(command, mode, DRIVE).residual <= LIVE_BOUND
+        added_s.append((held[-1] - on) * CYCLE_S)
+    assert (np.median(added_s), max(added_s)) == pytest.approx(LIVE_ADDED_S, abs=CYCLE_S / 2)

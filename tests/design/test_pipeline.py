@@ -21,6 +21,7 @@ from design.model.plants.mode import Mode
 from design.model.plants.pendulum import Pendulum
 from design.pipeline import design
 from design.shapers.kind import DesignCase, ShaperKind
+from design.shapers.num_large import LargeSwingOptions
 from design.shapers.registry import SHAPERS
 from design.shapers.settle_options import SettleOptions
 from tests.refusals import refused
@@ -50,9 +51,10 @@ def test_a_solved_design_says_how_it_was_found() -> None:
 
 
 def test_the_certificate_covers_exactly_the_claims() -> None:
+    large = LargeSwingOptions(speed_m_s=1.0)
     for kind in SHAPERS.values():
         actuator = FIRST_ORDER
-        made = design(CRANE, actuator, kind)
+        made = design(CRANE, actuator, kind, large if kind.large_swings else None)
         assert tuple(claim.quantity for claim in made.certificate.claims) == kind.claims
         assert made.certificate.verified
 

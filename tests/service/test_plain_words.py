@@ -153,7 +153,7 @@ def test_an_unknown_field_is_answered_with_what_may_be_meant(name: str, told: st
         (("cable_length_mm",), "did you mean /plant/cable_length_mm?"),
         (("sample_time_s",), "did you mean /shaper/sample_time_s?"),
         (("plant", "dead_time_ms"), "did you mean /actuator/dead_time_ms?"),
-        (("plant", "points"), "did you mean /sensitivity/points?"),
+        (("plant", "points"), "did you mean /sensitivity/points or /drive/points?"),
     ],
 )
 def test_a_field_of_another_object_is_answered_with_its_place(

@@ -70,7 +70,7 @@ def _mode(damping_ratio: float) -> Mode:
 
 
 @pytest.mark.parametrize("z", [0.6, 0.99])
-@pytest.mark.parametrize("name", SHAPERS)
+@pytest.mark.parametrize("name", SHAPER_TABLE)
 def test_a_heavily_damped_plant_gets_what_is_claimed_or_a_reason(name: str, z: float) -> None:
     require_what_is_claimed_or_a_reason(name, z)
 

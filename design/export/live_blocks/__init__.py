@@ -1,0 +1,1 @@
+"""Live shaping as blocks for controllers, which solve each change anew."""
