@@ -248,3 +248,21 @@ def test_hoists_that_are_not_served_are_refused() -> None:
     no_cable = replace(MACHINE, plant=Mode(natural_frequency_rad_s=3.5))
     with refused("hoist_not_live", "cable_length_m", says="delay line"):
         event(no_cable, init(no_cable), 0.0, UP)
+
+
+def test_a_swing_too_small_for_a_pulse_is_left_and_said() -> None:
+    # What the lag leaves is of the first length: on another it is a little swing.
+    states, sent = played(MACHINE, [(0.0, Press(x=1.0)), (1.6, UP)])
+    (claim,) = states[-1].certificate.claims if states[-1].certificate is not None else ()
+    assert len(sent) == 3
+    assert 1e-10 < claim.value < claim.limit == 1e-7
+    assert claim.holds
+
+
+def test_a_switch_that_is_due_at_once_is_sent_behind_a_dead_time() -> None:
+    # 0.7 s and 0.15 s and back are not 0.7 s.
+    late = replace(MACHINE, actuator=replace(KIM, dead_time_s=0.15))
+    for at_s in np.linspace(0.3, 2.9, 20).tolist():
+        events: Events = [(0.0, Press(x=1.0)), (at_s, Press(x=0.0))]
+        _, sent = played(late, events)
+        assert rig_swing(late, events, sent) < 1e-9
