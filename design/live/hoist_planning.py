@@ -13,10 +13,12 @@ from design.live.machine import IDEAL_ROW, LiveKind
 from design.live.patterns import guesses_s, patterns
 from design.live.planning import (
     LEAST_PULSE,
+    LEAST_REST,
     LEAST_SUPERPOSED_PULSE,
     LONGEST_MOVE,
     NOTHING,
     Task,
+    plan_of,
     solve_plan,
 )
 from design.live.propagation import carry
@@ -261,7 +263,7 @@ def _earliest(
         np.empty(MAX_ARCS),
     )
     best = None
-    groups = patterns(axis.level, target, beside, period_s / 2, UNKNOWNS)
+    groups = patterns(axis.level, target, beside, period_s / 2, LEAST_REST * period_s, UNKNOWNS)
     for pattern in itertools.chain.from_iterable(groups):
         given = np.array(pattern.given_s)
         found = np.empty(given.size)
@@ -290,12 +292,5 @@ def _earliest(
         )
         if earliest_s < best_s:
             best_s = earliest_s
-            times, levels, level = [], [], axis.level
-            begins = axis.time_s - task.rows.dead_time_s + np.concatenate(([0], np.cumsum(found)))
-            for time_s, to in zip(begins.tolist(), pattern.levels, strict=True):
-                if to != level:
-                    times.append(time_s)
-                    levels.append(to)
-                    level = to
-            best = Plan(times_s=tuple(times), levels=tuple(levels))
+            best = plan_of(task.rows, axis, pattern, found, least * period_s)
     return best

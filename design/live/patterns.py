@@ -47,7 +47,12 @@ class Pattern:
 
 
 def patterns(
-    level: float, target: float, others: tuple[float, ...], half_s: float, unknowns: int
+    level: float,
+    target: float,
+    others: tuple[float, ...],
+    half_s: float,
+    rest_s: float,
+    unknowns: int,
 ) -> Iterator[tuple[Pattern, ...]]:
     """Yield the patterns from a level to another, the short ones first.
 
@@ -59,6 +64,8 @@ def patterns(
         Levels that may stand beside the new one, of its sign or 0, other than itself [-].
     half_s
         Half the damped period of the slowest mode [s].
+    rest_s
+        Least time at rest between two directions [s].
     unknowns
         Number of equations, even.
 
@@ -74,16 +81,20 @@ def patterns(
         given = [*(gap for _, gap in before), *[free] * unknowns]
         return Pattern(levels=tuple(levels), given_s=tuple(given))
 
-    yield tuple(alternating(other) for other in others)
     if level * target < 0:
+        yield tuple(alternating(other, ((0.0, rest_s),)) for other in others)
         # Through zero: the last of the old direction, and the first of the new.
         yield tuple(
-            Pattern(levels=(0.0, between, 0.0, target), given_s=(free, share * half_s, free))
+            Pattern(
+                levels=(0.0, 0.0, between, 0.0, target),
+                given_s=(rest_s, free, share * half_s, free),
+            )
             if unknowns == len((level, target))
             else alternating(0.0, ((0.0, share * half_s),))
             for between, share in itertools.product((level, target), WAITS)
         )
         return
+    yield tuple(alternating(other) for other in others)
     if unknowns == len((level, target)):
         yield tuple(
             Pattern(levels=(other, target, other, target), given_s=(free, half_s, free))

@@ -38,8 +38,8 @@ periods of the slowest mode: four unknown gaps take milliseconds a pattern [-]."
 
 
 LEAST_REST = 0.01
-"""Time at the end of a plan before the next begins, over the fastest mode's period: two switches at
-once would be one to the drive, which may be of the other set [-]."""
+"""Time at rest between two directions and at the end of a plan before the next begins, over the
+fastest mode's period: two switches at once would be one to the drive, maybe of another set [-]."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -200,7 +200,7 @@ def _earliest(task: Task, kind: LiveKind, axis: AxisState, target: float) -> Axi
                 *memory,
             )
             if earliest_s < best_s:
-                best_s, best = earliest_s, _plan(rows, axis, pattern, found, shortest_s)
+                best_s, best = earliest_s, plan_of(rows, axis, pattern, found, shortest_s)
         if unknowns > FEW and best_s <= SOON * slowest_s:
             break
     return None if best is None else replace(axis, target=target, plan=best)
@@ -217,15 +217,30 @@ def _patterns(
     others = dict.fromkeys((0.0, axis.level, axis.target))
     beside = tuple(one for one in others if one != target and one * target >= 0)
     half_s = math.pi / min(mode.pole_rad_s.imag for mode in task.modes)
-    return patterns(axis.level, target, beside, half_s, unknowns)
+    rest_s = LEAST_REST * min(mode.period_s for mode in task.modes)
+    return patterns(axis.level, target, beside, half_s, rest_s, unknowns)
 
 
-def _plan(
+def plan_of(
     rows: Rows, axis: AxisState, pattern: Pattern, gaps_s: FloatArray, shortest_s: float
 ) -> Plan:
     """Return the switches of a pattern.
 
     One to the level that is held already is none, and so is one to a first arc of no length.
+
+    Parameters
+    ----------
+    rows, axis
+        The machine, and the axis as the pattern begins.
+    pattern, gaps_s
+        The levels, and how long each arc is, shape (arcs,) [s].
+    shortest_s
+        A first arc that is shorter is none [s].
+
+    Returns
+    -------
+    Plan
+        When each is commanded: a dead time before the drive answers.
     """
     begins = axis.time_s - rows.dead_time_s + np.concatenate(([0.0], np.cumsum(gaps_s)))
     times, levels, level = [], [], axis.level
