@@ -17,6 +17,12 @@ from design.model.plants.mode import Mode
 from design.response.hoisting_simulation import INTEGRALS, NODES, STAGES
 from design.types import FloatArray
 
+HOISTED = (
+    "state of drive and load carried through the whole live command, by collocation while the "
+    "cable is hoisted, else by matrix exponential"
+)
+"""What the certificate says of its route once the cable has been hoisted."""
+
 FIRST = 0.4
 """First step after a switch, over the time constant of the fastest mode [-]."""
 

@@ -28,6 +28,7 @@ from design.live.emergency_request import EmergencyRequest
 from design.live.hoist import Hoist, HoistRequest
 from design.live.hoist_events import hoist_of, hoisted_axis, require_hoisted_kind
 from design.live.hoist_planning import carry_hoisted, solve_hoisted
+from design.live.hoist_witness import HOISTED
 from design.live.machine import LiveKind, LiveMachine
 from design.live.plan_claims import Witnessed, claims_of_plan, worst_claims
 from design.live.planning import NOTHING, Task, last_switch_s, task_of, wait_and_solve
@@ -243,7 +244,8 @@ def event(machine: LiveMachine, state: LiveState, at_s: float, request: Request)
         x=planned_x.axis,
         y=planned_y.axis,
         certificate=Certificate(
-            claims=worst_claims(planned_x.claims, planned_y.claims), method=METHOD
+            claims=worst_claims(planned_x.claims, planned_y.claims),
+            method=METHOD if now.hoist is None else HOISTED,
         ),
         fallback="; ".join(reasons) or None,
     )

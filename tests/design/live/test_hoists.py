@@ -118,6 +118,7 @@ def test_presses_around_a_hoist_leave_nothing(drive: Unlimited, damping: float) 
     for state in states:
         assert state.certificate is not None
         assert state.certificate.verified
+        assert ("collocation" in state.certificate.method) is (state.hoist is not None)
         assert state.fallback is None
     assert {abs(level) for _, level in sent} <= {0.0, 1.0}
     if not damping:
