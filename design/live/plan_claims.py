@@ -5,9 +5,11 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from design.analysis.certificate import Claim
+from design.live.hoist import Hoist
+from design.live.hoist_witness import carry_hoisted_witness
 from design.live.machine import LiveKind, LiveMachine
 from design.live.state import Plan
-from design.live.witness import Route, Witness, carry_witness, claims_of
+from design.live.witness import Route, Witness, claims_of
 from design.live.witnessed_peak import deflection_claims
 from design.model.plants.mode import Mode
 
@@ -23,7 +25,12 @@ class Witnessed(NamedTuple):
 
 
 def claims_of_plan(
-    machine: LiveMachine, modes: tuple[Mode, ...], seen: Witnessed, plan: Plan, kind: LiveKind
+    machine: LiveMachine,
+    modes: tuple[Mode, ...],
+    seen: Witnessed,
+    plan: Plan,
+    kind: LiveKind,
+    hoist: Hoist | None = None,
 ) -> tuple[Claim, ...]:
     """Return what is found of a plan of an axis.
 
@@ -37,6 +44,8 @@ def claims_of_plan(
         The rest of its command.
     kind
         What the plan makes zero.
+    hoist
+        The latest hoist, if there was any: while it lasts, claims are of its end.
 
     Returns
     -------
@@ -47,7 +56,9 @@ def claims_of_plan(
     route, now = seen
     acts_s = [time_s + machine.actuator.dead_time_s for time_s in plan.times_s]
     end_s = max([now.time_s, *acts_s, plan.rests_s or now.time_s])
-    done = carry_witness(route, now, acts_s, plan.levels, end_s)
+    if hoist is not None:
+        end_s = max(end_s, hoist.end_s)
+    done = carry_hoisted_witness(route, hoist, now, acts_s, plan.levels, end_s)
     if plan.rests_s is not None:
         claims = claims_of(route, done, slopes=False)
         return tuple(replace(claim, limit=max(claim.limit, plan.swing_left)) for claim in claims)
@@ -59,3 +70,24 @@ def claims_of_plan(
             route, modes, now, acts_s, plan.levels, until_s, machine.deflection_limit
         )
     return claims
+
+
+def worst_claims(one: tuple[Claim, ...], other: tuple[Claim, ...]) -> tuple[Claim, ...]:
+    """Return the claims of two axes that are nearer to their limits.
+
+    Parameters
+    ----------
+    one, other
+        Of either axis.
+
+    Returns
+    -------
+    tuple of Claim
+        Of both; all of them where they claim different things.
+    """
+    if [claim.quantity for claim in one] != [claim.quantity for claim in other]:
+        return one + other
+    return tuple(
+        max(pair, key=lambda claim: claim.value / claim.limit)
+        for pair in zip(one, other, strict=True)
+    )

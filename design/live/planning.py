@@ -37,6 +37,11 @@ FEW, SOON = 2, 0.8
 periods of the slowest mode: four unknown gaps take milliseconds a pattern [-]."""
 
 
+LEAST_REST = 0.01
+"""Time at the end of a plan before the next begins, over the fastest mode's period: two switches at
+once would be one to the drive, which may be of the other set [-]."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Task:
     """What planning needs of a machine whose modes stay as they are.
@@ -130,7 +135,8 @@ def wait_and_solve(task: Task, kind: LiveKind, axis: AxisState, target: float) -
     first = axis.plan
     if not first.times_s:
         return solve_plan(task, kind, axis, target)
-    ended = carry(task.rows, axis, first.times_s[-1] + task.rows.dead_time_s)
+    rest_s = LEAST_REST * min(mode.period_s for mode in task.modes)
+    ended = carry(task.rows, axis, first.times_s[-1] + task.rows.dead_time_s + rest_s)
     after = solve_plan(task, kind, ended, target)
     if after is None:
         return None
@@ -194,7 +200,7 @@ def _earliest(task: Task, kind: LiveKind, axis: AxisState, target: float) -> Axi
                 *memory,
             )
             if earliest_s < best_s:
-                best_s, best = earliest_s, _plan(rows, axis, pattern, found)
+                best_s, best = earliest_s, _plan(rows, axis, pattern, found, shortest_s)
         if unknowns > FEW and best_s <= SOON * slowest_s:
             break
     return None if best is None else replace(axis, target=target, plan=best)
@@ -214,11 +220,17 @@ def _patterns(
     return patterns(axis.level, target, beside, half_s, unknowns)
 
 
-def _plan(rows: Rows, axis: AxisState, pattern: Pattern, gaps_s: FloatArray) -> Plan:
-    """Return the switches of a pattern; one to the level that is held already is none."""
+def _plan(
+    rows: Rows, axis: AxisState, pattern: Pattern, gaps_s: FloatArray, shortest_s: float
+) -> Plan:
+    """Return the switches of a pattern.
+
+    One to the level that is held already is none, and so is one to a first arc of no length.
+    """
     begins = axis.time_s - rows.dead_time_s + np.concatenate(([0.0], np.cumsum(gaps_s)))
     times, levels, level = [], [], axis.level
-    for time_s, to in zip(begins.tolist(), pattern.levels, strict=True):
+    first = int(gaps_s.size > 0 and gaps_s[0] < shortest_s)
+    for time_s, to in zip(begins.tolist()[first:], pattern.levels[first:], strict=True):
         if to != level:
             times.append(time_s)
             levels.append(to)

@@ -25,16 +25,14 @@ from design.errors import InvalidInputError
 from design.live.demands import limit_deflection
 from design.live.emergency import emergency_stop
 from design.live.emergency_request import EmergencyRequest
+from design.live.hoist import Hoist, HoistRequest
+from design.live.hoist_events import hoist_of, hoisted_axis, require_hoisted_kind
+from design.live.hoist_planning import carry_hoisted, solve_hoisted
 from design.live.machine import LiveKind, LiveMachine
-from design.live.plan_claims import Witnessed, claims_of_plan
-from design.live.planning import NOTHING, Task, last_switch_s, solve_plan, task_of, wait_and_solve
-from design.live.propagation import carry
+from design.live.plan_claims import Witnessed, claims_of_plan, worst_claims
+from design.live.planning import NOTHING, Task, last_switch_s, task_of, wait_and_solve
 from design.live.state import AxisState, Plan, at_rest
-from design.live.witness import (
-    METHOD,
-    without_slope,
-    witness_at_rest,
-)
+from design.live.witness import METHOD, without_slope, witness_at_rest
 from design.live.witnesses import Witnesses, carry_witnesses, routes_of
 from design.model.plants.mode import Mode
 
@@ -64,8 +62,8 @@ class Press:
                 raise InvalidInputError(name, level, "between -1 and 1", code="out_of_range")
 
 
-Request = Press | LiveKind | EmergencyRequest
-"""What can happen: buttons, another kind of shaper, or an emergency stop of both axes."""
+Request = Press | LiveKind | EmergencyRequest | HoistRequest
+"""What can happen: buttons, another kind of shaper, an emergency stop of both axes, or a hoist."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -81,7 +79,7 @@ class LiveState:
     kind
         What plans leave.
     modes
-        Of the plant as it is now.
+        Of the plant as it is now; from the begin of a hoist on, as it is at its end.
     x, y
         The axes.
     witness_x, witness_y
@@ -90,6 +88,8 @@ class LiveState:
         Of the plans in force, recomputed by that opinion; None before the first event.
     fallback
         Why an axis keeps an older plan than the latest event asked for; None if none does.
+    hoist
+        The latest hoist, which may be over; None before the first.
     """
 
     time_s: float
@@ -102,6 +102,12 @@ class LiveState:
     witness_y: Witnesses
     certificate: Certificate | None = None
     fallback: str | None = None
+    hoist: Hoist | None = None
+
+    @property
+    def hoisting(self) -> bool:
+        """Whether the cable is hoisted or lowered now."""
+        return self.hoist is not None and self.time_s < self.hoist.end_s
 
     @property
     def last_switch_s(self) -> float:
@@ -166,10 +172,10 @@ def _moved(machine: LiveMachine, state: LiveState, until_s: float, *, through: b
     task, routes = _task(machine, state.modes), routes_of(machine, state.modes)
 
     def move(axis: AxisState, witnesses: Witnesses) -> tuple[AxisState, Witnesses]:
-        after = carry(task.rows, axis, until_s, through=through)
+        after = carry_hoisted(task, machine.actuator, state.hoist, axis, until_s, through=through)
         made = len(axis.plan.times_s) - len(after.plan.times_s)
         plan = Plan(times_s=axis.plan.times_s[:made], levels=axis.plan.levels[:made])
-        return after, carry_witnesses(machine, routes, witnesses, plan, until_s)
+        return after, carry_witnesses(machine, routes, witnesses, plan, until_s, state.hoist)
 
     x, witness_x = move(state.x, state.witness_x)
     y, witness_y = move(state.y, state.witness_y)
@@ -208,15 +214,23 @@ def event(machine: LiveMachine, state: LiveState, at_s: float, request: Request)
     kind, x, y = now.kind, now.x.target, now.y.target
     if isinstance(request, LiveKind):
         machine.require_kind(request)
+        if now.hoist is not None:
+            require_hoisted_kind("kind", request.name, request)
         kind = request
+    elif isinstance(request, HoistRequest):
+        now = _hoisted(machine, now, request)
     elif isinstance(request, Press):
         x, y = x if request.x is None else request.x, y if request.y is None else request.y
-    if isinstance(request, EmergencyRequest):
+    elif isinstance(request, EmergencyRequest):
+        x, y = 0.0, 0.0
+    if isinstance(request, EmergencyRequest) and not now.hoisting:
         planned_x = _stopped(machine, now, now.x, now.witness_x, request)
         planned_y = _stopped(machine, now, now.y, now.witness_y, request)
     else:
-        planned_x = _planned(machine, now, now.x, now.witness_x, kind, x)
-        planned_y = _planned(machine, now, now.y, now.witness_y, kind, y)
+        # A plan of before a hoist is none for its course; nor is a stop's: it leaves a swing.
+        anew = isinstance(request, HoistRequest | EmergencyRequest)
+        planned_x = _planned(machine, now, now.x, now.witness_x, kind, x, anew=anew)
+        planned_y = _planned(machine, now, now.y, now.witness_y, kind, y, anew=anew)
     reasons = [
         f"{name}: {one.reason}"
         for name, one in (("x", planned_x), ("y", planned_y))
@@ -228,9 +242,21 @@ def event(machine: LiveMachine, state: LiveState, at_s: float, request: Request)
         kind=kind,
         x=planned_x.axis,
         y=planned_y.axis,
-        certificate=Certificate(claims=_worst(planned_x.claims, planned_y.claims), method=METHOD),
+        certificate=Certificate(
+            claims=worst_claims(planned_x.claims, planned_y.claims), method=METHOD
+        ),
         fallback="; ".join(reasons) or None,
     )
+
+
+def _hoisted(machine: LiveMachine, state: LiveState, request: HoistRequest) -> LiveState:
+    """Return the state as a hoist begins: from now on swings are seen at its end."""
+    hoist = hoist_of(machine, state.hoist, state.kind, state.time_s, request)
+    task, before = _task(machine, state.modes), state.hoist
+    x, witness_x = hoisted_axis(machine, task, before, hoist, state.x, state.witness_x)
+    y, witness_y = hoisted_axis(machine, task, before, hoist, state.y, state.witness_y)
+    after = replace(state, x=x, y=y, witness_x=witness_x, witness_y=witness_y)
+    return replace(after, hoist=hoist, modes=hoist.modes)
 
 
 def _without_old_slopes(machine: LiveMachine, state: LiveState) -> LiveState:
@@ -272,14 +298,17 @@ def _require_small(machine: LiveMachine, state: LiveState) -> None:
     if machine.largest_swing is None:
         return
     unshaped = routes_of(machine, state.modes).given.unshaped
+    most = machine.largest_swing
+    if state.hoist is not None:  # One angle, in unshaped steps: as the root of the length
+        most *= machine.modes[0].natural_frequency_rad_s / state.modes[0].natural_frequency_rad_s
     for name, axis in (("x", state.x), ("y", state.y)):
         largest = float((np.abs(np.array(axis.vibration)) / unshaped).max())
-        if largest > machine.largest_swing:
+        if largest > most:
             raise InvalidInputError(
                 "at_s",
                 f"{largest:.4g} in {name} at {state.time_s:.6g} s",
                 "a time at which the load swings by at most "
-                f"{machine.largest_swing:.4g} unshaped steps: beyond that the model does not hold",
+                f"{most:.4g} unshaped steps: beyond that the model does not hold",
                 code="swing_beyond_model",
             )
 
@@ -299,38 +328,41 @@ def _planned(
     witnesses: Witnesses,
     kind: LiveKind,
     target: float,
+    *,
+    anew: bool,
 ) -> _Planned:
     task = _task(machine, state.modes)
 
     def claims(one: AxisState, of: LiveKind) -> tuple[Claim, ...]:
         return _claims(machine, state, witnesses, one.plan, of)
 
-    if target == axis.target:
+    if target == axis.target and not anew:
         found = claims(axis, kind)
         if kind != axis.kind and not all(claim.holds for claim in found):
             return _Planned(axis, axis.plan.fallback, claims(axis, axis.kind))
         return _Planned(replace(axis, kind=kind), axis.plan.fallback, found)
     flying, ahead = _ahead(machine, state, axis)
-    solved = solve_plan(task, kind, ahead, target)
+    solved = solve_hoisted(task, machine.actuator, state.hoist, kind, ahead, target)
     if machine.deflection_limit is not None:
         free = None if solved is None else solved.plan
         plan = limit_deflection(machine, state.modes, ahead, target, free)
         if plan is not None:
-            limited = replace(flying + plan, fallback=plan.fallback)
+            limited = flying.then(plan, state.time_s)
             found = _claims(machine, state, witnesses, limited, kind)
             if all(claim.holds for claim in found if claim.quantity == "residual"):
                 limited_axis = replace(axis, target=target, plan=limited, kind=kind)
                 return _Planned(limited_axis, plan.fallback, found)
     if solved is not None:
-        solved = replace(axis, target=target, plan=flying + solved.plan)
-    for waits in (False, True):
+        solved = replace(axis, target=target, plan=flying.then(solved.plan, state.time_s))
+    # While the cable is hoisted a plan that waits is among those that are solved.
+    for waits in (False,) if state.hoisting or anew else (False, True):
         one = wait_and_solve(task, kind, axis, target) if waits else solved
         found = () if one is None else claims(one, kind)
         if one is not None and all(claim.holds for claim in found):
             return _Planned(replace(one, kind=kind), None, found)
-    reason = (
-        f"no command to {target:g} at rest was found; the older plan to {axis.target:g}, which is "
-        "verified, goes on"
+    reason = f"no command to {target:g} at rest was found; the older plan to {axis.target:g}"
+    reason += (
+        " goes on, and something swings in the end" if anew else ", which is verified, goes on"
     )
     kept = replace(axis, plan=replace(axis.plan, fallback=reason))
     return _Planned(kept, reason, claims(kept, kept.kind))
@@ -340,9 +372,9 @@ def _ahead(machine: LiveMachine, state: LiveState, axis: AxisState) -> tuple[Pla
     """Return what was sent within the dead time, and the axis once it is answered."""
     sent = sum(time_s < state.time_s for time_s in axis.plan.times_s)
     flying = Plan(times_s=axis.plan.times_s[:sent], levels=axis.plan.levels[:sent])
-    rows = _task(machine, state.modes).rows
+    task, before = _task(machine, state.modes), replace(axis, plan=flying)
     then_s = state.time_s + machine.actuator.dead_time_s
-    return flying, carry(rows, replace(axis, plan=flying), then_s)
+    return flying, carry_hoisted(task, machine.actuator, state.hoist, before, then_s)
 
 
 def _stopped(
@@ -356,8 +388,7 @@ def _stopped(
     flying, ahead = _ahead(machine, state, axis)
     found = emergency_stop(machine.actuator, state.modes, ahead, request)
     plan = replace(
-        flying + found.plan,
-        fallback=found.plan.fallback,
+        flying.then(found.plan, state.time_s),
         swing_left=request.swing_left,
         rests_s=found.end_s,
     )
@@ -374,14 +405,4 @@ def _claims(
     seen = Witnessed(routes.given, witnesses.given)
     if kind.ideal and plan.rests_s is None:
         seen = Witnessed(routes.ideal, witnesses.ideal)
-    return claims_of_plan(machine, state.modes, seen, plan, kind)
-
-
-def _worst(one: tuple[Claim, ...], other: tuple[Claim, ...]) -> tuple[Claim, ...]:
-    """Return the claims nearer to their limits; where both axes claim different things, all."""
-    if [claim.quantity for claim in one] != [claim.quantity for claim in other]:
-        return one + other
-    return tuple(
-        max(pair, key=lambda claim: claim.value / claim.limit)
-        for pair in zip(one, other, strict=True)
-    )
+    return claims_of_plan(machine, state.modes, seen, plan, kind, state.hoist)

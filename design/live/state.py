@@ -1,6 +1,6 @@
 """What live shaping knows at a moment: drive, modes and the rest of the plan of each axis."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -37,6 +37,24 @@ class Plan:
     def __add__(self, later: "Plan") -> "Plan":
         """Return both in one."""
         return Plan(times_s=self.times_s + later.times_s, levels=self.levels + later.levels)
+
+    def then(self, later: "Plan", now_s: float) -> "Plan":
+        """Return what was sent and a plan made for its end, both in one.
+
+        Parameters
+        ----------
+        later
+            The plan; its first switch may be now.
+        now_s
+            The moment [s].
+
+        Returns
+        -------
+        Plan
+            Its own switches not before now, which the sum of dead times may be by rounding.
+        """
+        times = tuple(max(time_s, now_s) for time_s in later.times_s)
+        return replace(later, times_s=self.times_s + times, levels=self.levels + later.levels)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

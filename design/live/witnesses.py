@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from design.live.hoist import Hoist
+from design.live.hoist_witness import carry_hoisted_witness
 from design.live.machine import LiveMachine
 from design.live.state import Plan
-from design.live.witness import Route, Witness, carry_witness, route_of
+from design.live.witness import Route, Witness, route_of
 from design.model.actuators.ideal import Ideal
 from design.model.plants.mode import Mode
 
@@ -42,7 +44,12 @@ def routes_of(machine: LiveMachine, modes: tuple[Mode, ...]) -> Routes:
 
 
 def carry_witnesses(
-    machine: LiveMachine, routes: Routes, witnesses: Witnesses, plan: Plan, until_s: float
+    machine: LiveMachine,
+    routes: Routes,
+    witnesses: Witnesses,
+    plan: Plan,
+    until_s: float,
+    hoist: Hoist | None = None,
 ) -> Witnesses:
     """Return the witnesses of an axis after a plan, at a later time.
 
@@ -56,6 +63,8 @@ def carry_witnesses(
         Its switches until then.
     until_s
         Then [s].
+    hoist
+        The latest hoist, if there was any.
 
     Returns
     -------
@@ -63,7 +72,10 @@ def carry_witnesses(
         Just after a switch at that time.
     """
     acts = [time_s + machine.actuator.dead_time_s for time_s in plan.times_s]
+
+    def after(route: Route, witness: Witness) -> Witness:
+        return carry_hoisted_witness(route, hoist, witness, acts, plan.levels, until_s)
+
     return Witnesses(
-        given=carry_witness(routes.given, witnesses.given, acts, plan.levels, until_s),
-        ideal=carry_witness(routes.ideal, witnesses.ideal, acts, plan.levels, until_s),
+        given=after(routes.given, witnesses.given), ideal=after(routes.ideal, witnesses.ideal)
     )

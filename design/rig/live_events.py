@@ -8,12 +8,13 @@ import numpy as np
 from design.analysis.certificate import Certificate
 from design.errors import InvalidInputError
 from design.live.emergency_request import EmergencyRequest
+from design.live.hoist import HoistRequest
 from design.live.machine import LiveMachine
 from design.live.session import SAME_TIME_S, LiveState, Press, event, init
 from design.live.state import Plan
 from design.model.impulses import Impulses
 from design.rig.crane import AXES, AxisName
-from design.rig.scenario import Drive, steps_of
+from design.rig.scenario import Drive, HoistTo, steps_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,7 +33,7 @@ class LiveAnswer:
     ----------
     last_switch_s
         When the last switch of the plans was to be that it led to; a press for some time ends them
-        by another one [s].
+        by another one. Of a hoist its end, if that is later [s].
     certificate
         Of these plans, over the whole command until their end.
     fallback
@@ -57,12 +58,15 @@ class _Moment:
     """What is asked of both axes at a time, and by which events."""
 
     at_s: float
-    request: Press | EmergencyRequest
+    request: Press | EmergencyRequest | HoistRequest
     events: frozenset[int]
 
 
 def live_commands(
-    machine: LiveMachine, drives: Sequence[Drive], stops: Mapping[int, Emergency]
+    machine: LiveMachine,
+    drives: Sequence[Drive],
+    stops: Mapping[int, Emergency],
+    hoists: Sequence[HoistTo] = (),
 ) -> LiveCommands:
     """Solve the commands of the axes, event after event.
 
@@ -74,6 +78,8 @@ def live_commands(
         What events ask of the axes, in any order.
     stops
         Emergency stops among the events, by their numbers.
+    hoists
+        What events ask of the cable; none is known before its event.
 
     Returns
     -------
@@ -83,13 +89,13 @@ def live_commands(
     Raises
     ------
     InvalidInputError
-        If buttons contradict each other, come faster than the sample time, or the load swings
-        beyond the model.
+        If buttons contradict each other, events come faster than the sample time, the load swings
+        beyond the model, or a hoist is not served.
     """
     sent: dict[AxisName, list[tuple[float, float]]] = {axis: [] for axis in AXES}
     answers: dict[int, LiveAnswer] = {}
     state = init(machine)
-    for moment in _moments(drives, stops):
+    for moment in _moments(drives, stops, hoists):
         _send(sent, state, moment.at_s)
         number = min(moment.events)
         try:
@@ -97,8 +103,9 @@ def live_commands(
         except InvalidInputError as error:
             raise error.within(f"events.{number}") from None
         if state.certificate is not None:
+            over_s = moment.request.over_s if isinstance(moment.request, HoistRequest) else 0.0
             answer = LiveAnswer(
-                last_switch_s=state.last_switch_s,
+                last_switch_s=max(state.last_switch_s, moment.at_s + over_s),
                 certificate=state.certificate,
                 fallback=state.fallback,
             )
@@ -123,8 +130,10 @@ def _steps(switches: list[tuple[float, float]]) -> Impulses:
     return Impulses(times_s=times, amplitudes=np.diff(levels, prepend=0.0))
 
 
-def _moments(drives: Sequence[Drive], stops: Mapping[int, Emergency]) -> list[_Moment]:
-    """Return what is asked at each time, in order; a stop after the presses of its time."""
+def _moments(
+    drives: Sequence[Drive], stops: Mapping[int, Emergency], hoists: Sequence[HoistTo]
+) -> list[_Moment]:
+    """Return what is asked at each time, in order: hoists, then presses, then stops."""
     courses = {axis: dict(zip(*map(list, steps_of(drives, axis)), strict=True)) for axis in AXES}
     found: list[_Moment] = []
     for at_s in sorted({time_s for course in courses.values() for time_s in course}):
@@ -139,4 +148,8 @@ def _moments(drives: Sequence[Drive], stops: Mapping[int, Emergency]) -> list[_M
         _Moment(at_s=one.at_s, request=one.stop, events=frozenset((number,)))
         for number, one in stops.items()
     ]
-    return sorted(found, key=lambda one: (one.at_s, isinstance(one.request, EmergencyRequest)))
+    for hoist in hoists:
+        wanted = HoistRequest(cable_length_m=hoist.cable_length_m, over_s=hoist.over_s)
+        found.append(_Moment(at_s=hoist.at_s, request=wanted, events=frozenset((hoist.event,))))
+    order = (HoistRequest, Press, EmergencyRequest)
+    return sorted(found, key=lambda one: (one.at_s, order.index(type(one.request))))

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from design.analysis.certificate import Certificate
 from design.live.emergency_request import EmergencyRequest
+from design.live.hoist import HoistRequest
 from design.live.machine import LiveMachine
 from design.live.session import LiveState, Press, event
 from design.model.impulses import Impulses
@@ -109,7 +110,9 @@ class Resolved:
     machine: LiveMachine
     state: LiveState
 
-    def pressed(self, at_s: float, press: Press | EmergencyRequest) -> tuple["Resolved", Planned]:
+    def pressed(
+        self, at_s: float, press: Press | EmergencyRequest | HoistRequest
+    ) -> tuple["Resolved", Planned]:
         """Return the commands after buttons, and what is to come.
 
         Parameters
@@ -117,7 +120,7 @@ class Resolved:
         at_s
             When they are pressed, not before the event before [s].
         press
-            The levels asked for, or an emergency stop.
+            The levels asked for, an emergency stop, or another length of the cable.
 
         Returns
         -------

@@ -13,10 +13,11 @@ import numpy as np
 from pydantic import ValidationError
 
 from design.errors import DesignError, InvalidInputError
+from design.live.hoist import HoistRequest
 from design.live.session import Press, init
 from design.model.actuators.registry import Actuator
 from design.model.impulses import Impulses
-from design.rig.crane import AXES
+from design.rig.crane import AXES, require_cable
 from design.rig.machine import Machine
 from design.rig.runs import unshaped_energy_j
 from design.rig.track import Track
@@ -26,7 +27,7 @@ from schemas.live import LiveAxisOut, LiveMessage, LivePlanOut, LiveStateOut
 from schemas.run_events import HappeningIn
 from schemas.runs import CommandsOut, CourseOut, DelayLine, LiveShaping, RunRequest
 from service.live.commands import Commands, Convolved, Planned, Resolved, Switch
-from service.operations.live_run import live_machine, refuse_live, refuse_without_live
+from service.operations.live_run import live_machine, refuse_without_live
 from service.operations.run_crane import crane_of, shaper_of
 from service.operations.subject import subject_of
 from service.problems import (
@@ -229,26 +230,25 @@ def _happened(held: _Session, at_s: float, happening: HappeningIn) -> Seen:
                 "left out in a live session, whose events come one by one",
                 code="not_in_live_session",
             )
-    if isinstance(held.commands, Resolved) and happening.cable_length_m is not None:
-        refuse_live("cable_length_m", happening.cable_length_m)
     at_s, machine = _machine_at(held, at_s)
     direction = happening.direction
     press = Press() if direction is None else Press(x=direction.x, y=direction.y)
-    stop = happening.emergency()
-    if stop is None:
-        commands, planned = held.commands.pressed(at_s, press)
-    elif isinstance(held.commands, Resolved):
-        commands, planned = held.commands.pressed(at_s, stop)
-    else:
+    stop, hoist = happening.emergency(), _hoist_of(happening, machine)
+    commands: Commands
+    if isinstance(held.commands, Resolved):
+        commands, planned = held.commands.pressed(at_s, stop or hoist or press)
+    elif stop is not None:
         refuse_without_live("stop", happening.stop)
+    else:
+        commands, planned = held.commands.pressed(at_s, press)
     for axis in AXES:
         machine.withdraw(axis)
     for switch in planned.switches:
         machine.command(switch.axis, switch.level, switch.at_s)
     last = max([at_s, *(switch.at_s for switch in planned.switches)])
-    if happening.cable_length_m is not None and happening.over_s is not None:
-        machine.hoist(happening.cable_length_m, happening.over_s)
-        last = max(last, at_s + happening.over_s)
+    if hoist is not None:
+        machine.hoist(hoist.cable_length_m, hoist.over_s)
+        last = max(last, at_s + hoist.over_s)
     session = replace(
         held,
         commands=commands,
@@ -273,6 +273,13 @@ def _happened(held: _Session, at_s: float, happening: HappeningIn) -> Seen:
     )
     message = LiveMessage(plan=plan).model_dump_json().encode()
     return _looked(session, at_s, at_s + AHEAD_S, (message,))
+
+
+def _hoist_of(happening: HappeningIn, machine: Machine) -> HoistRequest | None:
+    if happening.cable_length_m is None or happening.over_s is None:
+        return None
+    require_cable(happening.cable_length_m, machine.crane.max_cable_length_m)
+    return HoistRequest(cable_length_m=happening.cable_length_m, over_s=happening.over_s)
 
 
 def _machine_at(held: _Session, at_s: float) -> tuple[float, Machine]:

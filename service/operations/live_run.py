@@ -17,7 +17,6 @@ from design.rig.crane import MAX_SWING_RAD, Crane
 from design.rig.live_events import Emergency, LiveAnswer
 from schemas.base import name_field
 from schemas.certificates import CertificateOut
-from schemas.run_events import EventIn
 from schemas.runs import EventOut, LiveEventOut, LiveShaping, RunRequest
 from schemas.shaper_request import ShaperRequest
 from service.operations.run_crane import Swinging, subject_at_length
@@ -60,9 +59,8 @@ def live_machine(
     if request.played is not None:
         refuse_live("played", "a course")
     for number, event in enumerate(request.events or ()):
-        for name in ("move", "cable_length_m"):
-            if getattr(event, name) is not None:
-                refuse_live(f"events.{number}.{name}", _plain(event, name))
+        if event.move is not None:
+            refuse_live(f"events.{number}.move", "a distance")
     if request.deflection_limit is not None:
         with name_field("shaping.shaper"):
             require_kind_with_limit(kind)
@@ -131,11 +129,6 @@ def refuse_without_live(field: str, value: object) -> NoReturn:
         "left out without shaping of mode live, which solves the command from the state",
         code="only_shaped_live",
     )
-
-
-def _plain(event: EventIn, name: str) -> object:
-    value = getattr(event, name)
-    return value if isinstance(value, float) else "a distance"
 
 
 def refuse_live(field: str, value: object) -> None:

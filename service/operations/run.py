@@ -163,7 +163,7 @@ def _case_of(request: RunRequest) -> _Case:
         over = 0.0 if event.over_s is None else event.over_s
         last = max(ends) + late if ends else event.at_s + over
         lasts.append(max([last, *(move.last_switch_s for move in whole)]))
-    live = None if machine is None else live_commands(machine, drives, stops)
+    live = None if machine is None else live_commands(machine, drives, stops, hoists)
     if live is not None:
         lasts = [live.answers[number].last_switch_s for number in range(len(lasts))]
     _require_short(request, crane, actuator, hoists, lasts, played)

@@ -96,6 +96,20 @@ def test_events_without_live_mode_are_told_as_before(client: httpx.Client) -> No
     assert run["events"][0] == {"at_s": 0.0, "last_switch_s": 0.0}
 
 
+HOIST = {"at_s": 0.4, "cable_length_m": 0.5, "over_s": 2.0}
+
+
+def test_presses_while_the_cable_is_hoisted_leave_nothing(client: httpx.Client) -> None:
+    events = [PRESS, HOIST, *EVENTS[1:], {"at_s": 2.1, "direction": {"x": 1}, "for_s": 0.5}]
+    run = ask(client, events=events, shaping=LIVE)
+    assert all(event["certificate"]["verified"] for event in run["events"])
+    assert [event["fallback"] for event in run["events"]] == [None] * 5
+    assert run["events"][1]["last_switch_s"] == pytest.approx(2.4)
+    assert run["residual"] < 1e-9
+    delayed = ask(client, events=events, shaping={**LIVE, "mode": "delay_line"})
+    assert delayed["residual"] > 0.01
+
+
 @pytest.mark.parametrize(
     ("changes", "code", "pointer", "says"),
     [
@@ -181,6 +195,31 @@ def test_events_without_live_mode_are_told_as_before(client: httpx.Client) -> No
             "/events/0",
             "direction and stop",
         ),
+        (
+            {"events": [{**HOIST, "over_s": None}]},
+            "hoist_without_time",
+            "/events/0/over_s",
+            "cable_length_m",
+        ),
+        (
+            {"events": [{**HOIST, "over_s": 0.01}]},
+            "faster_than_free_fall",
+            "/events",
+            "stays taut",
+        ),
+        (
+            {"events": [{**HOIST, "cable_length_m": -0.1}]},
+            "cable_through_zero",
+            "/events/0/cable_length_m",
+            "through zero",
+        ),
+        (
+            {"events": [HOIST], "shaping": {"mode": "live", "shaper": {"kind": "numzvd"}}},
+            "kind_not_hoisted_live",
+            "/events/0/cable_length_m",
+            "numzv alone",
+        ),
+        ({"events": [HOIST], "load": LOADED}, "hoist_not_live", "/events/0/cable_length_m", "line"),
         ({"plant": MODE, "events": [{"at_s": 0.0}]}, "unknown_event", "/events/0", "direction"),
     ],
 )

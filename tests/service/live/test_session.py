@@ -74,7 +74,7 @@ def driven(
 
 @pytest.mark.parametrize(
     ("shaping", "hoists"),
-    [("none", True), ("delay line", False), ("delay line", True), ("live", False)],
+    [("none", True), ("delay line", False), ("delay line", True), ("live", False), ("live", True)],
 )
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
 def test_a_session_moves_the_crane_as_a_run_does(shaping: str, model: str, hoists: bool) -> None:
