@@ -292,5 +292,5 @@ def _earliest(
         )
         if earliest_s < best_s:
             best_s = earliest_s
-            best = plan_of(task.rows, axis, pattern, found, least * period_s)
+            best = plan_of(task.rows, axis, pattern, found, LEAST_PULSE * period_s)
     return best

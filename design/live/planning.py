@@ -200,7 +200,10 @@ def _earliest(task: Task, kind: LiveKind, axis: AxisState, target: float) -> Axi
                 *memory,
             )
             if earliest_s < best_s:
-                best_s, best = earliest_s, plan_of(rows, axis, pattern, found, shortest_s)
+                best_s, best = (
+                    earliest_s,
+                    plan_of(rows, axis, pattern, found, LEAST_PULSE * fastest_s),
+                )
         if unknowns > FEW and best_s <= SOON * slowest_s:
             break
     return None if best is None else replace(axis, target=target, plan=best)

@@ -6,6 +6,7 @@ switch that was sent, from rest on, so that a certificate of a plan is one of th
 its derivative over the logarithm of the frequency with it, in one block matrix (Van Loan 1978).
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -27,6 +28,9 @@ METHOD = (
 
 RATIO_STEP = 1e-5
 """Of the frequencies' logarithm, for the derivative of the eigenvectors, which are smooth [-]."""
+
+SAME_INSTANT_S = 1e-9
+"""Within it two switches are one to a drive: no clock tells them apart [s]."""
 
 SAME_LEVEL = 1e-12
 """Share of two levels within which they are one, as of a command's impulses [-]."""
@@ -142,6 +146,15 @@ def witness_at_rest(route: Route) -> Witness:
     return Witness(time_s=0.0, level=0.0, force=1, states=np.zeros(size), slopes=np.zeros(size))
 
 
+def _one_an_instant(
+    times_s: Sequence[float], levels: Sequence[float]
+) -> tuple[list[float], list[float]]:
+    """Return switches as a drive sees them: of several at one instant the last alone."""
+    after = np.diff(times_s, append=math.inf) if len(times_s) else np.empty(0)
+    kept = np.flatnonzero(after > SAME_INSTANT_S)
+    return [times_s[one] for one in kept], [levels[one] for one in kept]
+
+
 def carry_witness(
     route: Route,
     witness: Witness,
@@ -169,6 +182,7 @@ def carry_witness(
     """
     if not levels and not witness.states.any() and not witness.slopes.any():
         return replace(witness, time_s=until_s)
+    times_s, levels = _one_an_instant(times_s, levels)
     ends = np.array([*times_s, until_s])
     gaps = np.diff(ends, prepend=witness.time_s)
     level, forces = witness.level, [witness.force]

@@ -257,3 +257,15 @@ def test_a_square_leaves_what_a_point_on_a_sphere_does(move: str) -> None:
     steps = [(one.times_s.tolist(), one.amplitudes.tolist()) for one in (x, y)]
     _, found = example["left_of_square"](side, 4.0)
     assert found == pytest.approx(on_a_sphere(steps, CABLE_M), rel=1e-4, abs=1e-6)
+
+
+def test_the_same_buttons_in_three_modes_are_told_and_drawn(tmp_path: Path) -> None:
+    picture = tmp_path / "modes.png"
+    done = subprocess.run(
+        [sys.executable, EXAMPLES[8], picture], capture_output=True, text=True, check=True
+    )
+    rows = [line.rsplit(maxsplit=2) for line in done.stdout.splitlines()]
+    left = {mode: float(percent) for mode, percent, _ in rows}
+    assert list(left) == ["as pressed", "delay line", "live"]
+    assert left["live"] < 0.5 < 10 < left["delay line"] < left["as pressed"]
+    assert picture.read_bytes().startswith(b"\x89PNG")

@@ -139,7 +139,7 @@ def test_a_bar_is_as_long_as_its_shaper_and_empty_where_that_misses(name: str) -
         bar = bars[f"bar-{one.name}"]
         assert bar.get_width() == pytest.approx(one.ramp_end_s or one.duration_s, rel=1e-12)
         assert (to_hex(bar.get_facecolor()) == "#ffffff") != one.meets_all
-        bounds = lines(axes, f"bound-{one.name}")
+        bounds = [bound for bound in axes.lines if bound.get_gid() == f"bound-{one.name}"]
         assert [points(bound)[0][0] for bound in bounds] == (
             [] if one.lower_bound_s is None else [one.lower_bound_s]
         )

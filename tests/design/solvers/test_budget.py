@@ -14,10 +14,12 @@ from design.model.actuators.registry import Actuator
 from design.model.actuators.second_order import SecondOrder
 from design.model.plants.mode import Mode
 from design.model.plants.modes import Modes
+from design.model.plants.pendulum import Pendulum
 from design.model.plants.registry import Plant
 from design.pipeline import design
 from design.recommendations.recommendation import recommend
 from design.recommendations.requirements import Requirements
+from design.shapers.num_large import LargeSwingOptions
 from design.shapers.numei import HumpOptions
 from design.shapers.numsi import UnityBandOptions
 from design.shapers.registry import SHAPERS
@@ -92,8 +94,17 @@ NO_SEED_SERVES: list[tuple[str, Plant, Actuator, Any]] = [
 ]
 """Ramps that outlast the gaps of the seeds: all is left to the search over branches."""
 
+LARGE = LargeSwingOptions(speed_m_s=1.5)
+
+
+def _plant(kind: str) -> Plant:
+    if SHAPERS[kind].large_swings:
+        return Pendulum(cable_length_m=0.8)
+    return TWO if SHAPERS[kind].serves_several else MODE
+
+
 EASY: list[tuple[str, Plant, Actuator, Any]] = [
-    (kind, TWO if SHAPERS[kind].serves_several else MODE, actuator, None)
+    (kind, _plant(kind), actuator, LARGE if SHAPERS[kind].large_swings else None)
     for kind in SHAPERS
     for actuator in (IDEAL, THESIS, SWITCHED, LIMITED)
     if actuator.kind in SHAPERS[kind].actuators
