@@ -30,7 +30,7 @@ RATIO_STEP = 1e-5
 """Of the frequencies' logarithm, for the derivative of the eigenvectors, which are smooth [-]."""
 
 SAME_INSTANT_S = 1e-9
-"""Within it two switches are one to a drive: no clock tells them apart [s]."""
+"""Within it two switches are one to a drive [s]."""
 
 SAME_LEVEL = 1e-12
 """Share of two levels within which they are one, as of a command's impulses [-]."""
@@ -151,7 +151,7 @@ def _one_an_instant(
 ) -> tuple[list[float], list[float]]:
     """Return switches as a drive sees them: of several at one instant the last alone."""
     after = np.diff(times_s, append=math.inf) if len(times_s) else np.empty(0)
-    kept = np.flatnonzero(after > SAME_INSTANT_S)
+    kept = np.flatnonzero(after > SAME_INSTANT_S).tolist()
     return [times_s[one] for one in kept], [levels[one] for one in kept]
 
 

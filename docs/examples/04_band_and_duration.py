@@ -99,7 +99,7 @@ def row_of(name: str, family: str, made: Design) -> Row:
 def rows() -> Iterator[Row]:
     """Yield each kind of the catalogue with its own parameters, then `num_si` for many bands."""
     for name, kind in SHAPERS.items():
-        if name == "num_si" or ACTUATOR.kind not in kind.actuators:
+        if name == "num_si" or kind.large_swings or ACTUATOR.kind not in kind.actuators:
             continue
         made = design(CRANE, ACTUATOR, kind)
         family = "positive"

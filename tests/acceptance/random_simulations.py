@@ -39,7 +39,9 @@ def random_simulation(
     rng: np.random.Generator,
 ) -> tuple[str, JSON, Callable[[JSON], Iterator[str]]]:
     """Draw a simulation of any command, shaped or not."""
-    singles = [name for name, kind in SHAPERS.items() if not kind.serves_several]
+    singles = [
+        name for name, kind in SHAPERS.items() if not (kind.serves_several or kind.large_swings)
+    ]
     name = singles[int(rng.integers(len(singles)))]
     shaped = bool(rng.random() < 0.75)
     served = SHAPERS[name].actuators if shaped else EVERY_DRIVE

@@ -80,7 +80,9 @@ def random_sensitivity(rng: np.random.Generator) -> JSON:
 
 def random_fit(rng: np.random.Generator) -> JSON:
     """Draw curve coefficients over the damping ratio."""
-    names = sorted(name for name, kind in SHAPERS.items() if not kind.serves_several)
+    names = sorted(
+        name for name, kind in SHAPERS.items() if not (kind.serves_several or kind.large_swings)
+    )
     name = names[int(rng.integers(len(names)))]
     _, _, told = random_subject(rng, SHAPERS[name].actuators)
     end = float(rng.uniform(0.01, 0.2))
@@ -90,7 +92,9 @@ def random_fit(rng: np.random.Generator) -> JSON:
 
 def random_map(rng: np.random.Generator) -> JSON:
     """Draw a map of few cells."""
-    names = sorted(name for name, kind in SHAPERS.items() if not kind.serves_several)
+    names = sorted(
+        name for name, kind in SHAPERS.items() if not (kind.serves_several or kind.large_swings)
+    )
     name = names[int(rng.integers(len(names)))]
     _, _, told = random_subject(rng, SHAPERS[name].actuators)
     request: JSON = {**told, "shaper": {"kind": name}}
