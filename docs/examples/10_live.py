@@ -65,10 +65,8 @@ def sheet(shown: dict[str, Run]) -> Figure:
             above.plot(clock, one.track.velocity_m_s[:, 0], color=STROKES[0][0], linewidth=1.4)
             below.plot(clock, MM * one.track.load_m[:, 0], color=STROKES[0][0], linewidth=1.4)
             below.set_xlabel("time [s]")
-            below.text(
-                1.0, 0.97, f"left: {100 * (one.residual or 0.0):.3g} %",
-                transform=below.transAxes, ha="right", va="top",
-            )  # fmt: skip
+            left = 100 * (one.residual or 0.0)
+            below.set_title(f"left: {left:.3g} %", loc="right", fontweight="normal")
         rows[0][0].set_ylabel("command, velocity [m/s]")
         rows[1][0].set_ylabel("deflection [mm]")
         figure.tight_layout()
