@@ -16,6 +16,7 @@ PARTS = (
     "limits",
     "samples",
     "rig",
+    "live",
     "tables",
     "command_line",
     "http",
