@@ -35,7 +35,7 @@ docs: $(STAMP) ## the documentation as a site, in site/
 	$(BIN)/mkdocs build --clean --quiet
 
 test: $(STAMP) ## the tests, within ten minutes on two cores
-	$(BIN)/python -m pytest -n 2 --dist worksteal -q --ignore tests/acceptance
+	$(BIN)/python -m pytest -n 2 --dist worksteal -q --ignore tests/acceptance --ignore tests/contracts
 
 acceptance: $(STAMP) ## whole claims: random designs, tables and moves, kills, the wheel
 	$(BIN)/python -m pytest -n 2 --dist worksteal -q tests/acceptance

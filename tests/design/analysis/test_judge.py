@@ -47,12 +47,12 @@ MOVING = ("umzv", "umzvd", "umzvc", "numzv", "numzvd")
 
 
 def served(kinds: Iterable[str]) -> list[tuple[str, str]]:
-    """Return every kind with each of the drives that it serves."""
+    """Return every kind of a linear plant with each of the drives that it serves."""
     return [
         (kind, name)
         for kind in kinds
         for name, drive in DRIVES.items()
-        if drive.kind in SHAPERS[kind].actuators
+        if drive.kind in SHAPERS[kind].actuators and not SHAPERS[kind].large_swings
     ]
 
 
