@@ -38,7 +38,7 @@ class DistancesIn(Wire):
 
 
 class HappeningIn(Wire):
-    """What happens: a direction, a move, a hoist, or an emergency stop."""
+    """What happens: a direction, a move, a hoist, another shaper, or an emergency stop."""
 
     direction: Annotated[
         DirectionIn | None, Field(description="The buttons that are pressed from then on.")
@@ -61,7 +61,8 @@ class HappeningIn(Wire):
         ShaperIn | None,
         Field(
             description="With move: starts and stops designed by this kind, each without "
-            "vibration, as POST /v1/maneuvers does; they do not pass the delay line."
+            "vibration, as POST /v1/maneuvers does; they do not pass the delay line. Alone, in "
+            "live mode: the kind by which commands are solved from then on."
         ),
     ] = None
     cable_length_m: Annotated[
@@ -121,11 +122,13 @@ class HappeningIn(Wire):
         """
         parts = ("direction", "move", "cable_length_m", "stop")
         given = [name for name in parts if getattr(self, name) is not None]
+        if self.shaper is not None and self.move is None:
+            given.append("shaper")
         if len(given) != 1:
             raise InvalidInputError(
                 (),
                 " and ".join(given) or "none",
-                "an event of direction, move, cable_length_m or stop",
+                "an event of direction, move, cable_length_m, stop, or shaper in live mode",
                 code="unknown_event",
             )
         # A direction of 0 is a stop, a move of 0 is none.
@@ -141,7 +144,6 @@ class HappeningIn(Wire):
                 )
         for name, owner in (
             ("for_s", "direction"),
-            ("shaper", "move"),
             ("over_s", "cable_length_m"),
             ("swing_left", "stop"),
             ("within_periods", "stop"),
@@ -150,7 +152,7 @@ class HappeningIn(Wire):
             if value is not None and owner not in given:
                 raise InvalidInputError(
                     name,
-                    value.kind if name == "shaper" else value,
+                    value,
                     f"left out without {owner}",
                     code="part_of_other_event",
                 )

@@ -9,7 +9,7 @@ from design.analysis.certificate import Certificate
 from design.errors import InvalidInputError
 from design.live.emergency_request import EmergencyRequest
 from design.live.hoist import HoistRequest
-from design.live.machine import LiveMachine
+from design.live.machine import LiveKind, LiveMachine
 from design.live.session import SAME_TIME_S, LiveState, Press, event, init
 from design.live.state import Plan
 from design.model.impulses import Impulses
@@ -18,11 +18,11 @@ from design.rig.scenario import Drive, HoistTo, steps_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Emergency:
-    """An emergency stop of both axes, and when it is asked for [s]."""
+class Asked:
+    """An emergency stop of both axes or another kind of shaper, and when it is asked for [s]."""
 
     at_s: float
-    stop: EmergencyRequest
+    request: EmergencyRequest | LiveKind
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,12 +36,15 @@ class LiveAnswer:
         by another one. Of a hoist its end, if that is later [s].
     certificate
         Of these plans, over the whole command until their end.
+    ideal
+        Whether they are made for an ideal drive.
     fallback
         Why an axis kept an older plan; None where none did.
     """
 
     last_switch_s: float
     certificate: Certificate
+    ideal: bool
     fallback: str | None
 
 
@@ -58,14 +61,14 @@ class _Moment:
     """What is asked of both axes at a time, and by which events."""
 
     at_s: float
-    request: Press | EmergencyRequest | HoistRequest
+    request: Press | EmergencyRequest | HoistRequest | LiveKind
     events: frozenset[int]
 
 
 def live_commands(
     machine: LiveMachine,
     drives: Sequence[Drive],
-    stops: Mapping[int, Emergency],
+    asked: Mapping[int, Asked],
     hoists: Sequence[HoistTo] = (),
 ) -> LiveCommands:
     """Solve the commands of the axes, event after event.
@@ -76,8 +79,8 @@ def live_commands(
         Drive and modes of both axes.
     drives
         What events ask of the axes, in any order.
-    stops
-        Emergency stops among the events, by their numbers.
+    asked
+        Emergency stops and kinds of shapers among the events, by their numbers.
     hoists
         What events ask of the cable; none is known before its event.
 
@@ -95,18 +98,22 @@ def live_commands(
     sent: dict[AxisName, list[tuple[float, float]]] = {axis: [] for axis in AXES}
     answers: dict[int, LiveAnswer] = {}
     state = init(machine)
-    for moment in _moments(drives, stops, hoists):
+    for moment in _moments(drives, asked, hoists):
         _send(sent, state, moment.at_s)
         number = min(moment.events)
         try:
             state = event(machine, state, moment.at_s, moment.request)
         except InvalidInputError as error:
-            raise error.within(f"events.{number}") from None
+            of = f"events.{number}"
+            raise error.within(
+                f"{of}.shaper" if isinstance(moment.request, LiveKind) else of
+            ) from None
         if state.certificate is not None:
             over_s = moment.request.over_s if isinstance(moment.request, HoistRequest) else 0.0
             answer = LiveAnswer(
                 last_switch_s=max(state.last_switch_s, moment.at_s + over_s),
                 certificate=state.certificate,
+                ideal=state.kind.ideal,
                 fallback=state.fallback,
             )
             answers.update(dict.fromkeys(moment.events, answer))
@@ -131,9 +138,9 @@ def _steps(switches: list[tuple[float, float]]) -> Impulses:
 
 
 def _moments(
-    drives: Sequence[Drive], stops: Mapping[int, Emergency], hoists: Sequence[HoistTo]
+    drives: Sequence[Drive], asked: Mapping[int, Asked], hoists: Sequence[HoistTo]
 ) -> list[_Moment]:
-    """Return what is asked at each time, in order: hoists, then presses, then stops."""
+    """Return what is asked at each time, in order: hoists, kinds, presses, stops."""
     courses = {axis: dict(zip(*map(list, steps_of(drives, axis)), strict=True)) for axis in AXES}
     found: list[_Moment] = []
     for at_s in sorted({time_s for course in courses.values() for time_s in course}):
@@ -145,11 +152,11 @@ def _moments(
         press = Press(x=courses["x"].get(at_s), y=courses["y"].get(at_s))
         found.append(_Moment(at_s=float(at_s), request=press, events=events))
     found += [
-        _Moment(at_s=one.at_s, request=one.stop, events=frozenset((number,)))
-        for number, one in stops.items()
+        _Moment(at_s=one.at_s, request=one.request, events=frozenset((number,)))
+        for number, one in asked.items()
     ]
     for hoist in hoists:
         wanted = HoistRequest(cable_length_m=hoist.cable_length_m, over_s=hoist.over_s)
         found.append(_Moment(at_s=hoist.at_s, request=wanted, events=frozenset((hoist.event,))))
-    order = (HoistRequest, Press, EmergencyRequest)
+    order = (HoistRequest, LiveKind, Press, EmergencyRequest)
     return sorted(found, key=lambda one: (one.at_s, order.index(type(one.request))))

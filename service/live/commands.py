@@ -6,7 +6,7 @@ from typing import NamedTuple
 from design.analysis.certificate import Certificate
 from design.live.emergency_request import EmergencyRequest
 from design.live.hoist import HoistRequest
-from design.live.machine import LiveMachine
+from design.live.machine import LiveKind, LiveMachine
 from design.live.session import LiveState, Press, event
 from design.model.impulses import Impulses
 from design.rig.crane import AXES, AxisName
@@ -111,7 +111,7 @@ class Resolved:
     state: LiveState
 
     def pressed(
-        self, at_s: float, press: Press | EmergencyRequest | HoistRequest
+        self, at_s: float, press: Press | EmergencyRequest | HoistRequest | LiveKind
     ) -> tuple["Resolved", Planned]:
         """Return the commands after buttons, and what is to come.
 
@@ -120,7 +120,7 @@ class Resolved:
         at_s
             When they are pressed, not before the event before [s].
         press
-            The levels asked for, an emergency stop, or another length of the cable.
+            The levels asked for, an emergency stop, another length of the cable, or another kind.
 
         Returns
         -------

@@ -27,7 +27,7 @@ from schemas.live import LiveAxisOut, LiveMessage, LivePlanOut, LiveStateOut
 from schemas.run_events import HappeningIn
 from schemas.runs import CommandsOut, CourseOut, DelayLine, LiveShaping, RunRequest
 from service.live.commands import Commands, Convolved, Planned, Resolved, Switch
-from service.operations.live_run import live_machine, refuse_without_live
+from service.operations.live_run import live_machine, next_kind, refuse_without_live
 from service.operations.run_crane import crane_of, shaper_of
 from service.operations.subject import subject_of
 from service.problems import (
@@ -234,9 +234,10 @@ def _happened(held: _Session, at_s: float, happening: HappeningIn) -> Seen:
     direction = happening.direction
     press = Press() if direction is None else Press(x=direction.x, y=direction.y)
     stop, hoist = happening.emergency(), _hoist_of(happening, machine)
+    kind = next_kind(happening, live=isinstance(held.commands, Resolved))
     commands: Commands
     if isinstance(held.commands, Resolved):
-        commands, planned = held.commands.pressed(at_s, stop or hoist or press)
+        commands, planned = held.commands.pressed(at_s, stop or hoist or kind or press)
     elif stop is not None:
         refuse_without_live("stop", happening.stop)
     else:

@@ -14,9 +14,10 @@ from design.live.machine import (
 from design.model.actuators.registry import Actuator
 from design.model.plants.registry import Plant
 from design.rig.crane import MAX_SWING_RAD, Crane
-from design.rig.live_events import Emergency, LiveAnswer
+from design.rig.live_events import Asked, LiveAnswer
 from schemas.base import name_field
 from schemas.certificates import CertificateOut
+from schemas.run_events import HappeningIn
 from schemas.runs import EventOut, LiveEventOut, LiveShaping, RunRequest
 from schemas.shaper_request import ShaperRequest
 from service.operations.run_crane import Swinging, subject_at_length
@@ -77,8 +78,8 @@ def live_machine(
     )
 
 
-def emergencies(request: RunRequest) -> dict[int, Emergency]:
-    """Return the emergency stops among the events, by their numbers.
+def asked_live(request: RunRequest) -> dict[int, Asked]:
+    """Return stops and kinds of shapers among the events, by their numbers.
 
     Parameters
     ----------
@@ -93,21 +94,49 @@ def emergencies(request: RunRequest) -> dict[int, Emergency]:
     Raises
     ------
     InvalidInputError
-        If one is out of its range, or it or a limit to the deflection is not in live mode.
+        If one is out of its range or not served live, or it or a limit to the deflection is not
+        in live mode.
     """
     found = {}
     live = isinstance(request.shaping, LiveShaping)
     for number, event in enumerate(request.events or ()):
         with name_field(f"events.{number}"):
             stop = event.emergency()
-            if stop is None:
-                continue
-            if not live:
+            if not live and stop is not None:
                 refuse_without_live("stop", event.stop)
-            found[number] = Emergency(at_s=event.at_s, stop=stop)
+            wanted = stop or next_kind(event, live=live)
+            if wanted is not None:
+                found[number] = Asked(at_s=event.at_s, request=wanted)
     if request.deflection_limit is not None and not live:
         refuse_without_live("deflection_limit", request.deflection_limit)
     return found
+
+
+def next_kind(happening: HappeningIn, *, live: bool) -> LiveKind | None:
+    """Return the kind that commands are solved by from an event on.
+
+    Parameters
+    ----------
+    happening
+        What happens.
+    live
+        Whether commands are solved anew at each event.
+
+    Returns
+    -------
+    LiveKind or None
+        None where the event is something else.
+
+    Raises
+    ------
+    InvalidInputError
+        If the kind or an option is not served live, or nothing is solved anew.
+    """
+    if happening.shaper is None or happening.move is not None:
+        return None
+    if not live:
+        refuse_without_live("shaper", happening.shaper.kind)
+    return live_kind(happening.shaper)
 
 
 def refuse_without_live(field: str, value: object) -> NoReturn:
@@ -218,11 +247,12 @@ def event_outs(
     ]
     if live is None or not isinstance(request.shaping, LiveShaping):
         return outs
-    given = request.shaping.shaper.kind != "umzv"
     return [
         LiveEventOut(
             **dict(out),
-            certificate=CertificateOut.from_design(live[number].certificate, given=given),
+            certificate=CertificateOut.from_design(
+                live[number].certificate, given=not live[number].ideal
+            ),
             fallback=live[number].fallback,
         )
         for number, out in enumerate(outs)

@@ -20,7 +20,7 @@ from design.rig.whole_moves import WholeMove
 from schemas.base import name_field
 from schemas.run_events import EventIn
 from schemas.runs import DelayLine, LiveShaping, RunRequest, RunResponse
-from service.operations.live_run import emergencies, event_outs, live_machine
+from service.operations.live_run import asked_live, event_outs, live_machine
 from service.operations.operation import Operation
 from service.operations.run_crane import (
     CRANES,
@@ -139,7 +139,7 @@ def _case_of(request: RunRequest) -> _Case:
             shaper = shaper_of(request.shaping, crane, swinging, plant, actuator, request.speed_m_s)
         if swinging.cable is not None:
             warnings = one_length_warnings(request.shaping, swinging.cable, hoists)
-    machine, stops = None, emergencies(request)
+    machine, asked = None, asked_live(request)
     if isinstance(request.shaping, LiveShaping):
         machine = live_machine(request, request.shaping, crane, swinging, plant, actuator)
     designer = MoveDesigner(
@@ -163,7 +163,7 @@ def _case_of(request: RunRequest) -> _Case:
         over = 0.0 if event.over_s is None else event.over_s
         last = max(ends) + late if ends else event.at_s + over
         lasts.append(max([last, *(move.last_switch_s for move in whole)]))
-    live = None if machine is None else live_commands(machine, drives, stops, hoists)
+    live = None if machine is None else live_commands(machine, drives, asked, hoists)
     if live is not None:
         lasts = [live.answers[number].last_switch_s for number in range(len(lasts))]
     _require_short(request, crane, actuator, hoists, lasts, played)

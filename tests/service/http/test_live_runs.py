@@ -56,6 +56,30 @@ def test_a_load_under_the_hook_is_shaped_in_both_modes(client: httpx.Client) -> 
     assert run["residual"] < 1e-9
 
 
+def test_another_kind_serves_the_events_from_then_on(client: httpx.Client) -> None:
+    events = [
+        PRESS,
+        {"at_s": 0.3, "shaper": {"kind": "numzvd"}},
+        {"at_s": 2.0, "direction": {"x": 0}},
+        {"at_s": 5.0, "shaper": {"kind": "umzv"}},
+        {"at_s": 5.0, "direction": {"x": 1}},
+    ]
+    run = ask(client, events=events, shaping=LIVE)
+    assert [event["certificate"]["actuator"] for event in run["events"]] == [
+        *["given"] * 3,
+        *["ideal"] * 2,
+    ]
+    claimed = [
+        {one["quantity"] for one in event["certificate"]["claims"]} for event in run["events"]
+    ]
+    assert claimed[:3] == [{"residual"}, {"residual", "slope"}, {"residual", "slope"}]
+    sent = run["command"]["x"]["times_s"]
+    assert sum(2.0 <= at_s < 5.0 for at_s in sent) == 5
+    assert sum(at_s >= 5.0 for at_s in sent) == 3
+    alone = ask(client, events=[PRESS], shaping=LIVE)["events"][0]
+    assert run["events"][0]["last_switch_s"] == alone["last_switch_s"]
+
+
 def test_a_shaper_for_an_ideal_drive_says_so(client: httpx.Client) -> None:
     run = ask(client, events=EVENTS[:2], shaping={"mode": "live", "shaper": {"kind": "umzv"}})
     assert {event["certificate"]["actuator"] for event in run["events"]} == {"ideal"}
@@ -221,6 +245,36 @@ def test_presses_while_the_cable_is_hoisted_leave_nothing(client: httpx.Client) 
         ),
         ({"events": [HOIST], "load": LOADED}, "hoist_not_live", "/events/0/cable_length_m", "line"),
         ({"plant": MODE, "events": [{"at_s": 0.0}]}, "unknown_event", "/events/0", "direction"),
+        (
+            {"events": [PRESS, {"at_s": 1.0, "shaper": {"kind": "zvd"}}]},
+            "kind_not_live",
+            "/events/1/shaper/kind",
+            "numzv",
+        ),
+        (
+            {"events": [PRESS, {"at_s": 1.0, "shaper": {"kind": "numzv", "settle": True}}]},
+            "option_not_live",
+            "/events/1/shaper/settle",
+            "left out in live mode",
+        ),
+        (
+            {"events": [HOIST, {"at_s": 1.0, "shaper": {"kind": "numzvd"}}]},
+            "kind_not_hoisted_live",
+            "/events/1/shaper/kind",
+            "numzv alone",
+        ),
+        (
+            {"events": [{"at_s": 1.0, "shaper": {"kind": "numzvd"}}], "deflection_limit": 0.5},
+            "kind_not_with_deflection_limit",
+            "/events/0/shaper/kind",
+            "with deflection_limit",
+        ),
+        (
+            {"events": [{"at_s": 1, "shaper": {"kind": "zv"}}], "shaping": {"mode": "none"}},
+            "only_shaped_live",
+            "/events/0/shaper",
+            "got 'zv'",
+        ),
     ],
 )
 def test_what_is_not_served_live_is_refused(

@@ -206,15 +206,15 @@ MOVE = whole(0.0, x_m=0.42)
         ),
         (
             {"events": [{**PRESS, "shaper": {"kind": "numzv"}}]},
-            "part_of_other_event",
-            "/events/0/shaper",
-            "got 'numzv'",
+            "unknown_event",
+            "/events/0",
+            "got 'direction and shaper'",
         ),
         (
             {"events": [{"at_s": 0, "shaper": {"kind": "numzv"}}]},
-            "unknown_event",
-            "/events/0",
-            "got 'none'",
+            "only_shaped_live",
+            "/events/0/shaper",
+            "got 'numzv'",
         ),
         (
             {"events": [{**HOIST, "over_s": 0.2}]},

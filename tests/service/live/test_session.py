@@ -38,6 +38,7 @@ EVENTS: list[dict[str, Any]] = [
 ]
 
 HOIST = {"at_s": 5.005, "cable_length_m": 0.6, "over_s": 1.5}
+OTHER_KIND = {"at_s": 1.005, "shaper": {"kind": "numzvd"}}
 
 SAME_M = 1e-9
 """Integrated in other steps: each is exact to some 1e-12 of what it moves [m]."""
@@ -73,13 +74,22 @@ def driven(
 
 
 @pytest.mark.parametrize(
-    ("shaping", "hoists"),
-    [("none", True), ("delay line", False), ("delay line", True), ("live", False), ("live", True)],
+    ("shaping", "more"),
+    [
+        ("none", [HOIST]),
+        ("delay line", []),
+        ("delay line", [HOIST]),
+        ("live", []),
+        ("live", [HOIST]),
+        ("live", [OTHER_KIND]),
+    ],
 )
 @pytest.mark.parametrize("model", ["linear", "nonlinear"])
-def test_a_session_moves_the_crane_as_a_run_does(shaping: str, model: str, hoists: bool) -> None:
+def test_a_session_moves_the_crane_as_a_run_does(
+    shaping: str, model: str, more: list[dict[str, Any]]
+) -> None:
     request = {**CRANE, "shaping": SHAPINGS[shaping], "model": model}
-    events = [*EVENTS, HOIST] if hoists else EVENTS
+    events = sorted([*EVENTS, *more], key=lambda one: one["at_s"])
     states = driven(request, events, 8.0)
     count = 8 * STATES_HZ
     whole = RunRequest.model_validate({
