@@ -14,7 +14,6 @@ from design.live.emergency_request import EmergencyRequest
 from design.live.machine import LiveKind, LiveMachine
 from design.live.propagation import carry
 from design.live.state import AxisState, Plan, at_rest
-from design.live.stop_case import StopCase
 from design.model.actuators.first_order import FirstOrder
 from design.model.actuators.ideal import Ideal
 from design.model.actuators.rate_limited import Unlimited
@@ -27,7 +26,6 @@ from tests.design.live.machines import CRANE, DRIVES, KIM, rows_of
 from tests.design.live.stop_cases import (
     KIM_LAGS,
     bound_of_way,
-    least_of_random_starts,
     random_case,
 )
 
@@ -137,37 +135,6 @@ def test_a_cone_programme_on_a_grid_goes_no_shorter_way(swing_left: float) -> No
     # The grid costs some of the square of its cells; it never gains.
     assert done.stop.way_s - off.way_s == pytest.approx(problem.value, abs=2e-5)
     assert done.stop.way_s - off.way_s <= problem.value + 1e-7
-
-
-@pytest.mark.parametrize(("swing_left", "periods"), [(0.0, 1.0), (0.1, 1.0), (0.0, 2.0)])
-def test_behind_the_thesis_drive_200_random_starts_find_no_shorter_way(
-    swing_left: float, periods: float
-) -> None:
-    rng = np.random.default_rng(11)
-    case = StopCase(
-        level=1.0,
-        force=0,
-        lag=np.zeros((2, 2)),
-        vibration=np.zeros(1, dtype=np.complex128),
-        lags=KIM_LAGS,
-        poles_rad_s=np.array([CRANE.mode.pole_rad_s]),
-        switched=True,
-        end_s=periods * PERIOD_S,
-    )
-    done = stop_case(case, swing_left)
-    assert done.asked
-    assert done.stop.way_s <= least_of_random_starts(case, swing_left, 200, rng) + 1e-7
-
-
-def test_random_states_of_unequal_sets_stop_as_short_as_random_starts_find() -> None:
-    rng = np.random.default_rng(13)
-    for _ in range(8):
-        case = replace(random_case(rng, KIM_LAGS), level=1.0)
-        done = stop_case(case, 0.1)
-        if done.asked:
-            # A thousandth of a second of full speed before the stop begins can gain a little.
-            best = least_of_random_starts(case, 0.1, 30, rng)
-            assert done.stop.way_s <= best + 5e-4
 
 
 @pytest.mark.parametrize("actuator", DRIVES)

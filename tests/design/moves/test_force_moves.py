@@ -15,7 +15,7 @@ from design.model.plants.modes import Modes
 from design.moves.force_moves import ForceMove, force_move
 from design.shapers.registry import SHAPERS
 from design.solvers.force_pulses import ForceTask, least_force, least_time
-from tests.force_route import fastest_of_many, integrated_way, state_after
+from tests.force_route import integrated_way, state_after
 from tests.refusals import refused
 
 # Two masses of 1 kg, a spring of 1 N/m between them, 1 N on the first, 1 m (Liu and Wie 1992).
@@ -91,26 +91,6 @@ def test_a_random_body_comes_to_rest_over_its_way_and_vibrates_no_more(seed: int
         off = state_after(move.command, modes, frequency_factor=1.001)[2]
         plain = moved(body_of(modes), "umzv", force_n=2.0, distance_m=distance_m)
         assert off <= 0.3 * state_after(plain.command, modes, frequency_factor=1.001)[2] + 1e-9
-
-
-@pytest.mark.parametrize("seed", range(50))
-def test_no_start_of_400_finds_a_faster_force(seed: int) -> None:
-    """And the best of them is as fast, where there are no more switches than they try."""
-    rng = np.random.default_rng(1000 + seed)
-    mode = Mode(
-        natural_frequency_rad_s=float(rng.uniform(1.0, 5.0)),
-        damping_ratio=float(rng.choice([0.0, 0.02, 0.1])),
-    )
-    derivatives = seed % 2
-    # Up to three periods, where few switches do.
-    way_s2 = float((rng.uniform(0.05, 1.5) * mode.period_s) ** 2)
-    steps = least_time(ForceTask(modes=(mode,), way_s2=way_s2, derivatives=derivatives))
-    assert steps is not None
-    found_s = fastest_of_many(mode, way_s2, derivatives, 400, rng)
-    least_s = float(steps.times_s[-1])
-    assert found_s >= least_s * (1 - 1e-9)
-    if steps.times_s.size <= 5 + 2 * derivatives:
-        assert found_s == pytest.approx(least_s, rel=1e-7)
 
 
 @pytest.mark.parametrize("seed", range(12))
