@@ -189,19 +189,23 @@ def _unlimited(rng: np.random.Generator, w: float, chosen: str) -> Unlimited:
 
 
 def random_options(rng: np.random.Generator, record: type[Any]) -> tuple[Any, tuple[str, ...]]:
-    """Draw a record of options within its bounds; what is not valid together is drawn anew."""
+    """Draw a record of options within its bounds; what is not valid together is drawn anew.
+
+    Options with a number for each mode are left out: the plant is not known here.
+    """
     refused: list[str] = []
+    options = [one for one in dataclasses.fields(record) if not _is_of_each_mode(one)]
     for _ in range(DRAWS):
-        values = {
-            option.name: _value(rng, option)
-            for option in dataclasses.fields(record)
-            if rng.random() < 0.5
-        }
+        values = {option.name: _value(rng, option) for option in options if rng.random() < 0.5}
         try:
             return record(**values), tuple(refused)
         except InvalidInputError as error:
             refused.append(str(error))
     return record(), tuple(refused)
+
+
+def _is_of_each_mode(option: "dataclasses.Field[Any]") -> bool:
+    return any(typing.get_origin(one) is tuple for one in typing.get_args(option.type))
 
 
 def _value(rng: np.random.Generator, option: "dataclasses.Field[Any]") -> Any:

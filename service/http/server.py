@@ -68,6 +68,7 @@ def serve(settings: Settings, *, host: str, port: int) -> None:
         log_config=None,
         access_log=False,
         server_header=False,
+        ws="wsproto",
         # A socket that has vanished is known within some seconds: its crane is stopped then.
         ws_ping_interval=LIVE_PING_S,
         ws_ping_timeout=LIVE_PING_S,

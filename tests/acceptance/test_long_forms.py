@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 
-from design.shapers.registry import SHAPERS
 from service.settings import Settings
 from tests.design.shapers.test_damping import require_what_is_claimed_or_a_reason
 from tests.design.shapers.test_several_modes import require_words_where_modes_are_far_apart
 from tests.patience import PATIENT_S
 from tests.service.http.test_tables_over_http import require_largest_answered
+from tests.shaper_table import SHAPER_TABLE
 
 ROOT = Path(__file__).parents[2]
 
@@ -60,7 +60,7 @@ def test_compiled_rows_are_the_same_to_the_bit_on_any_kind_of_machine(tmp_path: 
     assert printed[1] == printed[0]
 
 
-@pytest.mark.parametrize("name", SHAPERS)
+@pytest.mark.parametrize("name", SHAPER_TABLE)
 def test_a_heavily_damped_plant_gets_what_is_claimed_or_a_reason(name: str) -> None:
     require_what_is_claimed_or_a_reason(name, 0.9)
 

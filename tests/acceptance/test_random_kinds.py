@@ -18,7 +18,7 @@ from tests.acceptance.random_kinds import report, verdicts
 from tests.acceptance.refusal_judges import wrong_in_refusal
 from tests.random_cases import ROUND, Case, case
 
-CASES = 180
+CASES = 186
 PARTS = 3
 
 
@@ -32,7 +32,7 @@ def test_random_designs_of_every_kind_are_proven_or_refused_for_a_true_reason(pa
 
 
 def test_every_kind_of_the_registry_comes_up_in_a_round() -> None:
-    assert set(ROUND) == set(SHAPERS)
+    assert set(ROUND) == {name for name, kind in SHAPERS.items() if not kind.large_swings}
     assert 2 * len(ROUND) <= CASES
 
 

@@ -19,7 +19,7 @@ PACKAGES = ("shapersmith", "design", "schemas", "service")
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
-BY_NAME = {"fastapi_offline", "httptools", "psycopg", "uvloop", "websockets"}
+BY_NAME = {"fastapi_offline", "httptools", "psycopg", "uvloop", "wsproto"}
 """Used without an import of ours: its files are served, or uvicorn and SQLAlchemy import it."""
 
 WITH_OTHERS = {"starlette": "fastapi", "pydantic_core": "pydantic"}
